@@ -132,6 +132,7 @@ class Checker {
     if (diags_.error_count() > errors) return;
     BIP_ASSERT(left.size() == r.left.size() && right.size() == r.right.size(), "{} of {} services are found",
                left.size(), r.left.size());
+    if (r.verb == Verb::AtMostOf) return at_most_of(r, left);
     for (std::size_t i = 0; i < left.size(); ++i) {
       if (right.empty()) check_service(r, r.left[i], left[i]);
       for (std::size_t k = 0; k < right.size(); ++k) {
@@ -142,6 +143,53 @@ class Checker {
         }
       }
     }
+  }
+
+  // Each of them is accepted only if fewer than `count` of the others are active. Who stands in the list twice counts
+  // once.
+  void at_most_of(const Rule& r, const std::vector<ServiceRef>& listed) {
+    std::vector<ServiceRef> all;
+    for (const ServiceRef s : listed) {
+      if (std::find(all.begin(), all.end(), s) == all.end()) all.push_back(s);
+    }
+    for (const ServiceRef s : all) {
+      std::vector<ServiceRef> others;
+      std::copy_if(all.begin(), all.end(), std::back_inserter(others), [&](ServiceRef o) { return o != s; });
+      if (static_cast<std::size_t>(r.count) > others.size()) continue;
+      std::size_t leaves = 0;
+      const std::optional<Condition> too_many = some_active(others, 0, static_cast<std::size_t>(r.count), leaves);
+      if (!too_many) {
+        diags_.report(Diag::kB6107, r.range);
+        return;
+      }
+      add(r, ConstraintKind::Admit, s, negated(*too_many), fmt::format("{}_at_most_{}", bare(s), r.count));
+    }
+  }
+
+  static Condition joined(const char* sign, Condition a, Condition b) {
+    Condition c;
+    c.kind = ConditionKind::Operator;
+    c.text = sign;
+    c.operands = {std::move(a), std::move(b)};
+    return c;
+  }
+
+  // So many of the services from `from` on are active: the first one and fewer of the others, or all of the others.
+  // None if that takes too many leaves.
+  static std::optional<Condition> some_active(const std::vector<ServiceRef>& services, std::size_t from,
+                                              std::size_t count, std::size_t& leaves) {
+    constexpr std::size_t kMostLeaves = 2000;
+    if (++leaves > kMostLeaves) return std::nullopt;
+    Condition first = leaf(ConditionKind::Active, services[from]);
+    if (count > 1) {
+      std::optional<Condition> rest = some_active(services, from + 1, count - 1, leaves);
+      if (!rest) return std::nullopt;
+      first = joined("&&", std::move(first), std::move(*rest));
+    }
+    if (services.size() - from == count) return first;
+    std::optional<Condition> without = some_active(services, from + 1, count, leaves);
+    if (!without) return std::nullopt;
+    return joined("||", std::move(first), std::move(*without));
   }
 
   // A rule about one service and a condition.
@@ -195,7 +243,8 @@ class Checker {
         break;
       case Verb::Requires:
       case Verb::Maintains:
-      case Verb::AtMost: BIP_UNREACHABLE("a rule of one service");
+      case Verb::AtMost:
+      case Verb::AtMostOf: BIP_UNREACHABLE("a rule of one service");
     }
   }
 

@@ -4,13 +4,14 @@
 //   item      = 'modules' STRING { ',' STRING } [ 'with' STRING ] ';'
 //             | 'parameter' NAME 'of' paths ':' VALUE { ',' VALUE } ';'
 //             | 'value' NAME 'of' path ':' VALUE { ',' VALUE } ';'
+//             | 'services' NAME ':' paths ';'
 //             | [ NAME ':' ] rule { 'report' STRING | 'on' 'violation' 'run' path } ';'
 //             | 'request' path [ '(' '?' NAME { ',' '?' NAME } ')' ] '{' 'fail' '{' { ( 'check' | 'maintain' ) ':' |
 //             condition ';' } '}' '}'
 //   rule      = paths ( 'before' paths [ 'since' path ] [ 'within' TIME ] | 'does' 'not' 'overlap' paths [ ':' policy [
 //   ',' policy ] ] | 'only' 'during' path
 //             | 'requires' condition | 'maintains' condition | 'takes' 'at' 'most' TIME | 'at' 'least' TIME 'after'
-//             path )
+//             path ) | 'at' 'most' NUMBER 'of' paths
 //   policy    = 'reject' | 'wait' | 'interrupt'
 #include "compiler/rules/parse_rules.hpp"
 
@@ -30,6 +31,12 @@ class RulesParser {
       at_.skip_past_semicolon();
       at_.accept("}");
     }
+    for (ParameterDecl& p : file_.parameters) expand(p.services);
+    for (Rule& r : file_.rules) {
+      expand(r.left);
+      expand(r.right);
+      expand(r.condition);
+    }
     return std::move(file_);
   }
 
@@ -40,7 +47,52 @@ class RulesParser {
     if (at_.at("parameter") && next.kind == genom::TokenKind::Word) return parameter();
     if (at_.at("value") && next.kind == genom::TokenKind::Word && at_.peek(2).is("of")) return value();
     if (at_.at("request") && next.kind == genom::TokenKind::Word) return request();
+    if (at_.at("services") && next.kind == genom::TokenKind::Word && at_.peek(2).is(":")) return group();
     return rule();
+  }
+
+  bool group() {
+    at_.take();
+    ServiceGroup g;
+    if (!at_.name(g.name, "a name") || !at_.expect(":") || !paths(g.services, "a service")) return false;
+    // A group may be made of earlier ones.
+    expand(g.services);
+    if (const ServiceGroup* const known = group_of({.module = {}, .name = g.name})) {
+      at_.diags().report(Diag::kB6013, g.name.range, "group", g.name.text).label(known->name.range, "the first one");
+    }
+    groups_.push_back(std::move(g));
+    return at_.expect(";");
+  }
+
+  [[nodiscard]] const ServiceGroup* group_of(const Path& path) const {
+    for (const ServiceGroup& g : groups_) {
+      if (!path.module.is_set() && g.name.text == path.name.text) return &g;
+    }
+    return nullptr;
+  }
+  // The services of a group stand where its name stood.
+  void expand(std::vector<Path>& paths) const {
+    std::vector<Path> all;
+    for (Path& path : paths) {
+      const ServiceGroup* const g = group_of(path);
+      if (g == nullptr) all.push_back(std::move(path));
+      else all.insert(all.end(), g->services.begin(), g->services.end());
+    }
+    paths = std::move(all);
+  }
+  // `moving.active`: one of them is.
+  void expand(Expr& e) const {
+    for (Expr& operand : e.operands) expand(operand);
+    const ServiceGroup* const g = e.kind == ExprKind::Active || e.kind == ExprKind::Done ? group_of(e.path) : nullptr;
+    if (g == nullptr) return;
+    Expr any = e;
+    any.path = g->services.front();
+    for (std::size_t k = 1; k < g->services.size(); ++k) {
+      Expr next = e;
+      next.path = g->services[k];
+      any = {.kind = ExprKind::Operator, .range = e.range, .text = "||", .operands = {std::move(any), std::move(next)}};
+    }
+    e = std::move(any);
   }
 
   bool quoted(Name& into, const char* what) {
@@ -129,7 +181,11 @@ class RulesParser {
       at_.take();
       at_.take();
     }
-    if (!paths(r.left, "a rule") || !verb(r)) return false;
+    if (at_.at("at") && at_.peek(1).is("most")) {
+      if (!count(r)) return false;
+    } else if (!paths(r.left, "a rule") || !verb(r)) {
+      return false;
+    }
     while (!at_.at(";")) {
       if (at_.accept("report")) {
         if (!quoted(r.report, "a report in quotes")) return false;
@@ -143,6 +199,19 @@ class RulesParser {
     r.range.end = at_.take().range.begin;
     file_.rules.push_back(std::move(r));
     return true;
+  }
+
+  // at most NUMBER of paths
+  bool count(Rule& r) {
+    r.verb = Verb::AtMostOf;
+    at_.take();
+    at_.take();
+    if (at_.peek().kind != genom::TokenKind::Number || !genom::whole_number(at_.peek().text, r.count) || r.count < 1) {
+      at_.unexpected("a number from 1 on");
+      return false;
+    }
+    at_.take();
+    return at_.expect("of") && paths(r.left, "a service");
   }
 
   bool verb(Rule& r) {
@@ -233,6 +302,7 @@ class RulesParser {
 
   genom::Cursor at_;
   RuleFile file_;
+  std::vector<ServiceGroup> groups_;
 };
 
 }  // namespace

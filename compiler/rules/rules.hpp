@@ -58,7 +58,8 @@ enum class Verb : std::uint8_t {
   Requires,   // condition when left is asked for
   Maintains,  // and as long as it runs
   AtMost,     // left takes at most `span`
-  AtLeast     // left begins at least `span` after right ended
+  AtLeast,    // left begins at least `span` after right ended
+  AtMostOf    // so many of left are active at a time
 };
 enum class Policy : std::uint8_t { Reject, Wait, Interrupt };
 
@@ -70,6 +71,7 @@ struct Rule {
                       Policy::Reject};  // for requests to the left while the right runs, and the other way
   Expr condition;
   genom::Span span;
+  std::int64_t count = 0;             // of AtMostOf
   std::optional<Path> since;          // Before: the success has to be later than the last request for this
   std::optional<genom::Span> within;  // and not longer ago
   Name report;
@@ -90,6 +92,12 @@ struct ValueDecl {
   Path poster;
   genom::ValueType type = genom::ValueType::Int;
   std::vector<std::string> values;
+};
+
+/// A name for several services; a word for them in rules, after parsing replaced by them.
+struct ServiceGroup {
+  Name name;
+  std::vector<Path> services;
 };
 
 struct RuleFile {

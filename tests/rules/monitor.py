@@ -2,7 +2,8 @@
 
 A rule is a tuple: ("before", A, B), ("apart", A, B), ("during", A, B), ("fresh", A, POSTER, ticks, kept), ("at most", A, ticks),
 ("at least", A, ticks, B), ("sum", parameter, most), ("recent", A, B, C or None, ticks or None): A has succeeded since C was accepted and no
-longer ago, ("held", A, POSTER, values, most, kept): what POSTER holds, the k-th value by its k-th way to be written. A service is "MODULE.NAME"; with several instances it runs while one does.
+longer ago, ("held", A, POSTER, values, most, kept): what POSTER holds, the k-th value by its k-th way to be written, ("at most of", n, services),
+("not while", A, B). A service is "MODULE.NAME"; with several instances it runs while one does.
 """
 import json
 import re
@@ -135,6 +136,8 @@ class Monitor:
         for rule in self.rules:
             if rule[0] == "fresh" and rule[1] == service and self.age.get(rule[2], 0) > rule[3]:
                 raise Forbidden(f"{service} is allowed, {rule[2]} is {self.age[rule[2]]} old")
+            if rule[0] == "not while" and rule[1] == service and self.active(rule[2]):
+                raise Forbidden(f"{service} is allowed, {rule[2]} is active")
             if rule[0] == "during" and rule[1] == service and not self.active(rule[2]):
                 raise Forbidden(f"{service} is allowed, {rule[2]} is not active")
             if rule[0] == "held" and rule[1] == service and self.holds(rule) > rule[4]:
@@ -152,6 +155,8 @@ class Monitor:
         for rule in self.rules:
             if rule[0] == "before" and rule[2] == service and rule[1] not in self.succeeded:
                 raise Forbidden(f"{service} is accepted, {rule[1]} has never succeeded")
+            if rule[0] == "at most of" and sum(self.active(s) for s in rule[2]) > rule[1]:
+                raise Forbidden(f"{service} is accepted: of {', '.join(rule[2])} more than {rule[1]} are active")
             if rule[0] == "sum":
                 total = sum(int(v.get(rule[1], 0)) for s, v in self.value.items() if self.active(s))
                 if total > rule[2]:

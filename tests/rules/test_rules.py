@@ -56,7 +56,7 @@ POSTERS = ("wheel.Speed", "arm.Pose")
 LOADS = (0, 3, 7, 9)
 # dala.rules, as the monitor has it.
 BATTERY = tuple(f"Battery.{who}StartUsingBattery" for who in ("Camera", "PTU", "Laser", "Wheels", "Antenna"))
-DALA_RULES = [("before", "NDD.SetParams", "NDD.GoTo"), ("before", "NDD.SetSpeed", "NDD.GoTo"), ("apart", "Antenna.Communicate", "RFLEX.TrackSpeedStart"),
+DALA_RULES = [("before", "NDD.SetParams", "NDD.GoTo"), ("before", "NDD.SetSpeed", "NDD.GoTo"), *(("apart", "Antenna.Communicate", f"RFLEX.{s}") for s in ("TrackSpeedStart", "GotoPosition", "GotoSpeed")),
               ("fresh", "RFLEX.TrackSpeedStart", "NDD.Speed", 10, True), ("sum", "power", 100)]
 
 
@@ -72,13 +72,28 @@ def random_rules(r):
     text, rules = [], []
     for _ in range(r.randint(1, 5)):
         a, b = r.sample(EXECUTION, 2)
-        kind = r.choice(("before", "apart", "apart", "during", "fresh", "fresh", "at most", "at least", "recent", "recent", "held", "held"))
+        kind = r.choice(("before", "apart", "apart", "during", "fresh", "fresh", "at most", "at least", "recent", "recent", "held", "held", "at most of", "group"))
         if kind == "before":
             a, b = sorted((a, b), key=EXECUTION.index)
             if r.random() < 0.3:
                 a = r.choice(CONTROL)
             text.append(f"{a} before {b};")
             rules.append(("before", a, b))
+        elif kind in ("at most of", "group"):
+            among = r.sample(EXECUTION, r.randint(2, len(EXECUTION)))
+            n = r.randint(1, len(among) - 1)
+            if kind == "group":
+                # Its name stands for all of them; a condition on it is one on any of them.
+                group, others = f"group{len(text)}", [s for s in EXECUTION if s not in among]
+                text.append(f"services {group}: {', '.join(among)};")
+                if others and r.random() < 0.5:
+                    text.append(f"{others[0]} requires !{group}.active;")
+                    rules += [("not while", others[0], s) for s in among]
+                    continue
+                text.append(f"at most {n} of {group};")
+            else:
+                text.append(f"at most {n} of {', '.join(among)};")
+            rules.append(("at most of", n, among))
         elif kind == "recent":
             a, b = sorted((a, b), key=EXECUTION.index)
             a = r.choice((a, r.choice(CONTROL)))
