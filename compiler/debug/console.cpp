@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "compiler/debug/back_refusal.hpp"
 #include "runtime/core/final_state.hpp"
 #include "runtime/core/text.hpp"
 #include "runtime/core/why_not.hpp"
@@ -137,10 +138,7 @@ void Console::tell(rt::Halt halt, Lines lines) {
   if (halt == rt::Halt::Refused) {
     session_.drop_mark();
     const bool is_cpp = session_.problem() == session_.back_refusal() && !session_.problem().empty();
-    refuse(is_cpp ? "error[B5041]: the session cannot go back: " + session_.problem() : session_.problem(),
-           is_cpp ? "`--trust-cpp` goes back all the same: C++ functions are then taken to depend on nothing but their "
-                    "arguments"
-                  : "");
+    refuse(is_cpp ? back_refused(session_.problem()) : session_.problem(), is_cpp ? kGoesBackHelp : "");
     return;
   }
   if (lines == Lines::Last) print_last_move();

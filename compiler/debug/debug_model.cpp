@@ -16,10 +16,6 @@ namespace {
 
 constexpr std::uint32_t kNoRow = 0xffffffffu;
 
-std::string absolute(std::string_view path) {
-  return std::string(path.starts_with("ROOT.") || path == "ROOT" ? "" : "ROOT.") + std::string(path);
-}
-
 template <class Rows>
 std::uint32_t row_of_path(const Rows& rows, const std::string& path) {
   std::uint32_t row = 0;
@@ -58,7 +54,7 @@ std::uint32_t DebugModel::find_connector(const std::string& path) const {
 }
 
 std::optional<Named> DebugModel::find(std::string_view given) const {
-  const std::string text = absolute(trimmed(given));
+  const std::string text = rt::whole_path(trimmed(given));
   if (const std::size_t at = text.find('@'); at != std::string::npos) {
     const std::uint32_t atom = find_atom(text.substr(0, at));
     if (atom == kNoRow) return std::nullopt;

@@ -363,7 +363,7 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
           "--fair", [&a](const std::string& name) { a.fairness = *verify::read_fairness(name); },
           "runs that count for a property of runs: all (none, default), those in which whatever stays possible happens "
           "(weak), or whatever is possible again and again (strong); for each interaction, or for each component")
-      ->check(CLI::IsMember({"none", "weak", "strong", "weak:atoms", "strong:atoms"}))
+      ->check(CLI::IsMember(verify::fairness_names()))
       ->type_name("none|weak|strong|weak:atoms|strong:atoms");
   command->add_option("--timeout", a.timeout, "give up after SECONDS of processor time (default: 60)")
       ->check(is_number())
@@ -519,8 +519,8 @@ void add_simulate(CLI::App& app, SimulateArguments& a) {
 }
 
 // How a debugging session's steps are chosen.
-void add_session(CLI::App& command, rt::SessionOptions& session, std::string& events_path, Backend& backend,
-                 CLI::Option* trace) {
+void add_session(CLI::App& command, SessionArguments& a, CLI::Option* trace) {
+  rt::SessionOptions& session = a.session;
   command.add_option("--seed", session.seed, "seed of the random choices (default: 0)")
       ->check(is_number())
       ->type_name("N");
@@ -529,7 +529,8 @@ void add_session(CLI::App& command, rt::SessionOptions& session, std::string& ev
   command.add_flag("-a,--asap", session.asap,
                    "take each step at the earliest instant at which it is possible (for models with clocks)");
   command
-      .add_option("--events", events_path, "read external events from PATH, one JSON object per line, ordered by time")
+      .add_option("--events", a.events_path,
+                  "read external events from PATH, one JSON object per line, ordered by time")
       ->excludes(trace)
       ->type_name("PATH");
   command.add_flag("--trust-cpp", session.trusts_cpp,
@@ -538,7 +539,7 @@ void add_session(CLI::App& command, rt::SessionOptions& session, std::string& ev
   command.add_flag_callback(
       "--disable-maximal-progress", [&session] { session.progress = rt::MaximalProgress::Off; },
       "disable maximal progress: an interaction may fire although a larger one of its connector is enabled");
-  add_choice(command, "--backend", backend, kBackends, "jit|interp",
+  add_choice(command, "--backend", a.backend, kBackends, "jit|interp",
              "executor of guards, actions and transfers (default: interp)");
 }
 
@@ -561,7 +562,7 @@ void add_step(CLI::App& app, StepArguments& a) {
       ->check(is_number())
       ->needs(trace)
       ->type_name("N");
-  add_session(*command, a.session, a.events_path, a.backend, trace);
+  add_session(*command, a, trace);
   add_cache_options(*command, a.compile.cache);
   add_no_cpp(*command, a.compile);
   add_compile(*command, a.compile);
@@ -717,7 +718,7 @@ void add_view(CLI::App& app, ViewArguments& a) {
       ->check(is_number())
       ->excludes(trace)
       ->type_name("N");
-  add_session(*command, a.session, a.events_path, a.backend, trace);
+  add_session(*command, a, trace);
   add_folding(*command, a.picture);
   add_cache_options(*command, a.compile.cache);
   add_no_cpp(*command, a.compile);

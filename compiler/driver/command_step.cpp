@@ -9,7 +9,7 @@
 #include "compiler/driver/commands.hpp"
 #include "compiler/pipeline/executor.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
-#include "compiler/driver/load_moves.hpp"
+#include "compiler/driver/open_session.hpp"
 #include "compiler/driver/report.hpp"
 #include "runtime/engine/interrupt.hpp"
 
@@ -54,21 +54,9 @@ int command_step(const StepArguments& arguments) {
   Executor executor;
   rt::SessionOptions options = arguments.session;
   if (!compile(c, arguments.file, Stage::Image)) return report(c);
-  std::optional<RunFileText> run;
-  if (!arguments.trace_path.empty()) {
-    run = read_run(c, arguments.trace_path, options);
-    if (!run) return report(c);
-  }
-  const bool is_ready = executor.prepare(c, arguments.backend, Optimisation::Auto);
-  if (const int code = report(c); code != 0 || !is_ready) return code;
-  rt::DebugSession session(c.lowered->image, options);
-  std::string error;
-  if (!arguments.events_path.empty() && !session.read_events(arguments.events_path, error)) {
-    std::fprintf(stderr, "error: %s\n", error.c_str());
-    return kUsage;
-  }
-  (void)session.start();
-  if (run && !load_moves(c, *run, session)) return report(c);
+  const OpenSession opened = open_session(c, executor, arguments, options);
+  if (opened.session == nullptr) return opened.exit_code;
+  rt::DebugSession& session = *opened.session;
   if (arguments.has_at && arguments.at != session.position() && session.go_to(arguments.at) == rt::Halt::Refused) {
     std::fprintf(stderr, "bipc: --at %llu: %s\n", static_cast<unsigned long long>(arguments.at),
                  session.problem().c_str());

@@ -3,9 +3,10 @@
 #include <filesystem>
 
 #include "compiler/base/write_file.hpp"
+#include "compiler/debug/back_refusal.hpp"
 #include "compiler/driver/check_outputs.hpp"
 #include "compiler/driver/commands.hpp"
-#include "compiler/driver/load_moves.hpp"
+#include "compiler/driver/open_session.hpp"
 #include "compiler/driver/page_title.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/pipeline/executor.hpp"
@@ -23,30 +24,15 @@ int command_view(const ViewArguments& arguments) {
   const std::string output =
       arguments.output.empty() ? std::filesystem::path(arguments.file).stem().string() + ".html" : arguments.output;
   if (!compile(c, arguments.file, Stage::Image) || !check_outputs(c, {output})) return report(c);
-  std::optional<RunFileText> run;
-  if (!arguments.trace_path.empty()) {
-    run = read_run(c, arguments.trace_path, options);
-    if (!run) return report(c);
-  }
-  const bool is_ready = executor.prepare(c, arguments.backend, Optimisation::Auto);
-  if (const int code = report(c); code != 0 || !is_ready) return code;
-  rt::DebugSession session(c.lowered->image, options);
-  std::string error;
-  if (!arguments.events_path.empty() && !session.read_events(arguments.events_path, error)) {
-    std::fprintf(stderr, "error: %s\n", error.c_str());
-    return kUsage;
-  }
-  (void)session.start();
+  const OpenSession opened = open_session(c, executor, arguments, options);
+  if (opened.session == nullptr) return opened.exit_code;
+  rt::DebugSession& session = *opened.session;
   std::uint64_t steps = arguments.steps;
-  if (run) {
-    if (!load_moves(c, *run, session)) return report(c);
+  if (!arguments.trace_path.empty()) {
     steps = session.position();
     // The page shows the run from its beginning.
     if (steps != 0 && session.go_to(0) == rt::Halt::Refused) {
-      std::fprintf(stderr,
-                   "error[B5041]: the session cannot go back: %s\n  = help: `--trust-cpp` goes back all the same: C++ "
-                   "functions are then taken to depend on nothing but their arguments\n",
-                   session.problem().c_str());
+      std::fprintf(stderr, "%s\n  = help: %s\n", debug::back_refused(session.problem()).c_str(), debug::kGoesBackHelp);
       return kUsage;
     }
   }

@@ -26,27 +26,24 @@ struct RunArguments {
   bool profile = false;        // a table of where the time went follows
   std::string profile_path;    // the same as JSON; empty: none
 };
-/// A debugging session on the console.
-struct StepArguments {
+/// A debugging session on a model.
+struct SessionArguments {
   CompileOptions compile;
   std::string file;
   Backend backend = Backend::Interp;
   rt::SessionOptions session;
   std::string trace_path;  // empty: none
   std::string events_path;
+};
+/// On the console.
+struct StepArguments : SessionArguments {
   bool has_at = false;
   std::uint64_t at = 0;
 };
 /// A page with the pictures of a model and a run of it.
-struct ViewArguments {
-  CompileOptions compile;
-  std::string file;
+struct ViewArguments : SessionArguments {
   std::string output;
-  Backend backend = Backend::Interp;
-  rt::SessionOptions session;
-  std::string trace_path;  // empty: `steps` steps that the policy chooses
-  std::string events_path;
-  std::uint64_t steps = 200;
+  std::uint64_t steps = 200;  // without a trace
   graph::PictureOptions picture;
 };
 /// A model that clients talk to.

@@ -173,7 +173,7 @@ class LevelWriter {
     for (std::size_t i = 0; i < constraints_.successes.size(); ++i) {
       if (constraints_.successes[i].since == s) trig.push_back(parts_.successes[i] + ".forget");
     }
-    // What a refused request came with, nobody gets.
+    // The input of a refused request is given to no codel.
     std::string action;
     if (is_served()) {
       trig.push_back(executive_ + ".accepted");
@@ -433,7 +433,8 @@ std::string executive_type(Executive executive, const std::vector<std::string>& 
         "    on lost from DUE to NONE provided (!known || waited >= patience)\n"
         "    on tick from NONE to NONE\n"
         "    on tick from DUE to DUE provided (known && waited < patience) do {{ waited = waited + 1; }}\n"
-        "\n    // The next one may be here while this one is judged. A recovery was asked for by nobody.\n"
+        "\n    // The next request may arrive before this one is accepted. A recovery has no client, so it has no "
+        "input.\n"
         "    on accepted from NONE to NONE\n    on accepted from DUE to DUE\n"
         "    on recover from NONE to NONE do {{ asked = \"\"; }}\n"
         "    on recover from DUE to DUE do {{ asked = \"\"; }}\n  end\n",

@@ -121,7 +121,7 @@ void write_work_exports(std::string& out, const ServicePlan& p) {
   write_export(out, "watch.tick", "watch_tick");
 }
 
-// A task waits for its own codels however long they take: there is nobody to whom a final reply could go.
+// The codels of a task itself have no budget: a codel that exceeds its budget ends an activity, and a task is none.
 void write_task_work(std::string& out, const Plan& plan, std::size_t task) {
   const ActivityPlan& a = plan.tasks[task].permanent;
   for (std::size_t i = 0; i < a.places.size(); ++i) {

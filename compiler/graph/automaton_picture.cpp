@@ -94,11 +94,6 @@ class AutomatonDrawing {
     [[nodiscard]] double height() const { return kLine * static_cast<double>(lines.size()) + 4; }
   };
 
-  static std::string in_brackets(const std::string& text) { return text.empty() ? "" : "[" + text + "]"; }
-  [[nodiscard]] std::string resume_text(const Resume& r) const {
-    return r.present ? "resume " + in_brackets(condition_of(code_, type_, r.guard, r.when)) : "";
-  }
-
   [[nodiscard]] double place_width(std::size_t p) const {
     return std::max(40.0, std::ceil(text_width(type_.places[p], 11)) + 24);
   }
@@ -117,7 +112,7 @@ class AutomatonDrawing {
     for (const Row p : type_.initial) edges_.push_back({0, p + 1, {}});
     std::vector<LabelLine> begin;
     add_broken(begin, text_of(code_, type_.initial_action, names_), "action");
-    add_broken(begin, resume_text(type_.initial_resume), "dim");
+    add_broken(begin, resume_text(code_, type_, type_.initial_resume), "dim");
     begin_ = std::move(begin);
     for (const LabelLine& line : begin_) nodes_[0].right = std::max(nodes_[0].right, 14 + text_width(line.text, kText));
     nodes_[0].height = std::max(10.0, kLine * static_cast<double>(begin_.size()) + 4);
@@ -155,33 +150,16 @@ class AutomatonDrawing {
   }
   /// The transitions of one place to one place that close a cycle in a depth-first search from the initial places.
   [[nodiscard]] std::vector<bool> find_back_labels() const {
-    std::vector<bool> leads_back(labels_.size(), false);
-    std::vector<std::vector<std::size_t>> out(type_.places.size());
-    for (std::size_t k = 0; k < labels_.size(); ++k)
-      if (!labels_[k].is_loop() && !labels_[k].is_bar()) out[labels_[k].from[0]].push_back(k);
-    enum class Visit : std::uint8_t { No, Open, Done };
-    std::vector<Visit> visits(type_.places.size(), Visit::No);
-    std::vector<Row> roots = type_.initial;
-    for (Row p = 0; p < type_.places.size(); ++p) roots.push_back(p);
-    for (const Row root : roots) {
-      if (visits[root] != Visit::No) continue;
-      std::vector<std::pair<Row, std::size_t>> open{{root, 0}};
-      visits[root] = Visit::Open;
-      while (!open.empty()) {
-        auto& [place, next] = open.back();
-        if (next == out[place].size()) {
-          visits[place] = Visit::Done;
-          open.pop_back();
-          continue;
-        }
-        const std::size_t label = out[place][next++];
-        const Row to = labels_[label].to[0];
-        leads_back[label] = visits[to] == Visit::Open;
-        if (visits[to] != Visit::No) continue;
-        visits[to] = Visit::Open;
-        open.push_back({to, 0});
-      }
+    std::vector<std::pair<Row, Row>> edges;
+    std::vector<std::size_t> label_of;
+    for (std::size_t k = 0; k < labels_.size(); ++k) {
+      if (labels_[k].is_loop() || labels_[k].is_bar()) continue;
+      edges.emplace_back(labels_[k].from[0], labels_[k].to[0]);
+      label_of.push_back(k);
     }
+    const std::vector<bool> edge_leads_back = edges_leading_back(type_.places.size(), edges, type_.initial);
+    std::vector<bool> leads_back(labels_.size(), false);
+    for (std::size_t e = 0; e < edges.size(); ++e) leads_back[label_of[e]] = edge_leads_back[e];
     return leads_back;
   }
 
@@ -195,7 +173,7 @@ class AutomatonDrawing {
     if (row.urgency != Urgency::Lazy) label.lines.push_back({name_of(row.urgency), "dim"});
     add_broken(label.lines, text_of(code_, row.action, names_), "action");
     if (row.async.present) label.lines.push_back({"async", "dim"});
-    add_broken(label.lines, resume_text(row.resume), "dim");
+    add_broken(label.lines, resume_text(code_, type_, row.resume), "dim");
   }
 
   /// Lines that meet a place on the same side get places beside each other.
@@ -237,35 +215,10 @@ class AutomatonDrawing {
 
   /// The name of the type, its data and what restricts its transitions; returns where the rest begins.
   double draw_heading() {
-    std::string params, data, clocks;
-    for (std::size_t k = 0; k < type_.visible_variables(); ++k) {
-      const DataVariable& variable = type_.variables[k];
-      std::string& list = variable.is_param ? params : data;
-      list += (list.empty() ? "" : ", ") + code_.type_name(variable.type) + " " + variable.name;
-    }
-    for (const Clock& clock : type_.clocks) clocks += (clocks.empty() ? "clock " : ", ") + clock.name;
+    const AtomTypeHeading heading = heading_of(code_, type_);
     std::vector<LabelLine> lines;
-    add_broken(lines, type_.name + "(" + params + ")", "bold");
-    add_broken(lines, data, "dim");
-    add_broken(lines, clocks, "dim");
-    for (const AtomPriority& rule : type_.priorities) {
-      const auto side = [this](std::uint32_t port) {
-        return port == AtomPriority::kAnyPort ? std::string("*") : type_.ports[port].name;
-      };
-      add_broken(lines,
-                 "priority " + side(rule.low) + " < " + side(rule.high) + " " +
-                     in_brackets(text_of(code_, rule.guard, names_)),
-                 "dim");
-    }
-    for (const Invariant& invariant : type_.invariants) {
-      const std::string where = list_of(invariant.places, type_.places);
-      const std::string scope = invariant.scope == InvariantScope::Always ? ""
-                                : invariant.scope == InvariantScope::At   ? "at " + where + " "
-                                                                          : "from " + where + " ";
-      add_broken(lines,
-                 "invariant " + scope + in_brackets(condition_of(code_, type_, invariant.condition, invariant.when)),
-                 "dim");
-    }
+    add_broken(lines, heading.name, "bold");
+    for (const std::string& line : heading.lines) add_broken(lines, line, "dim");
     double y = kSheetPad;
     for (std::size_t k = 0; k < lines.size(); ++k) {
       const double size = k == 0 ? 13 : 11;

@@ -28,30 +28,22 @@ class Bundler {
  private:
   using Members = std::vector<u32>;
 
-  /// Connectors that nobody binds, by the boxes that they join; what they bind must be theirs alone.
+  /// Groups the connectors that no other connector binds by the boxes that they join. A net that they bind belongs to
+  /// the group if no other net binds it.
   void find_groups() {
     const std::size_t count = box_.nets.size();
-    std::vector<Members> members(count);
+    const std::vector<Members> members = members_of_nets(box_);
     std::vector<bool> is_bound(count, false);
-    for (u32 net = 0; net < count; ++net) {
-      for (const SceneEnd& end : box_.nets[net].ends) {
-        if (end.net == kNoRow) {
-          members[net].push_back(end.box);
-        } else {
-          is_bound[end.net] = true;
-          members[net].insert(members[net].end(), members[end.net].begin(), members[end.net].end());
-        }
-      }
-      std::sort(members[net].begin(), members[net].end());
-      members[net].erase(std::unique(members[net].begin(), members[net].end()), members[net].end());
-    }
+    for (const SceneNet& net : box_.nets)
+      for (const SceneEnd& end : net.ends)
+        if (end.net != kNoRow) is_bound[end.net] = true;
     std::map<Members, std::vector<u32>> found;
     for (u32 net = 0; net < count; ++net) {
       const auto is_open = [&](u32 child) { return scene_.boxes[child].kind == BoxKind::Compound; };
       if (box_.nets[net].kind != NetKind::Connector || is_bound[net] || box_.nets[net].exit != kNoRow) continue;
       if (std::none_of(members[net].begin(), members[net].end(), is_open)) found[members[net]].push_back(net);
     }
-    // From the last net down, whoever binds a net is known before it.
+    // A net is bound by later ones: from the last one down, the nets that bind it have their groups.
     owner_.assign(count, kNoRow);
     for (auto& [boxes, nets] : found) {
       if (nets.size() < kLeastBundle) continue;

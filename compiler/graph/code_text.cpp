@@ -192,6 +192,40 @@ std::string condition_of(const CodeTable& code, const AtomType& type, ExprId gua
   return out;
 }
 
+std::string in_brackets(const std::string& text) { return text.empty() ? "" : "[" + text + "]"; }
+
+std::string resume_text(const CodeTable& code, const AtomType& type, const Resume& resume) {
+  return resume.present ? "resume " + in_brackets(condition_of(code, type, resume.guard, resume.when)) : "";
+}
+
+AtomTypeHeading heading_of(const CodeTable& code, const AtomType& type) {
+  std::string params, data, clocks;
+  for (std::size_t k = 0; k < type.visible_variables(); ++k) {
+    const DataVariable& variable = type.variables[k];
+    std::string& list = variable.is_param ? params : data;
+    list += (list.empty() ? "" : ", ") + code.type_name(variable.type) + " " + variable.name;
+  }
+  for (const Clock& clock : type.clocks) clocks += (clocks.empty() ? "clock " : ", ") + clock.name;
+  AtomTypeHeading heading{type.name + "(" + params + ")", {data, clocks}};
+  const CodeNames names = names_of(type);
+  for (const AtomPriority& rule : type.priorities) {
+    const auto side = [&type](std::uint32_t port) {
+      return port == AtomPriority::kAnyPort ? std::string("*") : type.ports[port].name;
+    };
+    heading.lines.push_back("priority " + side(rule.low) + " < " + side(rule.high) + " " +
+                            in_brackets(text_of(code, rule.guard, names)));
+  }
+  for (const Invariant& invariant : type.invariants) {
+    const std::string where = list_of(invariant.places, type.places);
+    const std::string scope = invariant.scope == InvariantScope::Always ? ""
+                              : invariant.scope == InvariantScope::At   ? "at " + where + " "
+                                                                        : "from " + where + " ";
+    heading.lines.push_back("invariant " + scope +
+                            in_brackets(condition_of(code, type, invariant.condition, invariant.when)));
+  }
+  return heading;
+}
+
 std::string define_of(const ConnectorType& type) {
   std::string out;
   // Preorder rows, so one pass; `open` holds the groups that still lack children.

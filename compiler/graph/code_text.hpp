@@ -28,6 +28,16 @@ struct CodeNames {
 /// holds.
 [[nodiscard]] std::string condition_of(const CodeTable& code, const AtomType& type, ExprId guard,
                                        const TimeGuard& when);
+/// Returns "[text]", or nothing of no text.
+[[nodiscard]] std::string in_brackets(const std::string& text);
+/// Returns "resume [condition]", empty if there is none.
+[[nodiscard]] std::string resume_text(const CodeTable& code, const AtomType& type, const Resume& resume);
+/// What stands above an automaton.
+struct AtomTypeHeading {
+  std::string name;                // with its parameters
+  std::vector<std::string> lines;  // data, clocks (these two may be empty), then what restricts the transitions
+};
+[[nodiscard]] AtomTypeHeading heading_of(const CodeTable& code, const AtomType& type);
 /// Returns the `define` tree over the names of the parameters: "a' (b c)".
 [[nodiscard]] std::string define_of(const ConnectorType& type);
 /// Joins the names of the rows: "a, b".

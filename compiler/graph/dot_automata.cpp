@@ -11,8 +11,6 @@
 namespace bip::graph {
 namespace {
 
-std::string in_brackets(const std::string& text) { return text.empty() ? "" : "[" + text + "]"; }
-
 class Automaton {
  public:
   Automaton(std::string& out, const System& system, std::size_t row)
@@ -51,35 +49,12 @@ class Automaton {
     put("    {} -> {} [label={}{}];\n", from, to, dot_string(label), more);
   }
 
-  [[nodiscard]] std::string resume(const Resume& r) const {
-    return r.present ? shortened("resume " + in_brackets(condition_of(code_, type_, r.guard, r.when))) : "";
-  }
+  [[nodiscard]] std::string resume(const Resume& r) const { return shortened(resume_text(code_, type_, r)); }
 
-  /// Name and parameters, data, then what restricts the transitions.
   [[nodiscard]] std::string heading() const {
-    std::string params, data, clocks;
-    for (std::size_t k = 0; k < type_.visible_variables(); ++k) {
-      const DataVariable& variable = type_.variables[k];
-      std::string& list = variable.is_param ? params : data;
-      list += (list.empty() ? "" : ", ") + code_.type_name(variable.type) + " " + variable.name;
-    }
-    for (const Clock& clock : type_.clocks) clocks += (clocks.empty() ? "clock " : ", ") + clock.name;
-    std::vector<std::string> lines{shortened(type_.name + "(" + params + ")"), shortened(data), shortened(clocks)};
-    for (const AtomPriority& rule : type_.priorities) {
-      const auto side = [this](std::uint32_t port) {
-        return port == AtomPriority::kAnyPort ? std::string("*") : type_.ports[port].name;
-      };
-      lines.push_back(shortened("priority " + side(rule.low) + " < " + side(rule.high) + " " +
-                                in_brackets(text_of(code_, rule.guard, names_))));
-    }
-    for (const Invariant& invariant : type_.invariants) {
-      const std::string where = list_of(invariant.places, type_.places);
-      const std::string scope = invariant.scope == InvariantScope::Always ? ""
-                                : invariant.scope == InvariantScope::At   ? "at " + where + " "
-                                                                          : "from " + where + " ";
-      lines.push_back(shortened("invariant " + scope +
-                                in_brackets(condition_of(code_, type_, invariant.condition, invariant.when))));
-    }
+    const AtomTypeHeading heading = heading_of(code_, type_);
+    std::vector<std::string> lines{shortened(heading.name)};
+    for (const std::string& line : heading.lines) lines.push_back(shortened(line));
     return lines_of(lines);
   }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "compiler/analysis/graph_algorithms.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::graph {
@@ -36,34 +37,13 @@ class LayeredLayout {
     bool is_edge = false;
   };
 
-  /// Turns edges that lead back in a depth-first search, so that no cycle is left.
   void turn_edges() {
-    std::vector<std::vector<Row>> out(nodes_.size());
-    for (Row e = 0; e < edges_.size(); ++e) {
-      BIP_ASSERT(edges_[e].from != edges_[e].to, "a loop at node {}", edges_[e].from);
-      out[edges_[e].from].push_back(e);
+    std::vector<std::pair<Row, Row>> ends;
+    for (const LayerEdge& edge : edges_) {
+      BIP_ASSERT(edge.from != edge.to, "a loop at node {}", edge.from);
+      ends.emplace_back(edge.from, edge.to);
     }
-    is_turned_.assign(edges_.size(), false);
-    enum class Visit : std::uint8_t { No, Open, Done };
-    std::vector<Visit> visits(nodes_.size(), Visit::No);
-    for (Row root = 0; root < nodes_.size(); ++root) {
-      if (visits[root] != Visit::No) continue;
-      std::vector<std::pair<Row, std::size_t>> open{{root, 0}};
-      visits[root] = Visit::Open;
-      while (!open.empty()) {
-        auto& [node, next] = open.back();
-        if (next == out[node].size()) {
-          visits[node] = Visit::Done;
-          open.pop_back();
-          continue;
-        }
-        const Row edge = out[node][next++], to = edges_[edge].to;
-        if (visits[to] == Visit::Open) is_turned_[edge] = true;
-        if (visits[to] != Visit::No) continue;
-        visits[to] = Visit::Open;
-        open.push_back({to, 0});
-      }
-    }
+    is_turned_ = edges_leading_back(nodes_.size(), ends);
   }
   [[nodiscard]] Row upper(Row e) const { return is_turned_[e] ? edges_[e].to : edges_[e].from; }
   [[nodiscard]] Row lower(Row e) const { return is_turned_[e] ? edges_[e].from : edges_[e].to; }
@@ -77,15 +57,14 @@ class LayeredLayout {
       up[lower(e)].push_back(upper(e));
       ++missing[lower(e)];
     }
-    for (Row n = 0; n < nodes_.size(); ++n)
-      if (missing[n] == 0) order.push_back(n);
+    const bool is_ordered = topological_order(missing, order, [&](Row node, auto&& see) {
+      for (const Row to : down[node]) see(to);
+    });
+    (void)is_ordered;
+    BIP_ASSERT(is_ordered, "{} of {} nodes are in an order", order.size(), nodes_.size());
     items_.resize(nodes_.size());
-    for (std::size_t k = 0; k < order.size(); ++k)
-      for (const Row to : down[order[k]]) {
-        items_[to].layer = std::max(items_[to].layer, items_[order[k]].layer + 1);
-        if (--missing[to] == 0) order.push_back(to);
-      }
-    BIP_ASSERT(order.size() == nodes_.size(), "{} of {} nodes are in an order", order.size(), nodes_.size());
+    for (const Row node : order)
+      for (const Row to : down[node]) items_[to].layer = std::max(items_[to].layer, items_[node].layer + 1);
     for (std::size_t k = order.size(); k-- > 0;) {
       const Row node = order[k];
       if (down[node].empty() || down[node].size() <= up[node].size()) continue;
@@ -288,6 +267,36 @@ class LayeredLayout {
 };
 
 }  // namespace
+
+std::vector<bool> edges_leading_back(std::size_t nodes,
+                                     const std::vector<std::pair<std::uint32_t, std::uint32_t>>& edges,
+                                     std::vector<std::uint32_t> roots) {
+  std::vector<std::vector<std::uint32_t>> out(nodes);
+  for (std::uint32_t e = 0; e < edges.size(); ++e) out[edges[e].first].push_back(e);
+  for (std::uint32_t node = 0; node < nodes; ++node) roots.push_back(node);
+  enum class Visit : std::uint8_t { No, Open, Done };
+  std::vector<Visit> visits(nodes, Visit::No);
+  std::vector<bool> leads_back(edges.size(), false);
+  for (const std::uint32_t root : roots) {
+    if (visits[root] != Visit::No) continue;
+    std::vector<std::pair<std::uint32_t, std::size_t>> open{{root, 0}};
+    visits[root] = Visit::Open;
+    while (!open.empty()) {
+      auto& [node, next] = open.back();
+      if (next == out[node].size()) {
+        visits[node] = Visit::Done;
+        open.pop_back();
+        continue;
+      }
+      const std::uint32_t edge = out[node][next++], to = edges[edge].second;
+      leads_back[edge] = visits[to] == Visit::Open;
+      if (visits[to] != Visit::No) continue;
+      visits[to] = Visit::Open;
+      open.push_back({to, 0});
+    }
+  }
+  return leads_back;
+}
 
 LayerSize lay_out_layers(std::vector<LayerNode>& nodes, std::vector<LayerEdge>& edges) {
   return LayeredLayout(nodes, edges).run();

@@ -6,6 +6,7 @@
 // each O(e log e).
 #pragma once
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "compiler/graph/shapes.hpp"
@@ -27,5 +28,11 @@ struct LayerSize {
 /// Places nodes and edges in [0, width] x [0, height]. Loops at one node are not allowed. Nodes that come first in the
 /// list come first in the picture.
 LayerSize lay_out_layers(std::vector<LayerNode>& nodes, std::vector<LayerEdge>& edges);
+
+/// By edge (from, to): does it close a cycle in a depth-first search from the roots, then from all other nodes, in
+/// their order? Without these edges the graph has no cycle. Linear.
+[[nodiscard]] std::vector<bool> edges_leading_back(std::size_t nodes,
+                                                   const std::vector<std::pair<std::uint32_t, std::uint32_t>>& edges,
+                                                   std::vector<std::uint32_t> roots = {});
 
 }  // namespace bip::graph

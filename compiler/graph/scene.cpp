@@ -9,6 +9,7 @@
 
 #include "compiler/graph/code_text.hpp"
 #include "compiler/graph/dot.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::graph {
 namespace {
@@ -401,6 +402,24 @@ class SceneBuilder {
 };
 
 }  // namespace
+
+std::vector<std::vector<u32>> members_of_nets(const SceneBox& box) {
+  std::vector<std::vector<u32>> members(box.nets.size());
+  for (u32 net = 0; net < box.nets.size(); ++net) {
+    std::vector<u32>& list = members[net];
+    for (const SceneEnd& end : box.nets[net].ends) {
+      if (end.net == kNoRow) {
+        list.push_back(end.box);
+      } else {
+        BIP_ASSERT(end.net < net, "net {} is bound by {}", end.net, net);
+        list.insert(list.end(), members[end.net].begin(), members[end.net].end());
+      }
+    }
+    std::sort(list.begin(), list.end());
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+  }
+  return members;
+}
 
 Scene build_scene(const System& system, const PictureOptions& options) { return SceneBuilder(system, options).run(); }
 

@@ -67,6 +67,9 @@ struct Scene {
   std::vector<u32> box_of_atom;
 };
 
+/// By net of the box: the children that it reaches, directly or through other nets; sorted.
+[[nodiscard]] std::vector<std::vector<u32>> members_of_nets(const SceneBox& box);
+
 [[nodiscard]] Scene build_scene(const System& system, const PictureOptions& options);
 
 }  // namespace bip::graph

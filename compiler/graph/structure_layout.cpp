@@ -7,7 +7,6 @@
 #include <numeric>
 
 #include "compiler/graph/child_order.hpp"
-#include "runtime/include/bip/assert.hpp"
 
 namespace bip::graph {
 namespace {
@@ -27,7 +26,7 @@ class ChannelLayout {
       : boxes_(scene.boxes), placed_(placed), box_(scene.boxes[box]), self_(placed[box]) {
     self_.nets.resize(box_.nets.size());
     self_.slots.resize(box_.ports.size());
-    members_ = members_of_nets();
+    members_ = members_of_nets(box_);
   }
 
   void run() {
@@ -75,25 +74,6 @@ class ChannelLayout {
     return box_.nets[net].kind == NetKind::Connector || box_.nets[net].kind == NetKind::Merged;
   }
   [[nodiscard]] double name_width(u32 net) const { return text_width(box_.nets[net].name, kNameSize); }
-
-  /// The children that each net reaches, directly or through other nets.
-  [[nodiscard]] std::vector<std::vector<u32>> members_of_nets() const {
-    std::vector<std::vector<u32>> members(box_.nets.size());
-    for (u32 net = 0; net < box_.nets.size(); ++net) {
-      std::vector<u32>& list = members[net];
-      for (const SceneEnd& end : box_.nets[net].ends) {
-        if (end.net == kNoRow) {
-          list.push_back(end.box);
-        } else {
-          BIP_ASSERT(end.net < net, "net {} is bound by {}", end.net, net);
-          list.insert(list.end(), members[end.net].begin(), members[end.net].end());
-        }
-      }
-      std::sort(list.begin(), list.end());
-      list.erase(std::unique(list.begin(), list.end()), list.end());
-    }
-    return members;
-  }
 
   void collect_stems() {
     for (u32 net = 0; net < box_.nets.size(); ++net)

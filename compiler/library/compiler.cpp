@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "compiler/graph/graph.hpp"
@@ -260,7 +261,7 @@ Verdict Model::verify(const VerifyOptions& options) const {
   if (!options.fairness.empty()) {
     const std::optional<verify::Fairness> fairness = verify::read_fairness(options.fairness);
     if (!fairness) {
-      out.problem = "`" + options.fairness + "` is no fairness: none, weak, strong, weak:atoms, strong:atoms";
+      out.problem = fmt::format("`{}` is no fairness: {}", options.fairness, fmt::join(verify::fairness_names(), ", "));
       return out;
     }
     request.fairness = *fairness;

@@ -1,6 +1,4 @@
 // The C interface over bip/compiler.hpp. See bip/compiler.h.
-#include <algorithm>
-#include <cstring>
 #include <memory>
 #include <string>
 #include <utility>
@@ -8,6 +6,7 @@
 
 #include "compiler/library/include/bip/compiler.h"
 #include "compiler/library/include/bip/compiler.hpp"
+#include "runtime/engine/copy_text.hpp"
 
 struct bip_model {
   std::unique_ptr<bip::compiler::Model> model;
@@ -22,15 +21,6 @@ namespace bip::compiler {
 namespace {
 
 std::string text_of(const char* text) { return text == nullptr ? "" : text; }
-
-std::size_t copy_text(const std::string& text, char* buffer, std::size_t size) {
-  if (buffer != nullptr && size != 0) {
-    const std::size_t length = std::min(size - 1, text.size());
-    std::memcpy(buffer, text.data(), length);
-    buffer[length] = '\0';
-  }
-  return text.size();
-}
 
 bip_model* model_of(CompileResult compiled) {
   auto model = std::make_unique<bip_model>();
@@ -80,7 +70,7 @@ int bip_diagnostic_at(const bip_model* model, size_t k, bip_diagnostic* out) {
   return 1;
 }
 size_t bip_diagnostics(const bip_model* model, char* buffer, size_t size) {
-  return bip::compiler::copy_text(model->text, buffer, size);
+  return bip::rt::copy_text(model->text, buffer, size);
 }
 
 int bip_verify(bip_model* model, const char* property, double seconds) {
@@ -100,7 +90,7 @@ int bip_verify(bip_model* model, const char* property, double seconds) {
   return BIP_UNKNOWN;
 }
 size_t bip_verify_text(const bip_model* model, char* buffer, size_t size) {
-  return bip::compiler::copy_text(model->answered, buffer, size);
+  return bip::rt::copy_text(model->answered, buffer, size);
 }
 
 }  // extern "C"

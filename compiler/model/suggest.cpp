@@ -94,7 +94,7 @@ void help_unknown_name(DiagnosticBuilder d, const Model& model, const syntax::Pa
     d.note("an atom sees its own data only; values of others come through connectors");
     return;
   }
-  // A name that nobody reads is not repeated.
+  // A name that is too long to be read is not repeated.
   constexpr std::size_t kLongestName = 80;
   if (key.size() > kLongestName) return;
   const std::string_view text = model.sources->text(path.range.file);

@@ -331,7 +331,7 @@ antlr4::Token* ReportingStrategy::conjure(antlr4::Parser* parser, std::size_t ty
   return conjured_.back().get();
 }
 
-// `endatom` was told.
+// A misspelled `end`, such as `endatom`, was reported already.
 bool ReportingStrategy::is_misspelled_end(antlr4::Parser* parser, const antlr4::Token* found) const {
   if (found->getTokenIndex() == 0) return false;
   const antlr4::Token* last = parser->getTokenStream()->get(found->getTokenIndex() - 1);

@@ -237,12 +237,10 @@ class Server {
   void note(const Step& step, std::int64_t now) {
     std::vector<std::uint64_t> receivers, breakers;
     {
-      const std::lock_guard<std::mutex> hold(subscriptions_lock_);
-      for (const auto& [number, subscription] : subscriptions_) {
-        if (subscription.wants(step)) receivers.push_back(number);
-      }
-      for (const auto& [number, steps] : breakpoints_) {
-        if (steps.wants(step)) breakers.push_back(number);
+      const std::lock_guard<std::mutex> hold(watched_lock_);
+      for (const auto& [number, watched] : watched_) {
+        if (watched.told.wants(step)) receivers.push_back(number);
+        if (watched.breaks.wants(step)) breakers.push_back(number);
       }
     }
     if (!breakers.empty()) {
@@ -392,15 +390,13 @@ class Server {
     };
     reply.subscribe = [this, number](const Subscription& subscription) {
       clients_.at(number)->is_subscribed = subscription.is_on;
-      forget(number);
-      const std::lock_guard<std::mutex> hold(subscriptions_lock_);
-      if (subscription.is_on) subscriptions_[number] = subscription;
+      const std::lock_guard<std::mutex> hold(watched_lock_);
+      watched_[number].told = subscription;
     };
     reply.break_at = [this, number](const Subscription& steps) {
       clients_.at(number)->has_breakpoint = steps.is_on;
-      const std::lock_guard<std::mutex> hold(subscriptions_lock_);
-      breakpoints_.erase(number);
-      if (steps.is_on) breakpoints_[number] = steps;
+      const std::lock_guard<std::mutex> hold(watched_lock_);
+      watched_[number].breaks = steps;
     };
     // After the answers to all requests that the engine has before this one.
     reply.shut_down = [this] { controller_.ask([this](Controller&) { net::post(io_, [this] { begin_end(); }); }); };
@@ -425,24 +421,18 @@ class Server {
   }
 
   void close(std::uint64_t number, Client& client) {
-    forget(number);
     {
-      const std::lock_guard<std::mutex> hold(subscriptions_lock_);
-      breakpoints_.erase(number);
+      const std::lock_guard<std::mutex> hold(watched_lock_);
+      watched_.erase(number);
     }
     client.is_subscribed = false;
     client.is_closing = true;
     std::error_code ignored;
     if (client.reads) client.in.cancel(ignored);
     if (client.reads || client.writes) return;
-    BIP_ASSERT(!subscriptions_.contains(number), "client {} leaves its subscription behind", number);
+    BIP_ASSERT(!watched_.contains(number), "client {} leaves its subscription behind", number);
     clients_.erase(number);
     if (ends_) try_stop();
-  }
-
-  void forget(std::uint64_t number) {
-    const std::lock_guard<std::mutex> hold(subscriptions_lock_);
-    subscriptions_.erase(number);
   }
 
   // Answers on their way are written first, if their clients read them in time.
@@ -478,8 +468,12 @@ class Server {
   std::optional<net::ip::tcp::acceptor> tcp_;
   std::map<std::uint64_t, std::unique_ptr<Client>> clients_;
   std::uint64_t next_ = 0;
-  std::mutex subscriptions_lock_;
-  std::map<std::uint64_t, Subscription> subscriptions_, breakpoints_;  // read on the engine's thread
+  /// The steps that a client is told of, and those after which the model pauses for it.
+  struct Watched {
+    Subscription told, breaks;
+  };
+  std::mutex watched_lock_;
+  std::map<std::uint64_t, Watched> watched_;  // by client; read on the engine's thread
   std::atomic<int> notes_{0};
   std::atomic<std::uint64_t> lost_{0};
   bool ends_ = false;

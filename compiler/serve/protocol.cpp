@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "bip/image_time.hpp"
+#include "runtime/core/text.hpp"
 
 namespace bip::serve {
 
@@ -67,11 +68,8 @@ bool value_of(const Json& json, rt::CellType type, EventValue& out, std::string&
   return wrong.empty();
 }
 
-/// "ROOT." may be left out.
-std::string whole_path(const std::string& path) { return path.starts_with("ROOT.") ? path : "ROOT." + path; }
-
 const rt::PortType* type_of_port(const rt::Image& image, const std::string& port) {
-  const std::string wanted = whole_path(port);
+  const std::string wanted = rt::whole_path(port);
   for (const rt::Atom& atom : image.atoms) {
     if (!wanted.starts_with(atom.path())) continue;
     const rt::AtomType& type = image.atom_types[atom.type];
@@ -115,8 +113,8 @@ std::string state_of(const Controller& controller, const std::set<std::string>& 
   const Execution& system = controller.system();
   std::set<std::string> wanted;
   for (const std::string& name : names) {
-    wanted.insert(whole_path(name));
-    if (system.place(whole_path(name)).empty()) return "there is no atom `" + name + "`";
+    wanted.insert(rt::whole_path(name));
+    if (system.place(rt::whole_path(name)).empty()) return "there is no atom `" + name + "`";
   }
   for (const rt::Atom& atom : image.atoms) {
     if (!wanted.empty() && !wanted.contains(atom.path())) continue;
@@ -240,7 +238,7 @@ void handle_line(Controller& controller, const std::string& line, Reply reply) {
     if (!texts_of(request, "ports", ports)) return refuse("`ports` is an array of ends of paths");
     const bool names_steps = !names.empty() || !ports.empty();
     std::set<std::string> interactions;
-    for (const std::string& name : names) interactions.insert(whole_path(name));
+    for (const std::string& name : names) interactions.insert(rt::whole_path(name));
     const Subscription steps{
         what == "break" ? names_steps : what == "subscribe", std::move(interactions), {ports.begin(), ports.end()}};
     what == "break" ? reply.break_at(steps) : reply.subscribe(steps);

@@ -14,7 +14,7 @@
 
 namespace bip::serve {
 
-/// The steps that one client is told of without asking, or after which the model pauses for it.
+/// The steps of which a client receives notes, or after which the model pauses for it.
 struct Subscription {
   bool is_on = false;
   std::set<std::string> interactions;

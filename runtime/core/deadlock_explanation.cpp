@@ -32,6 +32,51 @@ class Story {
     look_at_atoms();
   }
 
+  /// Atoms, each waits for the next one: strong components, then breadth first within the smallest.
+  std::vector<u32> shortest_cycle() {
+    const u32 count = image_.atoms.size;
+    WaitForGraph graph{tables_, wants_, std::vector<u32>(count, kNone), {}};
+    StrongComponents<std::size_t> search;
+    search.begin(count);
+    for (u32 start = 0; start < count; ++start) search.visit(start, graph);
+    const std::vector<u32>& part = graph.part;
+    std::vector<std::vector<u32>>& parts = graph.parts;
+    std::vector<u32> best;
+    std::size_t starts = 0;
+    std::vector<u32> seen(count, kNone), from(count, kNone);
+    std::stable_sort(parts.begin(), parts.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
+    for (const std::vector<u32>& members : parts) {
+      for (u32 start : members) {
+        if (wants_[start].empty() || starts >= kCycleStarts) break;
+        std::vector<u32> queue{start};
+        seen[start] = start;
+        bool closed = false;
+        for (std::size_t head = 0; head < queue.size() && !closed; ++head) {
+          for (const Want& want : wants_[queue[head]]) {
+            if (want.missing == kNone) continue;
+            const u32 to = tables_.port_atom[want.missing];
+            if (part[to] != part[start]) continue;
+            if (to == start) {
+              closed = true;
+              std::vector<u32> cycle;
+              for (u32 at = queue[head]; at != start; at = from[at]) cycle.push_back(at);
+              cycle.push_back(start);
+              std::reverse(cycle.begin(), cycle.end());
+              if (best.empty() || cycle.size() < best.size()) best = std::move(cycle);
+              break;
+            }
+            if (seen[to] == start) continue;
+            seen[to] = start;
+            from[to] = queue[head];
+            queue.push_back(to);
+          }
+        }
+        if (closed) ++starts;
+      }
+    }
+    return best;
+  }
+
   std::string text(std::uint64_t steps, std::uint64_t seed) {
     std::string tail = "   (";
     append_number(tail, steps);
@@ -355,54 +400,6 @@ class Story {
     }
   };
 
-  // Strongly connected components, then breadth first within the smallest.
- public:
-  /// Atoms, each waits for the next one.
-  std::vector<u32> shortest_cycle() {
-    const u32 count = image_.atoms.size;
-    WaitForGraph graph{tables_, wants_, std::vector<u32>(count, kNone), {}};
-    StrongComponents<std::size_t> search;
-    search.begin(count);
-    for (u32 start = 0; start < count; ++start) search.visit(start, graph);
-    const std::vector<u32>& part = graph.part;
-    std::vector<std::vector<u32>>& parts = graph.parts;
-    std::vector<u32> best;
-    std::size_t starts = 0;
-    std::vector<u32> seen(count, kNone), from(count, kNone);
-    std::stable_sort(parts.begin(), parts.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
-    for (const std::vector<u32>& members : parts) {
-      for (u32 start : members) {
-        if (wants_[start].empty() || starts >= kCycleStarts) break;
-        std::vector<u32> queue{start};
-        seen[start] = start;
-        bool closed = false;
-        for (std::size_t head = 0; head < queue.size() && !closed; ++head) {
-          for (const Want& want : wants_[queue[head]]) {
-            if (want.missing == kNone) continue;
-            const u32 to = tables_.port_atom[want.missing];
-            if (part[to] != part[start]) continue;
-            if (to == start) {
-              closed = true;
-              std::vector<u32> cycle;
-              for (u32 at = queue[head]; at != start; at = from[at]) cycle.push_back(at);
-              cycle.push_back(start);
-              std::reverse(cycle.begin(), cycle.end());
-              if (best.empty() || cycle.size() < best.size()) best = std::move(cycle);
-              break;
-            }
-            if (seen[to] == start) continue;
-            seen[to] = start;
-            from[to] = queue[head];
-            queue.push_back(to);
-          }
-        }
-        if (closed) ++starts;
-      }
-    }
-    return best;
-  }
-
- private:
   const Core& core_;
   const Tables& tables_;
   const Image& image_;

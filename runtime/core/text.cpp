@@ -86,6 +86,10 @@ void append_name(std::string& out, const char* name, u32 index) {
   out += mark + 1;
 }
 
+std::string whole_path(std::string_view path) {
+  return std::string(path.starts_with("ROOT.") || path == "ROOT" ? "" : "ROOT.").append(path);
+}
+
 const char* relative(const char* path) { return std::strncmp(path, "ROOT.", 5) == 0 ? path + 5 : path; }
 
 std::string places_of(const CoreParts& core, u32 atom) {

@@ -1,6 +1,7 @@
 // Small pieces of text that traces, stories and faults share: values, places, locations, paths without the root's name.
 #pragma once
 #include <string>
+#include <string_view>
 
 #include "runtime/core/core.hpp"
 #include "runtime/core/time/time_text.hpp"
@@ -18,6 +19,8 @@ void append_value(std::string& out, const Image& image, CellType type, Cell valu
 void append_line(std::string& out, const Image& image, SourceLine loc);
 /// A name with the index where `#` is (rows.hpp).
 void append_name(std::string& out, const char* name, u32 index);
+/// The path with "ROOT.", which a person may leave out.
+[[nodiscard]] std::string whole_path(std::string_view path);
 /// The path without "ROOT.".
 [[nodiscard]] const char* relative(const char* path);
 /// The path of an atom or a connector, as path() gives it; the same without "ROOT.".

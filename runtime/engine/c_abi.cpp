@@ -1,13 +1,12 @@
 // The C ABI over the embedding API. See bip/bip.h.
 #include "bip/bip.h"
 
-#include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <optional>
 #include <variant>
 
 #include "bip/bip.hpp"
+#include "runtime/engine/copy_text.hpp"
 #include "runtime/engine/policies.hpp"
 
 struct bip_execution {
@@ -19,21 +18,12 @@ struct bip_snapshot {
 
 namespace {
 
-std::size_t copy_out(const std::string& text, char* buffer, std::size_t size) {
-  if (buffer != nullptr && size != 0) {
-    const std::size_t length = std::min(size - 1, text.size());
-    std::memcpy(buffer, text.data(), length);
-    buffer[length] = '\0';
-  }
-  return text.size();
-}
 int code_of(bip::Outcome outcome) { return static_cast<int>(outcome); }
 static_assert(static_cast<int>(bip::Outcome::Stepped) == BIP_STEPPED &&
               static_cast<int>(bip::Outcome::Deadlock) == BIP_DEADLOCK &&
               static_cast<int>(bip::Outcome::Fault) == BIP_FAULT &&
-              static_cast<int>(bip::Outcome::Stopped) == BIP_STOPPED);
-
-static_assert(static_cast<int>(bip::Outcome::Final) == BIP_FINAL);
+              static_cast<int>(bip::Outcome::Stopped) == BIP_STOPPED &&
+              static_cast<int>(bip::Outcome::Final) == BIP_FINAL);
 static_assert(static_cast<int>(bip::Posted::Taken) == BIP_TAKEN && static_cast<int>(bip::Posted::Full) == BIP_FULL &&
               static_cast<int>(bip::Posted::NoSuchPort) == BIP_NO_SUCH_PORT &&
               static_cast<int>(bip::Posted::BadValues) == BIP_BAD_VALUES);
@@ -98,7 +88,8 @@ uint64_t bip_steps(const bip_execution* system) { return system->system.steps();
 
 uint64_t bip_candidate_count(const bip_execution* system) { return system->system.candidate_count(); }
 size_t bip_candidate(const bip_execution* system, uint64_t k, char* buffer, size_t size) {
-  return copy_out(k < system->system.candidate_count() ? system->system.candidate(k) : std::string(), buffer, size);
+  return bip::rt::copy_text(k < system->system.candidate_count() ? system->system.candidate(k) : std::string(), buffer,
+                            size);
 }
 int bip_fire(bip_execution* system, uint64_t k) { return code_of(system->system.fire(k)); }
 
@@ -107,10 +98,10 @@ size_t bip_candidate_ports(const bip_execution* system, uint64_t k, char* buffer
   if (k < system->system.candidate_count()) {
     for (const std::string& port : system->system.candidate_ports(k)) text += (text.empty() ? "" : "\n") + port;
   }
-  return copy_out(text, buffer, size);
+  return bip::rt::copy_text(text, buffer, size);
 }
 size_t bip_why(const bip_execution* system, const char* path, char* buffer, size_t size) {
-  return copy_out(system->system.why(path), buffer, size);
+  return bip::rt::copy_text(system->system.why(path), buffer, size);
 }
 
 int64_t bip_now(const bip_execution* system) { return system->system.now(); }
@@ -169,10 +160,10 @@ int bip_read_float(const bip_execution* system, const char* path, double* value)
 size_t bip_read_string(const bip_execution* system, const char* path, char* buffer, size_t size) {
   std::string value;
   (void)system->system.read(path, value);
-  return copy_out(value, buffer, size);
+  return bip::rt::copy_text(value, buffer, size);
 }
 size_t bip_place(const bip_execution* system, const char* atom_path, char* buffer, size_t size) {
-  return copy_out(system->system.place(atom_path), buffer, size);
+  return bip::rt::copy_text(system->system.place(atom_path), buffer, size);
 }
 
 bip_snapshot* bip_save(const bip_execution* system) {
@@ -182,10 +173,10 @@ void bip_restore(bip_execution* system, const bip_snapshot* snapshot) { system->
 void bip_free_snapshot(bip_snapshot* snapshot) { const std::unique_ptr<bip_snapshot> owner(snapshot); }
 
 size_t bip_fault(const bip_execution* system, char* buffer, size_t size) {
-  return copy_out(system->system.fault(), buffer, size);
+  return bip::rt::copy_text(system->system.fault(), buffer, size);
 }
 size_t bip_story(const bip_execution* system, char* buffer, size_t size) {
-  return copy_out(system->system.story(), buffer, size);
+  return bip::rt::copy_text(system->system.story(), buffer, size);
 }
 
 }  // extern "C"

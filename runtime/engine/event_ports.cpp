@@ -45,7 +45,7 @@ std::string EventPorts::path(u32 row) const {
 }
 
 u32 EventPorts::find(std::string_view text) const {
-  const std::string wanted = (text.starts_with("ROOT.") ? "" : "ROOT.") + std::string(text);
+  const std::string wanted = whole_path(text);
   const auto at = std::lower_bound(by_path_.begin(), by_path_.end(), wanted,
                                    [this](u32 row, const std::string& key) { return path(row) < key; });
   return at != by_path_.end() && path(*at) == wanted ? *at : kNone;

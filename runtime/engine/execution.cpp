@@ -8,9 +8,9 @@
 #include "bip/bip.hpp"
 #include "bip/ffi.hpp"
 #include "runtime/core/deadlock_explanation.hpp"
-#include "runtime/core/why_not.hpp"
 #include "runtime/core/final_state.hpp"
 #include "runtime/core/text.hpp"
+#include "runtime/core/why_not.hpp"
 #include "runtime/engine/output.hpp"
 #include "runtime/engine/timed_scheduler.hpp"
 #include "runtime/trace/trace.hpp"
@@ -367,7 +367,7 @@ std::size_t Execution::Snapshot::bytes() const {
 
 std::string Execution::why(const std::string& given) const {
   if (impl_->outcome == Outcome::Fault) return {};
-  const std::string path = given.starts_with("ROOT.") ? given : "ROOT." + given;
+  const std::string path = rt::whole_path(given);
   const rt::Image& image = impl_->core.image();
   for (rt::u32 connector = 0; connector < image.connectors.size; ++connector) {
     if (image.connectors[connector].path() == path) return rt::why_not_connector(impl_->core, connector);

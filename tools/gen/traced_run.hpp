@@ -28,7 +28,8 @@ struct RunSpec {
   bool silent = false;
   bool session = false;  // a debugging session beside the run
 };
-/// What every executor runs: three policies, one of them with the JSON trace, steps that nobody watches, and a session.
+/// What every executor runs: three policies, one of them with the JSON trace, a run without a trace, and a debugging
+/// session.
 inline RunSpec run_spec(int number, std::uint64_t seed, std::uint64_t steps) {
   switch (number) {
     case 0: return {.seed = seed, .steps = steps, .policy = rt::Policy::Uniform, .format = rt::TraceFormat::Bip2};

@@ -19,6 +19,12 @@ constexpr FairnessName kFairnessNames[] = {{"none", {}},
 
 }  // namespace
 
+std::vector<std::string> fairness_names() {
+  std::vector<std::string> names;
+  for (const FairnessName& row : kFairnessNames) names.emplace_back(row.name);
+  return names;
+}
+
 std::optional<Fairness> read_fairness(const std::string& text) {
   for (const FairnessName& row : kFairnessNames) {
     if (text == row.name) return row.fairness;

@@ -21,7 +21,8 @@ struct Fairness {
   FairnessUnit unit = FairnessUnit::Interactions;
 };
 
-/// Reads `none`, `weak`, `strong`, `weak:atoms`, `strong:atoms`.
+/// What read_fairness reads: `none`, `weak`, `strong`, `weak:atoms`, `strong:atoms`.
+[[nodiscard]] std::vector<std::string> fairness_names();
 [[nodiscard]] std::optional<Fairness> read_fairness(const std::string& text);
 /// Returns the text that read_fairness reads.
 [[nodiscard]] std::string name_of(const Fairness& fairness);

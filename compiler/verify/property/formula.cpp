@@ -17,16 +17,9 @@ constexpr std::size_t kMaxConditions = 64;
 
 class FormulaMaker {
  public:
-  explicit FormulaMaker(const Property& parsed) : parsed_(parsed), is_temporal_(parsed.nodes.size(), 0) {
-    // Operands come before operators.
-    for (std::size_t row = 0; row < parsed.nodes.size(); ++row) {
-      const PropertyNode& node = parsed.nodes[row];
-      const bool is_about_runs = node.kind == PropertyKind::HappensConnector ||
-                                 node.kind == PropertyKind::HappensPort || node.kind == PropertyKind::Temporal;
-      const bool joins =
-          node.kind == PropertyKind::Operator && (is_temporal_[node.a] != 0 || is_temporal_[node.b] != 0);
-      is_temporal_[row] = is_about_runs || joins ? 1 : 0;
-    }
+  FormulaMaker(const Property& parsed, const std::vector<std::uint8_t>& is_temporal)
+      : parsed_(parsed), is_temporal_(is_temporal) {
+    BIP_ASSERT(is_temporal.size() == parsed.nodes.size(), "{} of {} nodes", is_temporal.size(), parsed.nodes.size());
     made_.text = parsed.text;
   }
 
@@ -118,14 +111,16 @@ class FormulaMaker {
   }
 
   const Property& parsed_;
-  std::vector<std::uint8_t> is_temporal_;  // by node
+  const std::vector<std::uint8_t>& is_temporal_;  // by node
   Formula made_;
   std::map<std::tuple<FormulaKind, bool, std::uint32_t, std::uint32_t, std::uint32_t>, std::uint32_t> rows_;
 };
 
 }  // namespace
 
-Result<Formula> make_formula(const Property& parsed) { return FormulaMaker(parsed).run(); }
+Result<Formula> make_formula(const Property& parsed, const std::vector<std::uint8_t>& is_temporal) {
+  return FormulaMaker(parsed, is_temporal).run();
+}
 
 bool holds_on_lasso(const Formula& formula, const std::vector<std::uint64_t>& states,
                     const std::vector<std::uint64_t>& steps, std::size_t cycle) {

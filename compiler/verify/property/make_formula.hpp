@@ -5,8 +5,8 @@
 namespace bip::verify {
 
 /// Makes the formula of a parsed property of runs: the largest parts that speak of one state become its conditions,
-/// words become `Until`, `Release` and `Next`. Equal conditions share a row. The error says which limit the property
-/// exceeds.
-[[nodiscard]] Result<Formula> make_formula(const Property& parsed);
+/// words become `Until`, `Release` and `Next`. Equal conditions share a row. `is_temporal`: by node, whether it speaks
+/// of runs. The error says which limit the property exceeds.
+[[nodiscard]] Result<Formula> make_formula(const Property& parsed, const std::vector<std::uint8_t>& is_temporal);
 
 }  // namespace bip::verify

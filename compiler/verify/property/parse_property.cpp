@@ -9,6 +9,7 @@
 #include "compiler/model/operators.hpp"
 #include "compiler/verify/property/expression.hpp"
 #include "compiler/verify/property/make_formula.hpp"
+#include "runtime/core/text.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
@@ -105,7 +106,7 @@ class PropertyParser {
       parsed.state = std::move(property_);
       return parsed;
     }
-    Result<Formula> formula = make_formula(property_);
+    Result<Formula> formula = make_formula(property_, is_temporal_);
     if (!formula) return Failure{formula.error()};
     parsed.is_formula = true;
     parsed.formula = std::move(*formula);
@@ -192,9 +193,6 @@ class PropertyParser {
     return static_cast<std::uint32_t>(property_.nodes.size() - 1);
   }
 
-  static std::string absolute_path(const std::string& path) {
-    return path.starts_with("ROOT.") ? path : "ROOT." + path;
-  }
   using RowsByPath = std::unordered_map<std::string_view, std::uint32_t>;
   template <class Rows>
   static RowsByPath rows_by_path(const Rows& rows) {
@@ -204,7 +202,7 @@ class PropertyParser {
     return found;
   }
   static std::uint32_t find_path(const RowsByPath& rows, const std::string& path) {
-    const auto found = rows.find(absolute_path(path));
+    const auto found = rows.find(rt::whole_path(path));
     return found == rows.end() ? kNotFound : found->second;
   }
   [[nodiscard]] std::uint32_t find_atom(const std::string& path) const { return find_path(atoms_, path); }

@@ -1,0 +1,33 @@
+// See open_session.hpp.
+#include "compiler/driver/open_session.hpp"
+
+#include <cstdio>
+#include <optional>
+#include <utility>
+
+#include "compiler/driver/load_moves.hpp"
+#include "compiler/driver/report.hpp"
+
+namespace bip::driver {
+
+OpenSession open_session(Compilation& c, Executor& executor, const SessionArguments& arguments,
+                         rt::SessionOptions& options) {
+  std::optional<RunFileText> run;
+  if (!arguments.trace_path.empty()) {
+    run = read_run(c, arguments.trace_path, options);
+    if (!run) return {nullptr, report(c)};
+  }
+  const bool is_ready = executor.prepare(c, arguments.backend, Optimisation::Auto);
+  if (const int code = report(c); code != 0 || !is_ready) return {nullptr, code};
+  auto session = std::make_unique<rt::DebugSession>(c.lowered->image, options);
+  std::string error;
+  if (!arguments.events_path.empty() && !session->read_events(arguments.events_path, error)) {
+    std::fprintf(stderr, "error: %s\n", error.c_str());
+    return {nullptr, kUsage};
+  }
+  (void)session->start();
+  if (run && !load_moves(c, *run, *session)) return {nullptr, report(c)};
+  return {std::move(session)};
+}
+
+}  // namespace bip::driver
