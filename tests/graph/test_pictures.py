@@ -21,7 +21,7 @@ SVG = "{http://www.w3.org/2000/svg}"
 FRAMES = {"compound", "closed", "atom", "automaton", "state"}
 SLACK = 0.2  # coordinates are rounded to a tenth
 # Larger ones are drawn in part; the rest of the options differs so that each is measured.
-OPTIONS = {"bench/": ["--fold", "3"], "classic/hierarchical": ["--depth", "1"], "tutorial/step6": ["--depth", "2"], "timed/train_gates": ["--fold", "0"]}
+OPTIONS = {"bench/": ["--fold", "3"], "classic/hierarchical": ["--depth", "1"], "tutorial/factory": ["--depth", "2"], "timed/train_gates": ["--fold", "0"]}
 
 
 def width_of(text, size, bold):

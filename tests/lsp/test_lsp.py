@@ -18,7 +18,7 @@ import malformed  # noqa: E402
 import renames  # noqa: E402
 import sessions  # noqa: E402
 
-EDITED = ("classic/philosophers", "classic/reactive", "tutorial/step5_connectors", "tutorial/step7_priorities", "classic/temperature", "tutorial/step8_notation")
+EDITED = ("classic/philosophers", "classic/reactive", "tutorial/auction", "tutorial/crossing", "classic/temperature", "tutorial/relay")
 
 
 def main():

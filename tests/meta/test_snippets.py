@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
 """Executes what the documents show.
 
-    tests/meta/test_snippets.py [part of a file's name ...]
+    tests/meta/test_snippets.py [--update-pictures] [part of a file's name ...]
 
 - ```console and ```sh fences with `$ command` lines: each command runs, what stands below it is the expected output
   (standard output and error); a line `...` stands for any lines. `bipc` is the built program. One directory a document,
   in which the repository's folders appear.
 - ```bip fences: `bipc check` must accept them (`bip fail`: must report an error; `bip fragment`: not a whole file,
   skipped). `<!-- file: name.bip -->` in the line before a fence also writes it to that file for later commands,
-  whatever its language.
+  whatever its language. `<!-- as models/x.bip -->`: the fence is that file without the comment at its head; later commands find the file as x.bip.
+- `<!-- picture: bipc graph x.bip -->` in the line before an image: the command writes that picture, byte for byte; `--update-pictures` writes the image.
 - explain pages: the wrong example must give the page's code, the right one must not give it and must have no error.
   a plain fence is as a right one. ```genom fences by `bipc genom`, ```rules by `bipc rules --prove`, B codes by `bipc check`, R codes by `bipc run` (`<!-- run: arguments -->` in the line before adds some), V codes only
   have to compile.
@@ -32,12 +33,15 @@ CERTCHECK = BUILD / "certcheck"  # not built without Z3
 VERIFIES = re.compile(r"""^bipc verify ((?:'[^']*'|[^|;&'])*)""")
 NOT_RUN = re.compile(r"^(tools/(build|test|setup)|\.ci/|apt|sudo|git|cmake|ninja|cd|export|dot|tests/)\b")
 FENCE = re.compile(r"^( *)```(\w+)?[ ]*(.*)$")
-NOTE = re.compile(r"^\s*<!-- (file|run): ?(.*?) ?-->\s*$")
+NOTE = re.compile(r"^\s*<!-- (file:|run:|as) ?(.*?) ?-->\s*$")
+PICTURE = re.compile(r"^<!-- picture: (bipc .*?) -->\n!\[[^\]]*\]\(([^)]+)\)", re.M)
+HEAD = re.compile(r"\A(?://.*\n)+\n?")
 TIMEOUT = 120
+UPDATES_PICTURES = "--update-pictures" in sys.argv
 
 
 def documents():
-    files = [ROOT / "README.md", *sorted((ROOT / "compiler/docs").glob("*.md"))]
+    files = [ROOT / "README.md", *sorted((ROOT / "compiler/docs").rglob("*.md"))]
     for folder in ("grammar", "models", "stdlib", "runtime", "tests"):
         files.append(ROOT / folder / "README.md")
     files.append(ROOT / "models/dala/README.md")
@@ -54,7 +58,7 @@ def fences(path):
                 open_at, body = (number, m.group(2) or "", m.group(3).strip(), len(m.group(1))), []
             elif line.strip():
                 n = NOTE.match(line)
-                note = (n.group(1), n.group(2)) if n else None
+                note = (n.group(1).rstrip(":"), n.group(2)) if n else None
         elif m and not m.group(2):
             found.append((*open_at[:3], "".join(b + "\n" for b in body), note))
             open_at = note = None
@@ -154,6 +158,12 @@ def check_document(path):
             if language in ("console", "sh") and re.search(r"^\$ ", text, re.M):
                 checked += 1
                 problems += [f"{where}: {p}" for p in shell_fence(text, work)]
+            elif note and note[0] == "as":
+                checked += 1
+                whole = (ROOT / note[1]).read_text(encoding="utf-8")
+                if text not in (whole, HEAD.sub("", whole, count=1)):
+                    problems.append(f"{where}: is not {note[1]}")
+                (pathlib.Path(work) / pathlib.Path(note[1]).name).write_text(whole, encoding="utf-8")
             elif note and note[0] == "file" and language != "bip":
                 (pathlib.Path(work) / note[1]).write_text(text, encoding="utf-8")
             elif language == "bip" and info != "fragment":
@@ -162,7 +172,23 @@ def check_document(path):
                 code, output = bipc(work, "check", name, text)
                 if code not in (0, 1) or (code == 1) != (info == "fail"):
                     problems.append(f"{where}: bipc check ends with {code}\n{output}")
+        for command, image in PICTURE.findall(path.read_text(encoding="utf-8")):
+            checked += 1
+            problems += picture_problems(path, command, image, work)
     return checked, problems
+
+
+def picture_problems(path, command, image, work):
+    picture = path.parent / image
+    code, output = execute(f"{command} -o picture{picture.suffix}", work)
+    made = pathlib.Path(work) / f"picture{picture.suffix}"
+    if code != 0 or not made.exists():
+        return [f"{path.relative_to(ROOT)}: {command} ends with {code}\n{output}"]
+    if UPDATES_PICTURES:
+        picture.write_bytes(made.read_bytes())
+    if not picture.exists() or picture.read_bytes() != made.read_bytes():
+        return [f"{path.relative_to(ROOT)}: {image} is not what {command} draws (--update-pictures writes it)"]
+    return []
 
 
 def prepare(work):
@@ -215,8 +241,9 @@ def main():
         sys.exit(f"snippets: no program at {BIPC}")
     jobs = [(check_document, p) for p in documents()]
     jobs += [(check_page, p) for p in sorted((ROOT / "compiler/diag/explain").glob("[BRV]*.md"))]
-    if sys.argv[1:]:
-        jobs = [j for j in jobs if any(w in str(j[1].relative_to(ROOT)) for w in sys.argv[1:])]
+    wanted = [word for word in sys.argv[1:] if word != "--update-pictures"]
+    if wanted:
+        jobs = [j for j in jobs if any(w in str(j[1].relative_to(ROOT)) for w in wanted)]
     passed = failed = 0
     with concurrent.futures.ThreadPoolExecutor(max_workers=2) as pool:
         for checked, problems in pool.map(lambda j: j[0](j[1]), jobs):

@@ -128,7 +128,7 @@ with Served(ROOT / "models/classic/philosophers.bip", "--paused") as model:
         note = other.note(20)
         check("the end is told", note["note"] == "end" and note["outcome"] == "deadlock", note)
 
-with Served(ROOT / "models/tutorial/step9_extern.bip", "--paused") as model:
+with Served(ROOT / "models/tutorial/filter.bip", "--paused") as model:
     check("a step of a model with C++", model.ask("fire", candidate=0)["ok"])
     check("C++ is not undone", "calls C++" in model.ask("back").get("error", ""), model.ask("back"))
 

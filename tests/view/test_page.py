@@ -31,8 +31,8 @@ CASES = [
     ("philosophers_folded", ["view --root Table(1000) --steps 100 {models}/classic/philosophers.bip -o {page}"], [["walk"], ["measure"], ["key", "5"]], 2000),
     ("train_gate", ["view --steps 200 --seed 3 {models}/timed/train_gate.bip -o {page}"], [["walk"], ["plot"], ["measure"], ["key", "5"]], 2000),
     ("train_gate_dark", ["view --steps 60 --seed 3 {models}/timed/train_gate.bip -o {page}"], [["walk"], ["key", "4"]], 2000),
-    ("tutorial_compounds", ["view --steps 50 {models}/tutorial/step6_compounds.bip -o {page}"], [["walk"], ["search", "worker"], ["levels"], ["measure"], ["key", "1"]], 2000),
-    ("structure_alone", ["graph {models}/tutorial/step6_compounds.bip -o {page}"], [["search", "worker"], ["measure"]], 2000),
+    ("tutorial_compounds", ["view --steps 50 {models}/tutorial/factory.bip -o {page}"], [["walk"], ["search", "worker"], ["levels"], ["measure"], ["key", "1"]], 2000),
+    ("structure_alone", ["graph {models}/tutorial/factory.bip -o {page}"], [["search", "worker"], ["measure"]], 2000),
     ("dala", ["rules {rules}", "view --steps 300 {dir}/dala.bip -o {page}"], [["walk"], ["search", "ndd"], ["levels"], ["key", "5"]], 2000),
 ]
 

@@ -1,4 +1,4 @@
-// The C++ side of step9_extern.bip: a sliding mean over the last readings of a sensor.
+// The C++ side of filter.bip: a sliding mean over the last readings of a sensor.
 #pragma once
 #include <cstddef>
 #include <deque>
