@@ -16,7 +16,7 @@ set(bipc_lib lib/bipc)
 # of libraries.
 foreach(program bipc bipc-lsp certcheck)
   if(TARGET ${program})
-    set_target_properties(${program} PROPERTIES INSTALL_RPATH "$ORIGIN/../lib/bipc")
+    set_target_properties(${program} PROPERTIES INSTALL_RPATH "$ORIGIN/../lib/bipc:$ORIGIN/../lib")
     target_link_options(${program} PRIVATE -Wl,--disable-new-dtags)
     install(TARGETS ${program} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT bipc)
   endif()
@@ -43,6 +43,7 @@ endif()
 # The compiler as a library, and Python's module over it.
 if(TARGET bip_compiler)
   install(DIRECTORY compiler/library/include/bip DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT compiler_dev FILES_MATCHING PATTERN *.hpp PATTERN *.h)
+  # In a wheel the libraries of others are beside it.
   set_target_properties(bip_compiler PROPERTIES INSTALL_RPATH "$ORIGIN")
   target_link_options(bip_compiler PRIVATE -Wl,--disable-new-dtags)
   install(TARGETS bip_compiler LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT compiler NAMELINK_COMPONENT compiler_dev)

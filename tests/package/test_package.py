@@ -115,6 +115,32 @@ def test_models_inside_other_programs(at):
         assert "-lbip_runtime" in flags and "second" in flags, flags
 
 
+def test_sources_inside_another_project(at):
+    """FetchContent: with all of bipc, and with a bipc that is there already, where only the runtime is built."""
+    project = at.work / "fetches"
+    project.mkdir()
+    (project / "CMakeLists.txt").write_text(f"""cmake_minimum_required(VERSION 3.25)
+project(fetches LANGUAGES C CXX)
+include(FetchContent)
+FetchContent_Declare(bipc SOURCE_DIR {ROOT})
+FetchContent_MakeAvailable(bipc)
+add_library(dinner SHARED {ROOT}/models/embedding/dinner.cpp)
+bip_add_model(dinner {ROOT}/models/classic/philosophers.bip)
+""")
+
+    def commands(build, *options):
+        run("cmake", "-G", "Ninja", "-S", project, "-B", build, *options)
+        return run("ninja", "-C", build, "-t", "commands", "dinner")
+
+    planned = commands(project / "all")
+    assert "BipParser.g4" in planned and "bipc emit --namespace" in planned, planned
+    runtime = project / "runtime"
+    planned = commands(runtime, f"-DBIPC_EXECUTABLE={BIPC}")
+    assert f"{BIPC} emit --namespace" in planned and "BipParser.g4" not in planned and "compiler/" not in planned, planned
+    # The runtime itself is built by every other test.
+    run("ninja", "-C", runtime, "CMakeFiles/dinner.dir/bip_models/dinner/philosophers.cpp.o")
+
+
 def test_compiler_inside_another_program(at):
     """bip::compiler of the installation finds the JIT, the standard library and its own runtime; the Python package finds all of these."""
     if not list(at.prefix.glob("lib*/**/libbip_compiler.so.0")):
