@@ -250,8 +250,14 @@ void add_compile(CLI::App& app, CompileOptions& options) {
 void add_check(CLI::App& app, CheckArguments& a) {
   CLI::App* command = app.add_subcommand("check", "report all errors and warnings of models without running them");
   command->add_option("FILE", a.files, "model files (.bip or .bsys)")->required()->type_name("");
+  command
+      ->add_option(
+          "--lesson", a.lesson,
+          "judge FILE as the solution of the exercises of lesson N of the book, or of exercise K alone; exit code 3 "
+          "if one is not solved")
+      ->type_name("N[.K]");
   add_compile(*command, a.compile);
-  command->footer("Example:\n  bipc check --diagnostics=short model.bip");
+  command->footer("Example:\n  bipc check --diagnostics=short model.bip\n  bipc check --lesson 1 kitchen.bip");
 }
 
 // A seed without which one is drawn.

@@ -1,11 +1,14 @@
 // `bipc check`: reports everything that can be wrong without running. Prints nothing if there is nothing to report.
+// With `--lesson` it judges an exercise of the book.
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/emit_stage.hpp"
+#include "compiler/driver/judge_lesson.hpp"
 #include "compiler/driver/report.hpp"
 
 namespace bip::driver {
 
 int command_check(const CheckArguments& arguments) {
+  if (!arguments.lesson.empty()) return judge_lesson(arguments);
   int worst = 0;
   for (const std::string& file : arguments.files) {
     Compilation c(arguments.compile);

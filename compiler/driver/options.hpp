@@ -110,6 +110,7 @@ struct SimulateArguments {
 struct CheckArguments {
   CompileOptions compile;
   std::vector<std::string> files;
+  std::string lesson = {};  // of the book, whose exercises the file solves, or not; empty: none
 };
 struct EmitArguments {
   CompileOptions compile;

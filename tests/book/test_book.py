@@ -6,6 +6,8 @@
 - walks: five ways through the first lesson, as a reader may go it: get the model, run it, see the deadlock in the page, repair it, prove the
   repair. Each takes at most 12 commands, the installation included, and few seconds. The installation itself is one command that is counted
   but not executed here: tools/try_package installs the package in a bare Debian.
+- exercises: `bipc check --lesson N` accepts tests/book/solutions/lessonNN.bip, refuses each exercise for the lesson's own model, and has a hint for
+  every check; each lesson has two exercises.
 - site: tools/docs makes the site without a warning, each page is found by its search, and nothing is asked of the network. Needs Sphinx
   (`tools/setup --docs`); without it the line `skipped: ...` says so.
 The pages' commands and outputs are executed by tests/meta/test_snippets.py. Needs a built bipc ($BIPC or build/bipc). Python's library only.
@@ -18,7 +20,8 @@ import sys
 import tempfile
 import time
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
 BUILD = pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build").resolve()
 BIPC = os.path.abspath(os.environ.get("BIPC") or BUILD / "bipc")
 BOOK = ROOT / "compiler/docs/book"
@@ -36,7 +39,7 @@ PROOF = r"^deadlock-free: proved"
 WALKS = [
     ("as the page goes", [
         (INSTALL, None), (COPY, None), ("bipc run kitchen.bip --seed 2", DEADLOCK), ("bipc view kitchen.bip --seed 2 -o kitchen.html", f"kitchen.html: {DEADLOCK}"),
-        ("bipc verify kitchen.bip", DEADLOCK), (REPAIR, None), ("bipc verify kitchen.bip", PROOF)]),
+        ("bipc verify kitchen.bip", DEADLOCK), (REPAIR, None), ("bipc verify kitchen.bip", PROOF), ("bipc check --lesson 1.1 kitchen.bip", ": solved$")]),
     ("the picture first", [
         (INSTALL, None), (COPY, None), ("bipc graph kitchen.bip -o kitchen.svg", "kitchen.svg: ann_first"), ("bipc run kitchen.bip --seed 1", DEADLOCK),
         ("bipc view kitchen.bip --seed 1 -o kitchen.html", f"kitchen.html: {DEADLOCK}"), (REPAIR, None), ("bipc run kitchen.bip --seed 1 --limit 1000 --silent", "^limit: 1000 steps"),
@@ -87,6 +90,32 @@ def test_walks():
             problem = f"takes {seconds:.0f} s, more than {MOST_SECONDS}"
         print(f"  {name}: {len(commands)} commands, {seconds:.1f} s")
         yield name, problem
+
+
+def lesson_files():
+    """(number, the page, the model that it shows first)"""
+    for page in sorted(BOOK.glob("lesson*.md")):
+        model = re.search(r"^<!-- as (\S+\.bip) -->$", page.read_text(encoding="utf-8"), re.M)
+        yield int(page.stem[6:8]), page, ROOT / model.group(1)
+
+
+def judge(selection, model):
+    done = subprocess.run([BIPC, "check", "--lesson", selection, str(model)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=300)
+    return done.returncode, done.stdout
+
+
+def test_exercises():
+    for number, page, model in lesson_files():
+        text = BOOK / f"exercises/lesson{number:02}.lesson"
+        exercises = re.split(r"^exercise \d+: ", text.read_text(encoding="utf-8"), flags=re.M)[1:] if text.exists() else []
+        yield f"{number}: two", None if len(exercises) == 2 else f"{text} has {len(exercises)} exercises"
+        for at, exercise in enumerate(exercises, 1):
+            checks = re.findall(r"^(?:holds|violated|prints) .*\n(.*)", exercise, re.M)
+            yield f"{number}.{at}: hints", None if checks and all(line.startswith("  ") for line in checks) else "a check has no hint"
+            code, output = judge(f"{number}.{at}", model)
+            yield f"{number}.{at}: not solved by the lesson's model", None if code == 3 and "= hint: " in output else f"exit {code}\n{output}"
+        code, output = judge(str(number), HERE / f"solutions/lesson{number:02}.bip")
+        yield f"{number}: solved", None if code == 0 and output.count(": solved\n") == 2 else f"exit {code}\n{output}"
 
 
 def has_sphinx():

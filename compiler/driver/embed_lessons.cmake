@@ -1,0 +1,13 @@
+# Writes the exercises of the book's lessons, lessonNN.lesson, as one .cpp of raw string literals. Called by the build with -DLESSONS=folder -DOUT=file.
+file(GLOB lessons "${LESSONS}/lesson*.lesson")
+list(SORT lessons)
+set(text "// Generated from compiler/docs/book/exercises/*.lesson by embed_lessons.cmake.\n#include \"compiler/driver/lessons.hpp\"\n\n")
+string(APPEND text "namespace bip::driver {\nnamespace {\nconstexpr LessonText kLessons[] = {\n")
+foreach(lesson IN LISTS lessons)
+  get_filename_component(name "${lesson}" NAME_WE)
+  string(REGEX REPLACE "^lesson0*" "" number "${name}")
+  file(READ "${lesson}" body)
+  string(APPEND text "    {${number}, R\"~lesson~(${body})~lesson~\"},\n")
+endforeach()
+string(APPEND text "};\n}  // namespace\n\nstd::span<const LessonText> lesson_texts() { return kLessons; }\n\n}  // namespace bip::driver\n")
+file(WRITE "${OUT}" "${text}")
