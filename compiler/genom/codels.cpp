@@ -132,6 +132,10 @@ std::string codel_header(const std::vector<Module>& modules, const GenerateOptio
       "// A codel of an activity returns what is next, and sets `report` (0: OK) if it ends the activity with a report "
       "of its service.\n";
   out += "// The others return 0 (OK) or the number of a report. Anything else suspends the task.\n#pragma once\n";
+  if (options.executive != Executive::Anybody)
+    out +=
+        "#include \"bip/service_requests.hpp\"\n\nusing bip::request_known;\nusing bip::request_number;\n"
+        "using bip::request_service;\nusing bip::request_word;\n";
   if (options.executive == Executive::Served)
     out +=
         "\n// What a request of a client came with: when it is asked for, for codels that judge it; and, if it is "
@@ -139,13 +143,14 @@ std::string codel_header(const std::vector<Module>& modules, const GenerateOptio
         "void request_input(const char* service, const char* input);\n";
   if (options.executive == Executive::Cpp) {
     out +=
-        "#include <string>\n\nstd::string executive_request();\n"
+        "\nstd::string executive_request();\n"
         "void executive_answer(const char* module, const char* service, const char* report);\n"
         "void executive_reply(const char* module, const char* service, const char* report);\n";
   }
   if (!options.constraints.values.empty())
-    out += fmt::format("\n// ---- What posters hold, asked for when they are written\n{}",
-                       has_text_values(options) && options.executive != Executive::Cpp ? "#include <string>\n\n" : "");
+    out +=
+        fmt::format("\n// ---- What posters hold, asked for when they are written\n{}",
+                    has_text_values(options) && options.executive == Executive::Anybody ? "#include <string>\n\n" : "");
   for (const ValueRow& v : options.constraints.values)
     out += fmt::format("{} {}();\n", cpp_type(v), value_function(modules, v));
   std::string module;

@@ -69,11 +69,12 @@ struct Constraint {
   std::optional<ServiceRef> recovery;  // asked for when the rule rejects or stops
 };
 
-/// A parameter of a request, and which values it may have.
+enum class ValueType : std::uint8_t { Int, Float, Text };
+/// A parameter of a request, and which values verification tries; an executive's requests bring any.
 struct ParameterRow {
   std::string name;
   ServiceRef service;
-  bool is_text = false;
+  ValueType type = ValueType::Int;
   std::vector<std::string> values;  // as BIP writes them
 };
 /// Counts ticks in which `service` is active, or in which it is not.
@@ -95,7 +96,6 @@ struct SuccessRow {
 };
 /// What a poster holds: one of `values` (as BIP writes them) if codels answer freely, else what a C++ function says
 /// when it is written.
-enum class ValueType : std::uint8_t { Int, Float, Text };
 struct ValueRow {
   PosterRef poster;
   std::string name;

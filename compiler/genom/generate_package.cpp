@@ -10,6 +10,7 @@
 #include "compiler/genom/codels.hpp"
 #include "compiler/genom/level.hpp"
 #include "compiler/genom/level_condition.hpp"
+#include "compiler/genom/mailbox.hpp"
 #include "compiler/genom/names.hpp"
 #include "compiler/genom/plan.hpp"
 
@@ -17,44 +18,17 @@ namespace bip::genom {
 namespace {
 
 // Of stdlib/genom, and the root: a type of the package would hide them.
-constexpr const char* kOwnTypes[] = {"Signal",
-                                     "Report",
-                                     "Status",
-                                     "Age",
-                                     "ControlState",
-                                     "MasterTimer",
-                                     "Timer",
-                                     "WakeUp",
-                                     "IdsLock",
-                                     "Semaphore",
-                                     "Poster",
-                                     "ServiceController",
-                                     "ControlService",
-                                     "TaskController",
-                                     "Permanent",
-                                     "ControlIds",
-                                     "FunctionalLevel",
-                                     "Answer",
-                                     "Running",
-                                     "Elapsed",
-                                     "Number",
-                                     "Text",
-                                     "Order",
-                                     "Stopwatch",
-                                     "NumberParameter",
-                                     "TextParameter",
-                                     "Pair",
-                                     "Recovery",
-                                     "Asks",
-                                     "Executive",
-                                     "MasterClock",
-                                     "Posts",
-                                     "Told",
-                                     "Outcome",
-                                     "Countdown",
-                                     "CodelWatch",
-                                     "Counts",
-                                     "Success"};
+constexpr const char* kOwnTypes[] = {"Signal",          "Report",         "Status",    "Age",
+                                     "ControlState",    "MasterTimer",    "Timer",     "WakeUp",
+                                     "IdsLock",         "Semaphore",      "Poster",    "ServiceController",
+                                     "ControlService",  "TaskController", "Permanent", "ControlIds",
+                                     "FunctionalLevel", "Answer",         "Running",   "Elapsed",
+                                     "Number",          "Text",           "Order",     "Stopwatch",
+                                     "NumberParameter", "TextParameter",  "Pair",      "FractionParameter",
+                                     "Fraction",        "Recovery",       "Asks",      "Executive",
+                                     "MasterClock",     "Posts",          "Told",      "Accepted",
+                                     "Numbered",        "Target",         "Outcome",   "Countdown",
+                                     "CodelWatch",      "Counts",         "Success"};
 
 // The greatest unit that divides all periods; 10 ms if there are none. GenoM 2 counts in its own clock.
 std::int64_t tick_of(const std::vector<Module>& modules) {
@@ -159,8 +133,16 @@ std::string generate(const std::vector<Module>& modules, const GenerateOptions& 
     }
     write_module(out, p, options);
   }
-  const std::vector<std::string> requests = write_level(out, plans, options, tick_us);
-  if (options.executive != Executive::Anybody) out.insert(executive_at, executive_type(options.executive, requests));
+  const std::vector<std::vector<Asked>> requests = write_level(out, plans, options, tick_us);
+  if (options.executive != Executive::Anybody) {
+    std::vector<Asked> all;
+    std::string mailboxes;
+    for (std::size_t m = 0; m < plans.size(); ++m) {
+      all.insert(all.end(), requests[m].begin(), requests[m].end());
+      if (options.executive == Executive::Served) mailboxes += mailbox_type(plans[m], requests[m]);
+    }
+    out.insert(executive_at, executive_type(options.executive, all) + mailboxes);
+  }
   return out + "end\n";
 }
 

@@ -27,8 +27,8 @@ class LevelWriter {
         names_(level_scope()),
         conditions_(plans, options, parts_, tick_us) {}
 
-  /// Returns what may be asked for, "MODULE.SERVICE(VALUE, ...)".
-  std::vector<std::string> run() {
+  /// Returns what may be asked for, by module.
+  std::vector<std::vector<Asked>> run() {
     out_ += "\n  // All modules, the token for triggers, and the clock.\n  compound type FunctionalLevel()\n";
     for (const Plan& p : plans_) {
       out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component {} {}()\n", p.type, p.component);
@@ -40,12 +40,7 @@ class LevelWriter {
     out_ += "    @SuppressWarning(unboundcomponentport)\n    component Semaphore semaphore()\n";
     out_ += is_clocked() ? fmt::format("    component MasterClock masterTimer({})\n", tick_us_)
                          : "    component MasterTimer masterTimer()\n";
-    if (options_.executive != Executive::Anybody) {
-      executive_ = names_.claim("executive", "part");
-      if (is_served()) out_ += "    @SuppressWarning(unboundcomponentport)\n";
-      out_ += fmt::format("    component Executive {}({})\n", executive_,
-                          is_served() ? std::to_string(100 + 2 * options_.control_period) : "");
-    }
+    executives();
     parts();
     for (std::size_t m = 0; m < plans_.size(); ++m) module(m);
     time();
@@ -63,6 +58,8 @@ class LevelWriter {
     write_wire(out_, w);
     return w.name;
   }
+  // Requests bring values of their own, not only those that rules list for verification.
+  [[nodiscard]] bool has_any_value() const { return options_.executive != Executive::Anybody; }
   [[nodiscard]] bool is_served() const { return options_.executive == Executive::Served; }
   // What a codel takes of time needs a clock beside it.
   [[nodiscard]] bool is_clocked() const {
@@ -81,6 +78,26 @@ class LevelWriter {
     return all;
   }
 
+  // Who asks, by module: one for all, or a mailbox each.
+  void executives() {
+    if (options_.executive == Executive::Anybody) return;
+    std::string one;
+    for (std::size_t m = 0; m < plans_.size(); ++m) {
+      requests_.push_back(asked_of(plans_[m], m, constraints_));
+      if (is_served()) {
+        executives_.push_back(names_.claim(plans_[m].component + "_mail", "part"));
+        out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component {} {}({})\n",
+                            plans_[m].mailbox_type, executives_.back(), 100 + 2 * options_.control_period);
+        continue;
+      }
+      if (one.empty()) {
+        one = names_.claim("executive", "part");
+        out_ += fmt::format("    component Executive {}()\n", one);
+      }
+      executives_.push_back(one);
+    }
+  }
+
   // What rules remember.
   void parts() {
     // Parameters come with requests although no rule asks for them; what is remembered stays where a rule is left out
@@ -94,8 +111,12 @@ class LevelWriter {
       return name;
     };
     for (const ParameterRow& p : constraints_.parameters) {
-      parts_.parameters.push_back(component(name_of(p.service) + "_" + bip_name(p.name),
-                                            p.is_text ? "TextParameter" : "NumberParameter", p.values[0]));
+      parts_.parameters.push_back(
+          component(name_of(p.service) + "_" + bip_name(p.name),
+                    p.type == ValueType::Text ? "TextParameter"
+                    : has_any_value()         ? "FractionParameter"
+                                              : "NumberParameter",
+                    p.type == ValueType::Float && !has_any_value() ? ten_thousandths(p.values[0]) : p.values[0]));
     }
     for (const StopwatchRow& w : constraints_.stopwatches) {
       const std::int64_t limit = conditions_.ticks(w.limit);
@@ -125,11 +146,14 @@ class LevelWriter {
     for (std::size_t i = 0; i < p.services.size(); ++i) service({m, i}, reads);
     if (p.execution_activities > 0) {
       Wire abort{.name = p.component + "_read_Abort", .ports = {prefix + "read_Abort", "semaphore.take"}};
-      asks(abort, p.module->name.text + ".Abort");
+      asks(abort, m, p.services.size());
+      if (is_served())
+        abort.action += fmt::format("; {}.activity <- request_word({}.ask.due, 0)", abort.ports[0], executives_[m]);
       reads.push_back(wire(std::move(abort)));
     }
     recoveries(m, reads);
-    if (!executive_.empty()) {
+    if (is_served()) wire({.name = p.component + "_told", .ports = {prefix + "told", executives_[m] + ".told"}});
+    if (!executives_.empty()) {
       // What is asked for is not left for the next cycle.
       const std::string none = wire({.name = p.component + "_none", .ports = {prefix + "none"}});
       for (const std::string& read : reads) priorities_.emplace_back(none, read);
@@ -176,10 +200,8 @@ class LevelWriter {
     // The input of a refused request is given to no codel.
     std::string action;
     if (is_served()) {
-      trig.push_back(executive_ + ".accepted");
-      action = fmt::format(
-          "if ({0}.accepted.asked != \"\") then request_input({0}.accepted.asked, {0}.accepted.asked_input); fi",
-          executive_);
+      trig.push_back(executives_[s.module] + "." + requests_[s.module][s.service].event);
+      action = fmt::format("if ({0}.asked != \"\") then request_input({0}.asked, {0}.asked_input); fi", trig.back());
     }
     wire({.name = plan(s).component + "_trig_" + id, .ports = trig, .action = action});
     if (plan(s).services[s.service].is_heard) successes(s);
@@ -204,47 +226,54 @@ class LevelWriter {
     }
   }
 
-  // One connector a value of its parameters.
+  // One connector; without an executive one a value of its parameters.
   void requests(ServiceRef s, const std::string& read, std::vector<std::string>& reads) {
-    std::string asked = fmt::format("{}.{}", plan(s).module->name.text, plan(s).module->services[s.service].name.text);
-    std::vector<std::string> texts{asked};
-    std::vector<Wire> wires{
-        {.name = plan(s).component + "_read_" + plan(s).services[s.service].id, .ports = {read, "semaphore.take"}}};
+    const std::string name = plan(s).component + "_read_" + plan(s).services[s.service].id;
+    std::vector<Wire> wires{{.name = name, .ports = {read, "semaphore.take"}}};
+    if (has_any_value()) asks(wires[0], s.module, s.service);
+    std::size_t k = 0;
     for (std::size_t i = 0; i < constraints_.parameters.size(); ++i) {
       const ParameterRow& p = constraints_.parameters[i];
       if (p.service != s) continue;
-      std::vector<Wire> more;
-      std::vector<std::string> more_texts;
-      for (std::size_t k = 0; k < wires.size(); ++k) {
-        for (const std::string& value : p.values) {
-          Wire next = wires[k];
-          const std::string bare = value[0] == '"' ? value.substr(1, value.size() - 2) : value;
-          more_texts.push_back(texts[k] + (texts[k] == asked ? "(" : ", ") + bare);
-          next.name = bip_name(fmt::format("{}_{}_{}", next.name, p.name, bare));
-          next.ports.push_back(parts_.parameters[i] + ".set");
-          next.action +=
-              fmt::format("{}{}.set.asked <- {}", next.action.empty() ? "" : "; ", parts_.parameters[i], value);
-          more.push_back(std::move(next));
-        }
+      if (has_any_value()) brings(wires[0], s, i, k++);
+      else wires = with_each_value(wires, i);
+    }
+    for (Wire& w : wires) reads.push_back(wire(std::move(w)));
+  }
+
+  // Parameter `row` is value `k` of the request.
+  void brings(Wire& w, ServiceRef s, std::size_t row, std::size_t k) {
+    w.ports.push_back(parts_.parameters[row] + ".set");
+    w.action +=
+        fmt::format("{}{}.set.asked <- {}({}.ask.due, {})", w.action.empty() ? "" : "; ", parts_.parameters[row],
+                    constraints_.parameters[row].type == ValueType::Text ? "request_word" : "request_number",
+                    executives_[s.module], k);
+  }
+
+  [[nodiscard]] std::vector<Wire> with_each_value(const std::vector<Wire>& wires, std::size_t row) const {
+    const ParameterRow& p = constraints_.parameters[row];
+    std::vector<Wire> more;
+    for (const Wire& w : wires) {
+      for (const std::string& value : p.values) {
+        Wire next = w;
+        const std::string bare = p.type == ValueType::Text ? value.substr(1, value.size() - 2) : value;
+        next.name = bip_name(fmt::format("{}_{}_{}", next.name, p.name, bare));
+        next.ports.push_back(parts_.parameters[row] + ".set");
+        next.action += fmt::format("{}{}.set.asked <- {}", next.action.empty() ? "" : "; ", parts_.parameters[row],
+                                   p.type == ValueType::Float ? ten_thousandths(value) : value);
+        more.push_back(std::move(next));
       }
-      wires = std::move(more);
-      texts = std::move(more_texts);
     }
-    for (std::size_t k = 0; k < wires.size(); ++k) {
-      asks(wires[k], texts[k] + (texts[k] == asked ? "" : ")"));
-      reads.push_back(wire(std::move(wires[k])));
-    }
+    return more;
   }
 
   // Only if the executive says so.
-  void asks(Wire& w, const std::string& request) {
-    if (executive_.empty()) return;
-    requests_.push_back(request);
-    w.ports.push_back(executive_ + ".ask");
-    w.guard = fmt::format("{}.ask.wanted == \"{}\"", executive_, request);
-    if (is_served())
-      w.action +=
-          fmt::format("{0}request_asked({1}.ask.wanted, {1}.ask.input)", w.action.empty() ? "" : "; ", executive_);
+  void asks(Wire& w, std::size_t module, std::size_t request) {
+    if (executives_.empty()) return;
+    const std::string& executive = executives_[module];
+    w.ports.push_back(executive + ".ask");
+    w.guard = fmt::format("{}.ask.due_service == \"{}\"", executive, requests_[module][request].text);
+    if (is_served()) w.action = fmt::format("request_asked({0}.ask.due, {0}.ask.due_input)", executive);
   }
 
   // Either every rule allows it, or one rejects it; then what it interrupts is told.
@@ -336,7 +365,7 @@ class LevelWriter {
       const Plan& p = plans_[m];
       std::vector<std::string> ports{fmt::format("{}.read_{}", p.component, p.services[c.recovery->service].id),
                                      "semaphore.take", parts_.recoveries[row] + ".run"};
-      if (is_served()) ports.push_back(executive_ + ".recover");
+      if (is_served()) ports.push_back(executives_[m] + ".recover");
       const std::string name = wire({.name = fmt::format("{}_recover_{}", p.component, c.name), .ports = ports});
       for (const std::string& read : reads) priorities_.emplace_back(read, name);
     }
@@ -372,7 +401,7 @@ class LevelWriter {
     std::vector<std::string> ports{"masterTimer.tick"};
     std::string action;
     for (const Plan& p : plans_) ports.push_back(p.component + ".moduleTick");
-    if (!executive_.empty()) ports.push_back(executive_ + ".tick");
+    for (const std::string& executive : executives_) add_port(ports, executive + ".tick");
     for (std::size_t i = 0; i < constraints_.stopwatches.size(); ++i) {
       const std::string tick = parts_.stopwatches[i] + ".tick";
       ports.push_back(tick);
@@ -395,8 +424,9 @@ class LevelWriter {
   const GenerateOptions& options_;
   std::int64_t tick_us_;
   LevelParts parts_;
-  std::string executive_, sync_;
-  std::vector<std::string> requests_;
+  std::vector<std::string> executives_;  // by module
+  std::string sync_;
+  std::vector<std::vector<Asked>> requests_;  // by module, in the order of its services, then Abort
   Scope names_;
   ConditionWriter conditions_;
   std::map<std::string, std::string> posters_;
@@ -406,63 +436,14 @@ class LevelWriter {
 
 }  // namespace
 
-std::string executive_type(Executive executive, const std::vector<std::string>& requests) {
-  if (executive == Executive::Served) {
-    std::string known;
-    for (const std::string& request : requests)
-      known += fmt::format("{}\n        wanted == \"{}\"", known.empty() ? "" : " ||", request);
-    return fmt::format(
-        "\n  // What a request came with, as its client wrote it: when it is asked for, for codels that judge it; and "
-        "once it is accepted.\n"
-        "  extern function request_asked(string, string)\n"
-        "  extern function request_input(string, string)\n"
-        "\n  port type Asks(string wanted)\n  port type Posts(string wanted, string input)\n"
-        "  port type Accepted(string asked, string asked_input)\n  port type Told(string rqst, string rep)\n"
-        "\n  // Requests of clients: \"MODULE.SERVICE(VALUE, ...)\", one at a time. What there is not is lost at once, "
-        "what no module takes after `patience` ticks.\n"
-        "  atom type Executive(int patience)\n"
-        "    data string wanted = \"\", input = \"\", asked = \"\", asked_input = \"\"\n"
-        "    data int waited = 0\n    data bool known = false\n"
-        "    extern port Posts request(wanted, input) remember\n"
-        "    export port Signal tick()\n    export port Posts ask(wanted, input)\n"
-        "    export port Accepted accepted(asked, asked_input)\n    export port Signal recover()\n"
-        "    port Asks lost(wanted)\n"
-        "\n    place NONE, DUE\n\n    initial to NONE\n\n"
-        "    on request from NONE to DUE eager do {{\n      known ={};\n      waited = 0;\n    }}\n"
-        "    on ask from DUE to NONE do {{ asked = wanted; asked_input = input; }}\n"
-        "    on lost from DUE to NONE provided (!known || waited >= patience)\n"
-        "    on tick from NONE to NONE\n"
-        "    on tick from DUE to DUE provided (known && waited < patience) do {{ waited = waited + 1; }}\n"
-        "\n    // The next request may arrive before this one is accepted. A recovery has no client, so it has no "
-        "input.\n"
-        "    on accepted from NONE to NONE\n    on accepted from DUE to DUE\n"
-        "    on recover from NONE to NONE do {{ asked = \"\"; }}\n"
-        "    on recover from DUE to DUE do {{ asked = \"\"; }}\n  end\n",
-        known.empty() ? " false" : known);
-  }
-  return "\n  // The next request, \"MODULE.SERVICE(VALUE, ...)\", or nothing; intermediate replies, or why there is "
-         "none; final replies.\n"
-         "  extern function string executive_request()\n"
-         "  extern function executive_answer(string, string, string)\n"
-         "  extern function executive_reply(string, string, string)\n"
-         "\n  port type Asks(string wanted)\n"
-         "\n  // The decisional level, as far as it is seen here: one request at a time, asked for anew in each tick.\n"
-         "  atom type Executive()\n    data string wanted = \"\"\n    export port Signal tick()\n    export port Asks "
-         "ask(wanted)\n"
-         "\n    place HERE\n\n    initial to HERE\n\n"
-         "    on tick from HERE to HERE do {\n      if (wanted == \"\") then\n        wanted = executive_request();\n  "
-         "    fi\n    }\n"
-         "    on ask from HERE to HERE do { wanted = \"\"; }\n  end\n";
-}
-
 Scope level_scope() {
   Scope names;
   for (const char* own : {"semaphore", "masterTimer"}) names.claim(own, "");
   return names;
 }
 
-std::vector<std::string> write_level(std::string& out, const std::vector<Plan>& plans, const GenerateOptions& options,
-                                     std::int64_t tick_us) {
+std::vector<std::vector<Asked>> write_level(std::string& out, const std::vector<Plan>& plans,
+                                            const GenerateOptions& options, std::int64_t tick_us) {
   return LevelWriter(out, plans, options, tick_us).run();
 }
 

@@ -65,7 +65,8 @@ struct Service {
   Name name;
   ServiceKind kind = ServiceKind::Control;
   bool is_init = false;
-  bool waits = false;  // its trigger may have to wait for a constraint: the lock is given back meanwhile
+  bool waits = false;      // its trigger may have to wait for a constraint: the lock is given back meanwhile
+  bool overtakes = false;  // the side file says so: its requests wait for no others of the module
   std::string doc;
   Name task;  // of an execution service
   std::size_t task_index = 0;

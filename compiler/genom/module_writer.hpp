@@ -68,6 +68,7 @@ class ModuleWriter {
   bool is_3_;
   Scope scope_;
   std::map<std::string, std::string> names_;
+  std::vector<std::string> aborts_;  // wanted names of the connectors by which Abort finds an activity
 };
 
 }  // namespace bip::genom

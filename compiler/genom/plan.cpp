@@ -88,6 +88,7 @@ class Planner {
   Plan run() {
     plan_.control_type = types_.claim(plan_.type + "Control", "Task");
     plan_.box_type = types_.claim(plan_.type + "MessageBox", "Atom");
+    if (plan_.executive == Executive::Served) plan_.mailbox_type = types_.claim(plan_.type + "Mailbox", "Atom");
     plan_.control = scope_.claim("control", "task");
     plan_.ids = scope_.claim("ids", "control");
     if (!plan_.by_codel) plan_.lock = scope_.claim("lock", "ids");

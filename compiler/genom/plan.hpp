@@ -91,7 +91,7 @@ struct Plan {
   std::vector<LockPlan> locks;
   std::size_t execution_activities = 0;
   std::string control, ids, lock, poster_timer;  // components
-  std::string control_type, box_type;
+  std::string control_type, box_type, mailbox_type;
 
   [[nodiscard]] const Service& service_of(std::size_t activity) const {
     return module->services[activities[activity].service];

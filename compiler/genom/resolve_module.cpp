@@ -158,6 +158,12 @@ class Resolver {
         s.waits = true;
         line.used = true;
       }
+    } else if (line.kind == "request") {
+      for (Service& s : module_.services) {
+        if (!is_about(line.subject, s.name.text)) continue;
+        s.overtakes = true;
+        line.used = true;
+      }
     } else {
       for (Task& t : module_.tasks) {
         if (!is_about(line.subject, t.name.text)) continue;
@@ -303,12 +309,17 @@ std::vector<SideLine> parse_side_file(const SourceMap& sources, FileId file, Dia
       lines.push_back({"async", words[1], {words.begin() + 3, words.end()}, false});
       continue;
     }
-    const std::string verb = kind == "codel" ? "yields" : kind == "trigger" ? "waits" : kind == "task" ? "reads" : "";
-    if (verb.empty() || words.size() < 3 || words[2].text != verb || (verb != "waits") != (words.size() > 3)) {
+    const std::string verb = kind == "codel"     ? "yields"
+                             : kind == "trigger" ? "waits"
+                             : kind == "request" ? "overtakes"
+                             : kind == "task"    ? "reads"
+                                                 : "";
+    const bool is_whole = verb == "waits" || verb == "overtakes";
+    if (verb.empty() || words.size() < 3 || words[2].text != verb || is_whole != (words.size() == 3)) {
       diags.report(Diag::kB6022, words[0].range, "this is no line of a side file")
           .help(
-              "`codel NAME yields A B`, `codel NAME async 20 ms`, `trigger SERVICE waits` or `task TASK reads "
-              "MODULE.POSTER`");
+              "`codel NAME yields A B`, `codel NAME async 20 ms`, `trigger SERVICE waits`, `request SERVICE overtakes` "
+              "or `task TASK reads MODULE.POSTER`");
       continue;
     }
     lines.push_back({kind, words[1], {words.begin() + 3, words.end()}, false});
@@ -321,9 +332,9 @@ void report_unused(const std::vector<SideLine>& side, Diagnostics& diags) {
     if (!line.used)
       diags.report(Diag::kB6022, line.subject.range,
                    fmt::format("there is no {} `{}` in what is translated",
-                               line.kind == "trigger" ? "service"
-                               : line.kind == "async" ? "codel"
-                                                      : line.kind,
+                               line.kind == "trigger" || line.kind == "request" ? "service"
+                               : line.kind == "async"                           ? "codel"
+                                                                                : line.kind,
                                line.subject.text));
   }
 }

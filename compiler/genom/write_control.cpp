@@ -62,6 +62,7 @@ bool refuses(const Plan& plan, std::size_t service) {
 
 void write_control(std::string& out, const Plan& plan) {
   const Module& m = *plan.module;
+  const bool is_served = plan.executive == Executive::Served;
   bool any_checked = false;
   bool any_validate = false;
   bool any_invalid = false;
@@ -138,12 +139,16 @@ void write_control(std::string& out, const Plan& plan) {
     box.on("retake", "back", "laun");
   }
   if (any_execution) {
-    for (const char* name : {"read_Abort", "abort", "unknown", "launch"}) box.signal(name);
+    for (const char* name : {"read_Abort", "abort"}) {
+      if (is_served) box.ports.emplace_back("Target", std::string(name) + "(activity)");
+      else box.signal(name);
+    }
+    for (const char* name : {"unknown", "launch"}) box.signal(name);
     box.places += ", abor";
     box.transitions += "\n    // Abort names an activity.\n";
     box.on("read_Abort", "read", "abor", " do { rqst = \"Abort\"; rep = \"OK\"; token = true; }");
     box.on("abort", "abor", "laun");
-    box.on("unknown", "abor", "laun");
+    box.on("unknown", "abor", "laun", is_served ? " do { rep = \"UNKNOWN_ACTIVITY\"; }" : "");
     box.transitions += "\n    // Start what is ready.\n";
     box.on("launch", "laun", "laun");
   }
@@ -151,9 +156,9 @@ void write_control(std::string& out, const Plan& plan) {
   box.places += ", give_back, fini";
   const std::string answer =
       fmt::format(" do {{ if (rqst != \"\") then executive_answer(\"{}\", rqst, rep); rqst = \"\"; fi }}", m.name.text);
-  const bool is_served = plan.executive == Executive::Served;
   const std::string is_told = is_served ? " && rqst == \"\"" : "";
   box.on("done", "laun", "give_back", plan.executive == Executive::Cpp ? answer : "");
+  if (is_served) box.ports.emplace_back("Told", "told(rqst, rep)");
   if (is_served) box.on("told", "give_back", "give_back", " provided (rqst != \"\") do { rqst = \"\"; }");
   box.on("give", "give_back", "idle", fmt::format(" provided (token{}) do {{ token = false; }}", is_told));
   box.on("rest", "give_back", "idle", fmt::format(" provided (!token{})", is_told));
@@ -165,7 +170,7 @@ void write_control(std::string& out, const Plan& plan) {
       "  atom type {}()\n    data string rqst = \"\", rep = \"OK\"\n    data bool token = false\n    port Signal "
       "init()\n",
       plan.box_type);
-  if (is_served) out += "    port Told told(rqst, rep)\n";
+  if (is_served) out += "    data string activity = \"\"\n";
   for (const auto& [type, name] : box.ports) out += fmt::format("    export port {} {}\n", type, name);
   out += fmt::format("\n    place {}\n\n    initial to off\n\n{}  end\n", box.places, box.transitions);
 

@@ -9,14 +9,20 @@ namespace bip::genom {
 
 void ModuleWriter::aborts() {
   out_ += "\n    // Request Abort.\n";
+  // A client names the activity; without a name it is any.
+  const bool is_served = plan_.executive == Executive::Served;
   for (std::size_t k = 0; k < plan_.activities.size(); ++k) {
     if (plan_.service_of(k).kind != ServiceKind::Execution) continue;
     const std::string& name = plan_.activities[k].component;
-    wire({.name = "abort_" + name, .ports = {control("abort"), of_activity(k, "abt")}});
+    const std::string guard =
+        is_served ? fmt::format("{0}.activity == \"{1}\" || {0}.activity == \"\"", control("abort"), name) : "";
+    wire({.name = "abort_" + name, .ports = {control("abort"), of_activity(k, "abt")}, .guard = guard});
+    aborts_.push_back("abort_" + name);
     if (!plan_.services[plan_.activities[k].service].activity.has_zombie) continue;
     std::vector<std::string> bury{control("abort"), of_activity(k, "bury")};
     if (plan_.has_checks()) bury.push_back(plan_.ids + ".remove_zombie");
-    wire({.name = "bury_" + name, .ports = bury});
+    wire({.name = "bury_" + name, .ports = bury, .guard = guard});
+    aborts_.push_back("bury_" + name);
   }
   wire({.name = "unknown_activity", .ports = {control("unknown")}});
 }
@@ -270,6 +276,11 @@ void ModuleWriter::priorities() {
     if (plan_.service_of(k).kind == ServiceKind::Execution)
       launches.push_back("launch_" + plan_.activities[k].component);
   }
+  if (plan_.executive == Executive::Served) {
+    for (const std::string& abort : aborts_)
+      out_ += fmt::format("    priority {} {}:* < {}:*\n", scope_.claim("first_" + abort, "rule"),
+                          names_.at("unknown_activity"), names_.at(abort));
+  }
   // Where rules say when activities begin, the functional level does this.
   if (launches.empty() || plan_.is_launched_by_rules) return;
   out_ += "\n";
@@ -315,6 +326,7 @@ void ModuleWriter::exports() {
   for (const char* name : {"err", "stop"}) write_export(out_, control(name), name);
   if (plan_.is_launched_by_rules) write_export(out_, out_of("done"), "done");
   if (plan_.executive != Executive::Anybody) write_export(out_, out_of("none"), "none");
+  if (plan_.executive == Executive::Served) write_export(out_, control("told"), "told");
   write_export(out_, out_of("give"), "give");
   for (std::size_t i = 0; i < module_.tasks.size(); ++i) {
     if (module_.tasks[i].has_permanent() || !module_.tasks[i].reads.empty())

@@ -58,7 +58,7 @@ class Checker {
   std::optional<Checked> run() {
     for (const ParameterDecl& p : file_.parameters) {
       for (const std::string& v : p.values) {
-        if (p.is_text) plain(v, p.name.range);
+        if (p.type == genom::ValueType::Text) plain(v, p.name.range);
       }
       names_.parameter(p);
     }

@@ -126,30 +126,13 @@ class RulesParser {
     ParameterDecl p;
     if (!at_.name(p.name, "a parameter") || !at_.expect("of") || !paths(p.services, "a service") || !at_.expect(":"))
       return false;
-    do {
-      const genom::Token& token = at_.peek();
-      std::int64_t value = 0;
-      const bool is_number =
-          token.kind == genom::TokenKind::Number && genom::whole_number(token.text, value) && value <= 2147483647;
-      const bool is_text = token.kind == genom::TokenKind::String || token.kind == genom::TokenKind::Word;
-      if ((!is_number && !is_text) || (!p.values.empty() && is_text != p.is_text)) {
-        at_.unexpected(p.values.empty() ? "a value" : p.is_text ? "a word, as before" : "a number, as before");
-        return false;
-      }
-      p.is_text = is_text;
-      p.values.push_back(is_number ? std::to_string(value) : std::string(token.text));
-      at_.take();
-    } while (at_.accept(","));
+    if (!listed(p.type, p.values)) return false;
     file_.parameters.push_back(std::move(p));
     return at_.expect(";");
   }
 
   // Numbers, of which one with a fraction makes fractions of all, or words.
-  bool value() {
-    at_.take();
-    ValueDecl v;
-    if (!at_.name(v.name, "a value") || !at_.expect("of") || !parse_path(at_, v.poster, "a poster") || !at_.expect(":"))
-      return false;
+  bool listed(genom::ValueType& all, std::vector<std::string>& values) {
     do {
       const genom::Token& token = at_.peek();
       std::int64_t whole = 0;
@@ -160,15 +143,24 @@ class RulesParser {
       const genom::ValueType type = is_text  ? genom::ValueType::Text
                                     : is_int ? genom::ValueType::Int
                                              : genom::ValueType::Float;
-      const bool was_text = v.type == genom::ValueType::Text;
-      if ((!is_int && !is_fraction && !is_text) || (!v.values.empty() && is_text != was_text)) {
-        at_.unexpected(v.values.empty() ? "a value" : was_text ? "a word, as before" : "a number, as before");
+      const bool was_text = all == genom::ValueType::Text;
+      if ((!is_int && !is_fraction && !is_text) || (!values.empty() && is_text != was_text)) {
+        at_.unexpected(values.empty() ? "a value" : was_text ? "a word, as before" : "a number, as before");
         return false;
       }
-      v.type = v.values.empty() || type == genom::ValueType::Float ? type : v.type;
-      v.values.push_back(is_int ? std::to_string(whole) : std::string(token.text));
+      all = values.empty() || type == genom::ValueType::Float ? type : all;
+      values.push_back(is_int ? std::to_string(whole) : std::string(token.text));
       at_.take();
     } while (at_.accept(","));
+    return true;
+  }
+
+  bool value() {
+    at_.take();
+    ValueDecl v;
+    if (!at_.name(v.name, "a value") || !at_.expect("of") || !parse_path(at_, v.poster, "a poster") || !at_.expect(":"))
+      return false;
+    if (!listed(v.type, v.values)) return false;
     file_.values.push_back(std::move(v));
     return at_.expect(";");
   }

@@ -82,7 +82,7 @@ struct Rule {
 struct ParameterDecl {
   Name name;
   std::vector<Path> services;
-  bool is_text = false;
+  genom::ValueType type = genom::ValueType::Int;
   std::vector<std::string> values;
 };
 

@@ -58,6 +58,10 @@ std::optional<Found> look_up(const std::vector<genom::Module>& modules, Rows gen
   return std::nullopt;
 }
 
+Type type_of(genom::ValueType type) {
+  return type == genom::ValueType::Int ? Type::Int : type == genom::ValueType::Float ? Type::Float : Type::Text;
+}
+
 const char* name_of(Type t) {
   switch (t) {
     case Type::Bool: return "a truth value";
@@ -83,6 +87,21 @@ std::optional<genom::PosterRef> NameScope::poster(const Path& path) {
   return genom::PosterRef{found->module, found->row};
 }
 
+// As BIP writes them.
+std::vector<std::string> NameScope::written(const Name& name, genom::ValueType type,
+                                            const std::vector<std::string>& values) {
+  std::vector<std::string> out;
+  for (const std::string& v : values) {
+    const bool is_whole = v.find('.') == std::string::npos;
+    if (type == genom::ValueType::Float && is_whole && v.size() > 4)
+      diags_.report(Diag::kB6010, name.range, "a number beside a fraction", v, 0, kMostWhole);
+    out.push_back(type == genom::ValueType::Text                ? "\"" + v + "\""
+                  : type == genom::ValueType::Float && is_whole ? v + ".0"
+                                                                : v);
+  }
+  return out;
+}
+
 void NameScope::parameter(const ParameterDecl& decl) {
   for (const Path& path : decl.services) {
     const auto s = service(path);
@@ -91,9 +110,7 @@ void NameScope::parameter(const ParameterDecl& decl) {
       if (p.service == *s && p.name == decl.name.text)
         diags_.report(Diag::kB6013, decl.name.range, "parameter", decl.name.text);
     }
-    genom::ParameterRow row{decl.name.text, *s, decl.is_text, {}};
-    for (const std::string& v : decl.values) row.values.push_back(decl.is_text ? "\"" + v + "\"" : v);
-    constraints_.parameters.push_back(std::move(row));
+    constraints_.parameters.push_back({decl.name.text, *s, decl.type, written(decl.name, decl.type, decl.values)});
   }
 }
 
@@ -114,16 +131,7 @@ void NameScope::value(const ValueDecl& decl) {
     diags_.report(Diag::kB6010, decl.name.range,
                   fmt::format("the number of values that poster `{}` may hold", decl.poster.text()), choices, 1,
                   kMostChoices);
-  genom::ValueRow row{*p, decl.name.text, decl.type, {}};
-  for (const std::string& v : decl.values) {
-    const bool is_whole = v.find('.') == std::string::npos;
-    if (decl.type == genom::ValueType::Float && is_whole && v.size() > 4)
-      diags_.report(Diag::kB6010, decl.name.range, "a number beside a fraction", v, 0, kMostWhole);
-    row.values.push_back(decl.type == genom::ValueType::Text                ? "\"" + v + "\""
-                         : decl.type == genom::ValueType::Float && is_whole ? v + ".0"
-                                                                            : v);
-  }
-  constraints_.values.push_back(std::move(row));
+  constraints_.values.push_back({*p, decl.name.text, decl.type, written(decl.name, decl.type, decl.values)});
 }
 
 Type NameScope::value_of(const Expr& e, Condition& into) {
@@ -151,8 +159,7 @@ Type NameScope::value_of(const Expr& e, Condition& into) {
              constraints_.values[found].poster.module);
   into.kind = ConditionKind::Held;
   into.row = found;
-  const genom::ValueType type = constraints_.values[found].type;
-  return type == genom::ValueType::Int ? Type::Int : type == genom::ValueType::Float ? Type::Float : Type::Text;
+  return type_of(constraints_.values[found].type);
 }
 
 bool NameScope::condition(const Expr& e, genom::ServiceRef subject, Moment moment, Condition& into) {
@@ -190,7 +197,7 @@ Type NameScope::parameter_of(const Expr& e, std::optional<genom::ServiceRef> s, 
     if (p.service != *s || p.name != e.name.text) continue;
     into.kind = moment == Moment::Request ? ConditionKind::Asked : ConditionKind::Value;
     into.row = i;
-    return p.is_text ? Type::Text : Type::Int;
+    return type_of(p.type);
   }
   diags_.report(Diag::kB6105, e.name.range, e.name.text, text(*s))
       .help(fmt::format("declare it: `parameter {} of {}: VALUES;`", e.name.text, text(*s)));
@@ -231,12 +238,21 @@ Type NameScope::convert(const Expr& e, genom::ServiceRef subject, Moment moment,
     case ExprKind::Request: return parameter_of(e, subject, moment, into);
     case ExprKind::Total: {
       into.kind = ConditionKind::Total;
+      bool has_fractions = false;
       for (std::size_t i = 0; i < constraints_.parameters.size(); ++i) {
         const genom::ParameterRow& p = constraints_.parameters[i];
         // Of the others: what the request would add is `request.p`.
-        if (p.name == e.name.text && !p.is_text && p.service != subject) into.rows.push_back(i);
+        if (p.name != e.name.text || p.type == genom::ValueType::Text || p.service == subject) continue;
+        const bool is_fraction = p.type == genom::ValueType::Float;
+        if (!into.rows.empty() && is_fraction != has_fractions) {
+          diags_.report(Diag::kB6106, e.name.range, "`total`", name_of(has_fractions ? Type::Float : Type::Int),
+                        name_of(is_fraction ? Type::Float : Type::Int));
+          return Type::None;
+        }
+        has_fractions = is_fraction;
+        into.rows.push_back(i);
       }
-      if (!into.rows.empty()) return Type::Int;
+      if (!into.rows.empty()) return has_fractions ? Type::Float : Type::Int;
       diags_.report(Diag::kB6105, e.name.range, e.name.text, "any other service");
       return Type::None;
     }

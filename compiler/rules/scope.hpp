@@ -33,6 +33,8 @@ class NameScope {
   /// A value of a poster, with or without poster and module before it; None if there is none, and nothing is reported.
   [[nodiscard]] Type value_of(const Expr& e, genom::Condition& into);
   [[nodiscard]] bool is_poster(const Expr& e);
+  [[nodiscard]] std::vector<std::string> written(const Name& name, genom::ValueType type,
+                                                 const std::vector<std::string>& values);
   [[nodiscard]] bool sees_itself(const Expr& e, genom::ServiceRef seen, genom::ServiceRef subject);
 
   const std::vector<genom::Module>& modules_;

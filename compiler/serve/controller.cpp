@@ -7,7 +7,7 @@
 namespace bip::serve {
 
 Controller::Controller(const rt::Image& image, const ExecutionOptions& options, Begin begin)
-    : image_(image), system_(image, options), is_paused_(begin == Begin::Paused) {}
+    : image_(image), system_(image, options), requests_(image, system_), is_paused_(begin == Begin::Paused) {}
 
 Controller::~Controller() { halt(); }
 
@@ -25,6 +25,7 @@ void Controller::start() {
   BIP_ASSERT(!thread_.joinable(), "the controller runs already");
   system_.on_step([this](const Step& step) {
     if (on_step) on_step(step, system_.now());
+    requests_.note_step(step);
   });
   thread_ = std::thread([this] { run(); });
 }
@@ -77,6 +78,7 @@ std::string Controller::back(std::uint64_t count) {
     if (count == 1) system_.restore(undo_.back());
     drop_state();
   }
+  requests_.forget();
   has_ended_ = false;
   is_paused_ = true;
   return {};
@@ -99,6 +101,7 @@ bool Controller::save(std::size_t& number) {
 bool Controller::restore(std::size_t number) {
   if (number >= snapshots_.size()) return false;
   system_.restore(snapshots_[number]);
+  requests_.forget();
   forget_states();
   has_ended_ = false;
   return true;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "bip/bip.hpp"
+#include "compiler/serve/requests.hpp"
 
 namespace bip::serve {
 
@@ -41,6 +42,8 @@ class Controller {
   // ---- any thread
   [[nodiscard]] const rt::Image& image() const { return image_; }
   [[nodiscard]] Execution& events() { return system_; }  // post() and event_port() only
+  /// For services of robot modules; its own functions say from which thread.
+  [[nodiscard]] Requests& requests() { return requests_; }
   void ask(Command command);
 
   // ---- in a command
@@ -70,6 +73,7 @@ class Controller {
   static constexpr std::size_t kMostUndone = 1000, kMostUndoneBytes = std::size_t{64} << 20;
   const rt::Image& image_;
   Execution system_;
+  Requests requests_;
   std::vector<Execution::Snapshot> snapshots_;
   std::deque<Execution::Snapshot> undo_;  // before each of the last steps that a client asked for
   std::size_t undo_bytes_ = 0;

@@ -53,7 +53,7 @@ struct Client {
   std::size_t waiting_bytes = 0;
   std::size_t asked = 0;  // requests without an answer so far
   std::uint64_t dropped = 0;
-  bool is_subscribed = false, has_breakpoint = false;
+  bool is_subscribed = false, hears_requests = false, has_breakpoint = false;
   bool reads = false, writes = false, has_finished = false, is_closing = false;
   Origin origin = Origin::Stdio;
   bool is_known = false;    // its requests are executed; a client of TCP is by its token
@@ -132,6 +132,7 @@ class Server {
     controller_.on_end = [this](Outcome outcome, const std::string& text) {
       net::post(io_, [this, line = end_line(outcome, text)] { broadcast(nullptr, line); });
     };
+    controller_.requests().on_reply = [this](const RequestReply& reply) { note(reply); };
     controller_.start();
     io_.run();
   }
@@ -235,6 +236,7 @@ class Server {
 
   // On the engine's thread: a step that nobody wants costs no line.
   void note(const Step& step, std::int64_t now) {
+    now_.store(now, std::memory_order_relaxed);
     std::vector<std::uint64_t> receivers, breakers;
     {
       const std::lock_guard<std::mutex> hold(watched_lock_);
@@ -259,6 +261,17 @@ class Server {
       BIP_ASSERT(notes_.load() > 0, "a note that was not counted");
       notes_.fetch_sub(1);
       broadcast(&to, line);
+    });
+  }
+
+  // Any thread: to who asked, and to who wants to hear of all requests.
+  void note(const RequestReply& reply) {
+    net::post(io_, [this, client = reply.client, line = request_line(reply, now_.load())] {
+      for (auto& [number, to] : clients_) {
+        if (number != client && !to->hears_requests) continue;
+        if (to->waiting_bytes + line.size() > options_.max_waiting) ++to->dropped;
+        else send(number, line);
+      }
     });
   }
 
@@ -384,12 +397,14 @@ class Server {
     client.last_request = ServerClock::now();
     client.has_spoken = client.has_spoken || kind_of_line(line) == LineKind::Object;
     Reply reply;
+    reply.client = number;
     ++client.asked;
     reply.send = [this, number](std::string text) {
       net::post(io_, [this, number, said = std::move(text)] { answer(number, said); });
     };
     reply.subscribe = [this, number](const Subscription& subscription) {
-      clients_.at(number)->is_subscribed = subscription.is_on;
+      clients_.at(number)->is_subscribed = subscription.is_on || subscription.hears_requests;
+      clients_.at(number)->hears_requests = subscription.hears_requests;
       const std::lock_guard<std::mutex> hold(watched_lock_);
       watched_[number].told = subscription;
     };
@@ -474,6 +489,7 @@ class Server {
   };
   std::mutex watched_lock_;
   std::map<std::uint64_t, Watched> watched_;  // by client; read on the engine's thread
+  std::atomic<std::int64_t> now_{0};          // of the last step
   std::atomic<int> notes_{0};
   std::atomic<std::uint64_t> lost_{0};
   bool ends_ = false;

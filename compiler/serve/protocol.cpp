@@ -43,7 +43,8 @@ const char* type_name(rt::CellType type) {
 
 std::string path_of(const rt::Atom& atom, const rt::Port& port) { return atom.path() + "." + port.name; }
 
-Json ports_of(const rt::Image& image) {
+Json ports_of(Controller& controller) {
+  const rt::Image& image = controller.image();
   Json ports = Json::array();
   for (const rt::Atom& atom : image.atoms) {
     const rt::AtomType& type = image.atom_types[atom.type];
@@ -51,11 +52,25 @@ Json ports_of(const rt::Image& image) {
       const rt::Port& port = type.ports[type.time->events[k].port];
       Json vars = Json::object();
       for (const rt::Var& v : image.port_types[port.type].vars) vars[v.name] = type_name(v.type);
+      if (controller.requests().is_mailbox_port(path_of(atom, port))) continue;
       ports.push_back({{"port", path_of(atom, port)}, {"values", std::move(vars)}});
       if (ports.size() == kMaxAtoms) return ports;
     }
   }
   return ports;
+}
+
+Json services_of(const Requests& requests) {
+  Json all = Json::array();
+  for (const ServiceText& s : requests.services()) {
+    Json values = Json::object();
+    for (const ParameterText& p : s.parameters) values[std::string(p.name)] = p.is_word ? "word" : "number";
+    all.push_back({{"service", s.name},
+                   {"kind", s.is_control ? "control" : "activity"},
+                   {"overtakes", s.overtakes},
+                   {"values", std::move(values)}});
+  }
+  return all;
 }
 
 // The value, or an empty text for what no event carries.
@@ -85,6 +100,8 @@ std::string post(Controller& controller, const Json& request) {
   const auto port = request.find("port");
   if (port == request.end() || !port->is_string()) return "`port` is missing, the path of a port for events";
   const std::string path = port->get<std::string>();
+  if (controller.requests().is_mailbox_port(path))
+    return "`" + path + "` takes no events: a request is {\"do\":\"request\",\"service\":…}";
   const std::uint32_t row = controller.events().event_port(path);
   if (row == rt::kNone) return "there is no port `" + path + "` for events from outside";
   const rt::Span<rt::Var>& vars = type_of_port(controller.image(), path)->vars;
@@ -229,7 +246,31 @@ void handle_line(Controller& controller, const std::string& line, Reply reply) {
     answer["format"] = "bipc-serve";
     answer["version"] = 1;
     answer["model"] = controller.image().name;
-    answer["ports"] = ports_of(controller.image());
+    answer["ports"] = ports_of(controller);
+    if (controller.requests().any()) answer["services"] = services_of(controller.requests());
+    return reply.send(line_of(answer));
+  }
+  if (what == "request") {
+    const auto service = request.find("service"), input = request.find("input");
+    if (service == request.end() || !service->is_string()) return refuse("`service` is missing, \"MODULE.SERVICE\"");
+    if (input != request.end() && !input->is_string()) return refuse("`input` is a text");
+    const std::string wrong = controller.requests().ask(
+        service->get<std::string>(), input == request.end() ? "" : input->get<std::string>(), reply.client, count);
+    if (!wrong.empty()) return refuse(wrong);
+    Json answer = answer_to(id);
+    answer["request"] = count;
+    return reply.send(line_of(answer));
+  }
+  if (what == "cancel") {
+    if (!count_of(request, "request", ~0ull, count)) return refuse("`request` is a number that `request` gave");
+    const std::string wrong = controller.requests().cancel(count, reply.client);
+    return wrong.empty() ? reply.send(line_of(answer_to(id))) : refuse(wrong);
+  }
+  if (what == "requests") {
+    Json answer = answer_to(id);
+    answer["requests"] = Json::array();
+    for (const Requests::Row& row : controller.requests().open())
+      answer["requests"].push_back({{"request", row.request}, {"service", row.service}, {"running", row.is_running}});
     return reply.send(line_of(answer));
   }
   if (what == "subscribe" || what == "unsubscribe" || what == "break") {
@@ -237,10 +278,15 @@ void handle_line(Controller& controller, const std::string& line, Reply reply) {
     if (!texts_of(request, "interactions", names)) return refuse("`interactions` is an array of names");
     if (!texts_of(request, "ports", ports)) return refuse("`ports` is an array of ends of paths");
     const bool names_steps = !names.empty() || !ports.empty();
+    const auto wanted = request.find("requests");
+    if (wanted != request.end() && !wanted->is_boolean()) return refuse("`requests` is true or false");
+    const bool hears_requests = what == "subscribe" && wanted != request.end() && wanted->get<bool>();
     std::set<std::string> interactions;
     for (const std::string& name : names) interactions.insert(rt::whole_path(name));
-    const Subscription steps{
-        what == "break" ? names_steps : what == "subscribe", std::move(interactions), {ports.begin(), ports.end()}};
+    const Subscription steps{what == "break" ? names_steps : what == "subscribe" && (names_steps || !hears_requests),
+                             std::move(interactions),
+                             {ports.begin(), ports.end()},
+                             hears_requests};
     what == "break" ? reply.break_at(steps) : reply.subscribe(steps);
     return reply.send(line_of(answer_to(id)));
   }
@@ -335,6 +381,15 @@ std::string step_line(const Step& step, std::int64_t now, const char* note) {
     std::visit([&](const auto& value) { line["values"][step.ports[v.port]][v.name] = value; }, v.value);
   }
   return line_of(line);
+}
+
+std::string request_line(const RequestReply& reply, std::int64_t now) {
+  return line_of({{"note", "request"},
+                  {"request", reply.request},
+                  {"service", reply.service},
+                  {"time", now},
+                  {"reply", reply.is_final ? "final" : "intermediate"},
+                  {"report", reply.report}});
 }
 
 std::string end_line(Outcome outcome, const std::string& text) {

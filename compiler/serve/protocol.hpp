@@ -19,11 +19,13 @@ struct Subscription {
   bool is_on = false;
   std::set<std::string> interactions;
   std::vector<std::string> ports;  // ends of paths, "panel.turn"
+  bool hears_requests = false;     // what becomes of requests of any client
   /// Of these interactions, or with one of these ports; without both, all.
   [[nodiscard]] bool wants(const Step& step) const;
 };
 
 struct Reply {
+  std::uint64_t client = 0;
   /// With its newline; from any thread, once or later.
   std::function<void(std::string line)> send;
   std::function<void(const Subscription&)> subscribe;
@@ -43,6 +45,8 @@ void handle_line(Controller& controller, const std::string& line, Reply reply);
 
 /// `{"note":"step",…}`, with "break" the note of a pause, and `{"note":"end",…}` with a newline.
 [[nodiscard]] std::string step_line(const Step& step, std::int64_t now, const char* note = "step");
+/// `{"note":"request",…}`
+[[nodiscard]] std::string request_line(const RequestReply& reply, std::int64_t now);
 [[nodiscard]] std::string end_line(Outcome outcome, const std::string& text);
 [[nodiscard]] std::string error_line(const std::string& what);
 

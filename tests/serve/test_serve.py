@@ -56,7 +56,7 @@ def ask(**request):
         answer = json.loads(reader.readline())
         if "note" not in answer:
             return answer
-WORDS = ["hello", "post", "subscribe", "unsubscribe", "state", "pause", "resume", "step", "snapshot", "restore", "candidates", "fire", "back", "why", "break", "", "x"]
+WORDS = ["hello", "post", "subscribe", "unsubscribe", "state", "pause", "resume", "step", "snapshot", "restore", "candidates", "fire", "back", "why", "break", "request", "cancel", "requests", "", "x"]
 def value(depth=0):
     k = rng.randrange(8 if depth < 3 else 6)
     if k == 0: return rng.choice([0, 1, -1, 2**31, 2**63, -2**70, 10**30])
@@ -75,7 +75,7 @@ def nested(depth):
 def noise():
     k = rng.randrange(9)
     if k == 0: return rng.randbytes(rng.randrange(60)) + b"\n"
-    if k == 1: return json.dumps({"do": rng.choice(WORDS), "port": "c.add", "values": value(), "atoms": value(), "count": value(), "snapshot": value(), "interactions": value(), "candidate": value(), "path": value()}).encode() + b"\n"
+    if k == 1: return json.dumps({"do": rng.choice(WORDS), "port": "c.add", "values": value(), "atoms": value(), "count": value(), "snapshot": value(), "interactions": value(), "candidate": value(), "path": value(), "service": value(), "input": value(), "request": value(), "requests": value()}).encode() + b"\n"
     if k == 2: return json.dumps(value()).encode() + b"\n"
     if k == 3: return b'{"do":"post","port":"c.add","values":[1' + b"[" * rng.randrange(2000) + b"\n"
     if k == 4: return b"\n" * rng.randrange(5)

@@ -98,7 +98,7 @@ def make(bipc, work):
     (work / "dala_codels.cpp").write_text(HOOKS, encoding="utf-8")
     (work / "modules.inc").write_text("".join(map(table, gens)), encoding="utf-8")
     for command in ([bipc, "genom", *gens, "--yields", DALA / "dala.yields", "--executive", "--skeleton", "--control-period", "2", "-o", work / "dala.bip"],
-                    [bipc, "build", "dala.bip", "-o", "controller"], [os.environ.get("CXX", "g++"), "-std=c++20", "-O2", "plain.cpp", "rover.cpp", "-o", "plain"]):
+                    [bipc, "build", "dala.bip", "-o", "controller"], [os.environ.get("CXX", "g++"), "-std=c++20", "-O2", "-I", ROOT / "runtime/include", "plain.cpp", "rover.cpp", "-o", "plain"]):
         done = subprocess.run(list(map(str, command)), cwd=work, capture_output=True, text=True)
         if done.returncode:
             raise SystemExit(f"{command[:2]}: {done.stdout}{done.stderr[-2000:]}")

@@ -19,7 +19,6 @@ import argparse
 import json
 import os
 import pathlib
-import re
 import signal
 import sys
 
@@ -28,7 +27,6 @@ from serve_client import Client  # noqa: E402
 
 PATIENCE = 2.0
 ASKS = ("do", "start", "refused")
-INSTANCE = re.compile(r"_\d+$")
 
 
 class Step:
@@ -59,11 +57,11 @@ class Executive:
         self.open = []                 # started and not ended
         self.now, self.surprises, self.loses = 0.0, 0, False
         self.told = None               # (service, report) that came last
-        asked = {f"ROOT.{self.bare(s.service)}" for steps in procedures.values() for s in steps if s.verb in ASKS}
-        level.ask("subscribe", ports=["masterTimer.tick", "box.told", "controller.reply", "executive.lost"])
-        # A control service has no final reply: it is an atom of its own.
-        self.controls = {path.removeprefix("ROOT.") for path in asked if level.ask("state", atoms=[path])["ok"]}
-        self.now = level.ask("state", atoms=["ROOT.executive"])["time"] / 1e9
+        level.ask("subscribe", ports=["masterTimer.tick"], requests=True)
+        self.accepted = set()          # numbers of requests that are activities now
+        # What is over at once has no activity.
+        self.controls = {row["service"] for row in level.ask("hello")["services"] if row["kind"] == "control"}
+        self.now = level.ask("state", atoms=["ROOT.masterTimer"])["time"] / 1e9
 
     @staticmethod
     def bare(service):
@@ -83,19 +81,18 @@ class Executive:
         note = self.level.note()
         if note["note"] == "end":
             sys.exit(f"the functional level has ended: {note['text']}")
-        if note["note"] != "step":
+        if note["note"] not in ("step", "request"):
             return
         self.now = note["time"] / 1e9
-        for port in note["ports"]:
-            values = note.get("values", {}).get(port, {})
-            path = port.split(".")
-            if path[-2:] == ["box", "told"]:
-                self.answer(f"{path[1]}.{values['rqst']}", values["rep"])
-            elif path[-2:] == ["controller", "reply"]:
-                self.reply(f"{path[1]}.{INSTANCE.sub('', path[2])}", values["rep"])
-            elif path[-1] == "lost":
-                self.told = (self.bare(values["wanted"]), "LOST")
-                self.log(f"nobody takes {values['wanted']}")
+        if note["note"] == "step":
+            return
+        if note["reply"] == "intermediate":
+            self.accepted.add(note["request"])
+            self.answer(note["service"], note["report"])
+        elif note["request"] in self.accepted:
+            self.reply(note["service"], note["report"])
+        else:
+            self.answer(note["service"], note["report"])
 
     def answer(self, service, report):
         self.told = (service, report)
@@ -117,7 +114,10 @@ class Executive:
             if self.loses:
                 self.loses = False
             else:
-                self.level.ask("post", port="executive.request", values={"wanted": step.service, "input": step.input})
+                answer = self.level.ask("request", service=step.service, input=step.input)
+                if not answer["ok"]:
+                    self.log(f"refused  {service}: {answer['error']}")
+                    return "NOT-TAKEN"
             until = self.now + PATIENCE
             while self.now < until:
                 self.listen()
@@ -172,7 +172,7 @@ class Executive:
             self.loses = True
         elif step.verb == "die":
             self.write_journal()
-            self.level.socket.sendall(b'{"do":"post","port":"executive.requ')
+            self.level.socket.sendall(b'{"do":"request","service":"NDD.')
             os.kill(os.getpid(), signal.SIGKILL)
         else:
             sys.exit(f"line {step.number}: `{step.verb}` is no step")
@@ -191,6 +191,7 @@ class Executive:
         paths = {f"ROOT.{service}.controller": service for service in kept["open"]}
         state = self.level.ask("state", atoms=sorted(paths)) if paths else {"atoms": {}, "time": 0}
         self.now = state["time"] / 1e9
+        self.accepted = {row["request"] for row in self.level.ask("requests")["requests"] if row["running"]}
         for path, atom in state["atoms"].items():
             if atom["data"]["active"]:
                 self.open.append(paths[path])

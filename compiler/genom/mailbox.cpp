@@ -1,0 +1,193 @@
+// See mailbox.hpp. A mailbox holds one request and one that overtakes it; who hands requests over (compiler/serve)
+// keeps the others, in the order in which they are to come. Its data `services` tells which there are.
+//
+//   NONE   nothing waits               DUE    `wanted` waits for its module
+//   STOP   `first`, which overtakes    BOTH   both; `first` goes first
+#include "compiler/genom/mailbox.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace bip::genom {
+namespace {
+
+// It is due now, whichever of the two it is.
+std::string takes(const std::string& text, const std::string& input, const std::string& number) {
+  return fmt::format(
+      "      due = {};\n      due_input = {};\n      due_number = {};\n      due_service = request_service(due);\n"
+      "      waited = 0;\n      known = request_known(due, services);\n",
+      text, input, number);
+}
+
+// "NDD.GoTo activity x:number;NDD.Stop control overtakes stops=NDD.GoTo"
+std::string directory(const std::vector<Asked>& requests) {
+  std::string out;
+  for (const Asked& r : requests) {
+    out += (out.empty() ? "" : ";") + r.text + (r.is_control ? " control" : " activity");
+    if (r.overtakes) out += " overtakes";
+    if (r.may_be_bare) out += " bare";
+    for (const std::string& stopped : r.stops) out += " stops=" + stopped;
+    for (const AskedParameter& p : r.parameters) out += fmt::format(" {}:{}", p.name, p.is_text ? "word" : "number");
+  }
+  return out;
+}
+
+std::string condition_of(const std::vector<std::string>& services) {
+  std::string out;
+  for (const std::string& s : services) out += fmt::format("{}wanted_service == \"{}\"", out.empty() ? "" : " || ", s);
+  return out;
+}
+
+}  // namespace
+
+std::vector<Asked> asked_of(const Plan& plan, std::size_t index, const Constraints& constraints) {
+  const Module& m = *plan.module;
+  std::vector<Asked> all;
+  for (std::size_t i = 0; i < m.services.size(); ++i) {
+    const Service& s = m.services[i];
+    Asked r{.text = m.name.text + "." + s.name.text, .event = "accepted"};
+    r.is_control = s.kind == ServiceKind::Control;
+    for (const std::size_t other : s.interrupted) r.stops.push_back(m.name.text + "." + m.services[other].name.text);
+    // Over at once, and something else with it. An activity that interrupts others may depend on what was asked before.
+    r.overtakes = s.overtakes || (r.is_control && !r.stops.empty() && !s.is_init);
+    if (!r.overtakes) r.stops.clear();
+    if (!r.stops.empty()) r.event = "accepted_" + plan.services[i].id;
+    for (const ParameterRow& p : constraints.parameters) {
+      if (p.service == ServiceRef{index, i}) r.parameters.push_back({p.name, p.type == ValueType::Text});
+    }
+    all.push_back(std::move(r));
+  }
+  if (plan.execution_activities > 0)
+    all.push_back({.text = m.name.text + ".Abort",
+                   .event = "accepted",
+                   .is_control = true,
+                   .overtakes = true,
+                   .may_be_bare = true,
+                   .parameters = {{"activity", true}}});
+  return all;
+}
+
+std::string executive_type(Executive executive, const std::vector<Asked>& all) {
+  std::string out =
+      "\n  // Of the text of a request: its service, values of its parameters (bip/service_requests.hpp).\n"
+      "  extern function string request_service(string)\n"
+      "  extern function float request_number(string, int)\n"
+      "  extern function string request_word(string, int)\n"
+      "  extern function bool request_known(string, string)\n";
+  if (executive == Executive::Served) {
+    return out +
+           "\n  // What a request came with, as its client wrote it: when it is asked for, for codels that judge it; "
+           "and "
+           "once it is accepted.\n"
+           "  extern function request_asked(string, string)\n"
+           "  extern function request_input(string, string)\n"
+           "\n  port type Asks(string due, string due_service, string due_input, int due_number)\n"
+           "  port type Posts(string text, string input, int number)\n"
+           "  port type Accepted(string asked, string asked_input, int asked_number)\n"
+           "  port type Numbered(int number)\n  port type Target(string activity)\n"
+           "  port type Told(string rqst, string rep)\n";
+  }
+  return out +
+         "\n  // The next request, \"MODULE.SERVICE(VALUE, ...)\", or nothing; intermediate replies, or why there is "
+         "none; final replies.\n"
+         "  extern function string executive_request()\n"
+         "  extern function executive_answer(string, string, string)\n"
+         "  extern function executive_reply(string, string, string)\n"
+         "\n  port type Asks(string due, string due_service)\n"
+         "\n  // The decisional level, as far as it is seen here: one request at a time, asked for anew in each tick.\n"
+         "  atom type Executive()\n    data string services = \"" +
+         directory(all) +
+         "\"\n    data string due = \"\", due_service = \"\", due_input = \"\"\n"
+         "    data int due_number = 0, waited = 0\n    data bool known = false\n"
+         "    export port Signal tick()\n    export port Asks ask(due, due_service)\n"
+         "\n    place HERE\n\n    initial to HERE\n\n"
+         "    on tick from HERE to HERE do {\n      if (due == \"\") then\n" +
+         takes("executive_request()", "\"\"", "0") +
+         "      if (due != \"\" && !known) then\n        executive_answer(\"\", due, \"UNKNOWN_REQUEST\");\n"
+         "        due = \"\";\n        due_service = \"\";\n      fi\n      fi\n    }\n"
+         "    on ask from HERE to HERE do {\n      due = \"\";\n      due_service = \"\";\n    }\n  end\n";
+}
+
+std::string mailbox_type(const Plan& plan, const std::vector<Asked>& requests) {
+  std::string out = fmt::format(
+      "\n  // Requests of clients to {}: one that waits, and one that overtakes it. What there is not is lost at once, "
+      "what is not taken after `patience` ticks.\n"
+      "  atom type {}(int patience)\n    data string services = \"{}\"\n"
+      "    data string wanted = \"\", wanted_input = \"\", wanted_service = \"\", first = \"\", first_input = \"\"\n"
+      "    data string due = \"\", due_service = \"\", due_input = \"\", asked = \"\", asked_input = \"\"\n"
+      "    data int wanted_number = 0, first_number = 0, due_number = 0, asked_number = 0, gone = 0, waited = 0\n"
+      "    data bool known = false, wanted_is_gone = false, first_is_gone = false\n"
+      "    extern port Posts request(wanted, wanted_input, wanted_number) remember\n"
+      "    extern port Posts urgent(first, first_input, first_number) remember\n"
+      "    extern port Numbered withdraw(gone) remember\n"
+      "    export port Signal tick()\n    export port Asks ask(due, due_service, due_input, due_number)\n"
+      "    export port Signal recover()\n    export port Numbered told(asked_number)\n",
+      plan.module->name.text, plan.mailbox_type, directory(requests));
+  std::vector<const Asked*> stops;
+  for (const Asked& r : requests) {
+    if (!r.stops.empty()) stops.push_back(&r);
+  }
+  out += "    export port Accepted accepted(asked, asked_input, asked_number)\n";
+  for (const Asked* r : stops)
+    out += fmt::format("    export port Accepted {}(asked, asked_input, asked_number)\n", r->event);
+  out +=
+      "    port Asks lost(due, due_service, due_input, due_number)\n"
+      "    port Asks dropped(due, due_service, due_input, due_number)\n"
+      "\n    place NONE, DUE, STOP, BOTH\n\n    initial to NONE\n";
+  const std::string takes_wanted = takes("wanted", "wanted_input", "wanted_number");
+  const std::string takes_first = "      first_is_gone = first_number != 0 && first_number == gone;\n" +
+                                  takes("first", "first_input", "first_number");
+  out += fmt::format(
+      "\n    on request from NONE to DUE eager do {{\n      wanted_service = request_service(wanted);\n"
+      "      wanted_is_gone = wanted_number != 0 && wanted_number == gone;\n{}    }}\n",
+      takes_wanted);
+  for (const char* places : {"NONE to STOP", "DUE to BOTH"})
+    out += fmt::format("    on urgent from {} eager do {{\n{}    }}\n", places, takes_first);
+  const std::string asks = "      asked = due;\n      asked_input = due_input;\n      asked_number = due_number;\n";
+  struct Row {
+    const char *from, *to, *is_gone;
+  };
+  constexpr Row kDue[] = {
+      {"DUE", "NONE", "wanted_is_gone"}, {"STOP", "NONE", "first_is_gone"}, {"BOTH", "DUE", "first_is_gone"}};
+  for (const Row& row : kDue) {
+    const std::string next = row.to == std::string("DUE") ? takes_wanted : "";
+    const std::string then = next.empty() ? "" : " do {\n" + next + "    }";
+    out += fmt::format("\n    on ask from {} to {} provided (!{}) do {{\n{}{}    }}\n", row.from, row.to, row.is_gone,
+                       asks, next);
+    out += fmt::format("    on dropped from {} to {} provided ({}){}\n", row.from, row.to, row.is_gone, then);
+    out += fmt::format("    on lost from {} to {} provided (!{} && (!known || waited >= patience)){}\n", row.from,
+                       row.to, row.is_gone, then);
+    out += fmt::format(
+        "    on tick from {0} to {0} provided (!{1} && known && waited < patience) do {{ waited = waited + 1; }}\n",
+        row.from, row.is_gone);
+  }
+  out +=
+      "    on tick from NONE to NONE\n"
+      "\n    // The next request may arrive before this one is accepted. A recovery has no client, so it has no "
+      "input.\n";
+  for (const char* place : {"NONE", "DUE", "STOP", "BOTH"}) {
+    out += fmt::format("    on accepted from {0} to {0}\n    on told from {0} to {0}\n", place);
+    out += fmt::format("    on recover from {0} to {0} do {{\n      asked = \"\";\n      asked_number = 0;\n    }}\n",
+                       place);
+    out += fmt::format(
+        "    on withdraw from {0} to {0} eager do {{\n"
+        "      wanted_is_gone = wanted_is_gone || wanted_number == gone;\n"
+        "      first_is_gone = first_is_gone || first_number == gone;\n    }}\n",
+        place);
+  }
+  if (!stops.empty()) out += "\n    // What is told to stop is not begun afterwards by an older request.\n";
+  for (const Asked* r : stops) {
+    for (const char* place : {"NONE", "DUE", "STOP", "BOTH"}) {
+      const bool waits = place[0] == 'D' || place[0] == 'B';
+      out += fmt::format("    on {1} from {0} to {0}{2}\n", place, r->event,
+                         waits ? fmt::format(" do {{\n      if (wanted_number < asked_number && ({})) then\n        "
+                                             "wanted_is_gone = true;\n      fi\n    }}",
+                                             condition_of(r->stops))
+                               : "");
+    }
+  }
+  return out + "  end\n";
+}
+
+}  // namespace bip::genom

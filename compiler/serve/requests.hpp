@@ -1,0 +1,105 @@
+// Requests of clients for services of robot modules (compiler/docs/genom.md), numbered, in a queue a module.
+//
+// A mailbox is an atom with ports for events `request` and `urgent` and the text `services`; `bipc genom --served`
+// writes them. A mailbox holds one request, and one that overtakes it; the others wait here, so that they can be taken
+// back, and no module's requests wait for another's. What is not known, or does not have its values, is refused before
+// it gets there.
+#pragma once
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "bip/bip.hpp"
+#include "bip/service_requests.hpp"
+
+namespace bip::serve {
+
+/// What becomes of a request. A request has one final reply, an accepted activity an intermediate one before it.
+struct RequestReply {
+  std::uint64_t request = 0;
+  std::uint64_t client = 0;  // who asked
+  std::string service;
+  bool is_final = false;
+  std::string report;
+};
+
+class Requests {
+ public:
+  static constexpr std::size_t kMostWaiting = 1000;  // for a module
+
+  /// Looks for mailboxes. Linear in the atoms.
+  Requests(const rt::Image& image, Execution& system);
+  [[nodiscard]] bool any() const { return !mailboxes_.empty(); }
+  /// Called on the engine's thread; set before it begins.
+  std::function<void(const RequestReply&)> on_reply;
+
+  // ---- any thread
+  /// "NDD.GoTo(3)" with what its codels get. Returns an empty text, and its number; or why it is refused.
+  [[nodiscard]] std::string ask(const std::string& text, const std::string& input, std::uint64_t client,
+                                std::uint64_t& number);
+  /// Takes a request back, or tells its activity to stop. Its final reply tells what came of it. Returns an empty text,
+  /// or why not.
+  [[nodiscard]] std::string cancel(std::uint64_t number, std::uint64_t client);
+  /// Is it the path of a mailbox's port for events?
+  [[nodiscard]] bool is_mailbox_port(const std::string& path) const;
+  struct Row {
+    std::uint64_t request = 0;
+    std::string service;
+    bool is_running = false;
+  };
+  /// Those that have no final reply yet, by number.
+  [[nodiscard]] std::vector<Row> open() const;
+  [[nodiscard]] std::vector<ServiceText> services() const;
+
+  // ---- the engine's thread
+  void note_step(const Step& step);
+  /// The model was set back: what waits here waits on, nothing is known of the others.
+  void forget();
+
+ private:
+  struct Request {
+    std::uint64_t number = 0, client = 0;
+    std::string service, text, input;
+    bool is_cancelled = false;
+  };
+  /// Where a request is; it moves down.
+  struct Mailbox {
+    std::string path;  // "ROOT.NDD_mail"
+    std::string directory;
+    std::vector<ServiceText> services;                    // texts of `directory`
+    std::uint32_t request = 0, urgent = 0, withdraw = 0;  // ports for events
+    std::deque<Request> waiting, overtaking;
+    std::deque<Request> held, held_urgent;   // in the model's mailbox, at most one each
+    std::deque<Request> asked;               // the module decides, at most one
+    std::map<std::string, Request> running;  // by the path of its activity
+    [[nodiscard]] const ServiceText* find(std::string_view service) const;
+  };
+  enum class Heard : std::uint8_t { Ask, Lost, Dropped, Told, Accepted };
+  struct Port {
+    std::size_t mailbox;
+    Heard heard;
+  };
+
+  [[nodiscard]] std::string unknown(std::string_view service) const;
+  void enter(Mailbox& box, const ServiceText& service, Request request);
+  void hand_over(Mailbox& box);
+  void hear(Mailbox& box, Heard what, const Step& step, std::uint32_t port);
+  void hear_end(const Step& step, std::uint32_t port);
+  void reply(const Request& request, bool is_final, const std::string& report);
+
+  Execution& system_;
+  std::vector<Mailbox> mailboxes_;
+  std::unordered_map<std::string, Port> ports_;
+  std::unordered_map<std::string, std::size_t> activities_;  // that run: the mailbox
+  mutable std::mutex lock_;
+  std::uint64_t next_ = 1;
+  std::vector<RequestReply> replies_;  // of a step, sent without the lock
+};
+
+}  // namespace bip::serve

@@ -1,0 +1,141 @@
+// The text of a request to a robot module, "NDD.GoTo(3, 0.5, fast)": the service, and the values of its parameters.
+// Used by what `bipc genom` writes and by `bipc serve`. Header only; nothing throws but for memory.
+#pragma once
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace bip {
+
+struct RequestText {
+  std::string_view service;
+  std::vector<std::string_view> values;
+  bool is_sound = false;  // the parentheses are closed, no value is empty
+};
+
+inline std::string_view without_blanks(std::string_view text) {
+  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
+  return text;
+}
+
+inline RequestText read_request(std::string_view text) {
+  text = without_blanks(text);
+  RequestText request;
+  const std::size_t open = text.find('(');
+  request.service = without_blanks(text.substr(0, open));
+  request.is_sound = !request.service.empty();
+  if (open == std::string_view::npos) return request;
+  request.is_sound = request.is_sound && text.back() == ')';
+  std::string_view rest = text.substr(open + 1, text.size() - open - (text.back() == ')' ? 2 : 1));
+  if (without_blanks(rest).empty()) return request;
+  while (true) {
+    const std::size_t comma = rest.find(',');
+    request.values.push_back(without_blanks(rest.substr(0, comma)));
+    request.is_sound = request.is_sound && !request.values.back().empty();
+    if (comma == std::string_view::npos) return request;
+    rest.remove_prefix(comma + 1);
+  }
+}
+
+/// A finite number, whole or a fraction. False: it is none.
+inline bool read_request_number(std::string_view text, double& number) {
+  if (!text.empty() && text.front() == '+') text.remove_prefix(1);
+  const char* const end = text.data() + text.size();
+  const std::from_chars_result read = std::from_chars(text.data(), end, number);
+  return !text.empty() && read.ec == std::errc() && read.ptr == end && std::isfinite(number);
+}
+
+struct ParameterText {
+  std::string_view name;
+  bool is_word = false;  // else it is a number
+};
+/// A service, as a mailbox tells of it: "NDD.Stop control overtakes stops=NDD.GoTo", "Battery.Use activity
+/// power:number".
+struct ServiceText {
+  std::string_view name;
+  bool is_control = false;   // over at once
+  bool overtakes = false;    // waits for no other request of its module
+  bool may_be_bare = false;  // also without values
+  std::vector<std::string_view> stops;
+  std::vector<ParameterText> parameters;
+
+  /// What is wrong with the values of a request for it; empty if nothing is.
+  [[nodiscard]] std::string problem_of(const RequestText& request) const {
+    std::string form(name);
+    for (std::size_t k = 0; k < parameters.size(); ++k)
+      form.append(k == 0 ? "(" : ", ").append(parameters[k].name).append(k + 1 == parameters.size() ? ")" : "");
+    if (!request.is_sound) return "a request has the form `" + form + "`";
+    if (request.values.empty() && may_be_bare) return {};
+    if (request.values.size() != parameters.size()) return "the request has the form `" + form + "`";
+    for (std::size_t k = 0; k < parameters.size(); ++k) {
+      double number = 0;
+      if (!parameters[k].is_word && !read_request_number(request.values[k], number))
+        return std::string("`").append(parameters[k].name).append("` is a number, not `").append(request.values[k]) +
+               "`";
+    }
+    return {};
+  }
+};
+
+/// Separated by `;`. The texts are those of `services`.
+inline std::vector<ServiceText> read_services(std::string_view services) {
+  std::vector<ServiceText> all;
+  while (!services.empty()) {
+    const std::size_t end = std::min(services.find(';'), services.size());
+    std::string_view row = services.substr(0, end);
+    services.remove_prefix(std::min(end + 1, services.size()));
+    ServiceText service;
+    while (!row.empty()) {
+      const std::size_t blank = std::min(row.find(' '), row.size());
+      const std::string_view word = row.substr(0, blank);
+      row.remove_prefix(std::min(blank + 1, row.size()));
+      const std::size_t colon = word.find(':');
+      if (service.name.empty()) service.name = word;
+      else if (word == "control") service.is_control = true;
+      else if (word == "overtakes") service.overtakes = true;
+      else if (word == "bare") service.may_be_bare = true;
+      else if (word.starts_with("stops=")) service.stops.push_back(word.substr(6));
+      else if (colon != std::string_view::npos)
+        service.parameters.push_back({word.substr(0, colon), word.substr(colon + 1) == "word"});
+    }
+    if (!service.name.empty()) all.push_back(std::move(service));
+  }
+  return all;
+}
+
+// ---- called by generated BIP
+
+inline std::string request_service(const char* text) { return std::string(read_request(text).service); }
+
+/// Value k as a number; 0 if there is none.
+inline double request_number(const char* text, int k) {
+  const RequestText request = read_request(text);
+  double number = 0;
+  if (k < 0 || static_cast<std::size_t>(k) >= request.values.size() ||
+      !read_request_number(request.values[static_cast<std::size_t>(k)], number))
+    return 0;
+  return number;
+}
+
+/// Value k as it was written; empty if there is none.
+inline std::string request_word(const char* text, int k) {
+  const RequestText request = read_request(text);
+  if (k < 0 || static_cast<std::size_t>(k) >= request.values.size()) return {};
+  return std::string(request.values[static_cast<std::size_t>(k)]);
+}
+
+/// Is it a request for one of `services` (read_services()), with a value for each parameter?
+inline bool request_known(const char* text, const char* services) {
+  const RequestText request = read_request(text);
+  for (const ServiceText& service : read_services(services)) {
+    if (service.name == request.service) return service.problem_of(request).empty();
+  }
+  return false;
+}
+
+}  // namespace bip

@@ -1,0 +1,211 @@
+#!/usr/bin/env python3
+"""Requests to a served functional level (compiler/docs/genom.md): refused when they are unknown or lack a value, a queue a module,
+stops first, numbers in replies, taken back by number.
+
+Two modules with C++ codels, `north` and `south`. Every sentence of the test is a promise to who drives a robot: his stop does not wait
+for what others mistyped or asked for, and nothing older begins after it.
+"""
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+sys.path.insert(0, str(ROOT / "tools/python/bipc"))
+from serve import Client  # noqa: E402
+
+BIPC = os.environ.get("BIPC") or str(pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build") / "bipc")
+MODULE = """module {0} {{ number: {1}; internal_data: DATA; }};
+request Go {{ type: exec; exec_task: Motion; codel_main: {0}Go; codel_inter: {0}Brake; }};
+request Turn {{ type: exec; exec_task: Motion; codel_main: {0}Turn; codel_inter: {0}Brake; }};
+request Mark {{ type: control; codel_control: {0}Mark; }};
+request Stop {{ type: control; interrupt_activity: Go; }};
+exec_task Motion {{ period: 2; }};
+"""
+RULES = """rules level;
+modules "north.gen", "south.gen" with "side.yields";
+parameter speed of north.Go: 10, 20;
+north.Go requires request.speed <= 100 report "TOO-FAST";
+"""
+# An activity goes on until it is told to stop. Times are counted in ticks of 10 ms.
+CODELS = """#include "level_codels.hpp"
+#include <cstdio>
+void request_asked(const char*, const char*) {}
+void request_input(const char* service, const char* input) { std::printf("%s gets %s\\n", service, input); std::fflush(stdout); }
+int northGo(int&) { return 2; }
+int northTurn(int&) { return 2; }
+int northBrake(int&) { return 0; }
+int northMark() { return 0; }
+int southGo(int&) { return 2; }
+int southTurn(int&) { return 2; }
+int southBrake(int&) { return 0; }
+int southMark() { return 0; }
+"""
+passed = failed = 0
+
+
+def check(what, holds, got=None):
+    global passed, failed
+    passed += bool(holds)
+    failed += not holds
+    if not holds:
+        print(f"FAIL {what}: {got}")
+
+
+class Level:
+    """A served level and what it told one client."""
+
+    def __init__(self, work):
+        self.path = os.path.join(work, "s")
+        self.output = open(os.path.join(work, "out"), "w+", encoding="utf-8")
+        self.server = subprocess.Popen([BIPC, "serve", "--asap", "--policy", "fair", "--socket", self.path, "level.bip"], cwd=work,
+                                       stdout=self.output, stderr=subprocess.PIPE, text=True)
+        line = self.server.stderr.readline()
+        assert "listening" in line, line + self.server.stderr.read()
+        self.client = Client(self.path, 20)
+        self.replies = {}  # number: [(what, report), ...]
+        self.order = []    # numbers by their final replies
+
+    def ask(self, service, input=""):
+        answer = self.client.ask("request", service=service, input=input)
+        assert answer["ok"], answer
+        return answer["request"]
+
+    def refusal(self, do="request", **more):
+        answer = self.client.ask(do, **more)
+        return None if answer["ok"] else answer["error"]
+
+    def listen(self, until, seconds=10):
+        """Until `until()` holds; False after so many seconds."""
+        end = time.monotonic() + seconds
+        while not until():
+            try:
+                note = self.client.note(timeout=max(0.01, end - time.monotonic()))
+            except TimeoutError:
+                return until()
+            if note["note"] == "request":
+                self.replies.setdefault(note["request"], []).append((note["reply"], note["report"]))
+                if note["reply"] == "final":
+                    self.order.append(note["request"])
+        return True
+
+    def final(self, number):
+        self.listen(lambda: any(what == "final" for what, _ in self.replies.get(number, [])))
+        return (self.replies.get(number) or [(None, None)])[-1][1]
+
+    def accepted(self, number):
+        self.listen(lambda: number in self.replies)
+        return (self.replies.get(number) or [(None, None)])[0]
+
+
+def main():
+    with tempfile.TemporaryDirectory(prefix="requests-") as work:
+        for number, name in enumerate(("north", "south"), 1):
+            pathlib.Path(work, f"{name}.gen").write_text(MODULE.format(name, number), encoding="utf-8")
+        pathlib.Path(work, "side.yields").write_text("request south.Turn overtakes\n", encoding="utf-8")
+        pathlib.Path(work, "level.rules").write_text(RULES, encoding="utf-8")
+        pathlib.Path(work, "level_codels.cpp").write_text(CODELS, encoding="utf-8")
+        subprocess.run([BIPC, "rules", "--served", "--skeleton", "level.rules", "-o", "level.bip"], cwd=work, check=True, capture_output=True)
+        level = Level(work)
+        with level.client:
+            refusals(level)
+            values(level)
+            stops_first(level)
+            taken_back(level)
+            set_back(level)
+            level.client.ask("shutdown")
+        check("it ends with 0", level.server.wait(20) == 0)
+        level.output.seek(0)
+        told = level.output.read()
+        check("codels get inputs of what is accepted", "north.Go(99.5) gets 3 1" in told, told)
+        check("and of nothing else", "gets too fast" not in told and "gets never" not in told, told)
+    print(f"requests: {passed} passed, {failed} failed")
+    return 1 if failed else 0
+
+
+def refusals(level):
+    """Before anything of it comes to the model."""
+    for service, part in (("north.Stpo", "did you mean `north.Stop`?"), ("Mark", "did you mean `north.Mark` or `south.Mark`?"), ("north.Fly", "`north` has Go, Turn, Mark, Stop, Abort"),
+                          ("battery.Use", "there are the modules north, south"), ("north.Go", "`north.Go(speed)`"), ("north.Go(1, 2)", "`north.Go(speed)`"),
+                          ("north.Go(fast)", "`speed` is a number, not `fast`"), ("north.Go(nan)", "a number"), ("north.Go(3", "`north.Go(speed)`"), ("north.Stop(3)", "`north.Stop`"), ("", "there is no service")):
+        said = level.refusal(service=service)
+        check(f"`{service}` is refused", said and part in said, said)
+    check("a mailbox takes no events", "`north_mail.request` takes no events" in (said := level.refusal("post", port="north_mail.request", values=["north.Stop", "", 1]) or ""), said)
+    check("`service` is asked for", "`service` is missing" in level.refusal())
+    check("an input is a text", "`input` is a text" in level.refusal(service="north.Stop", input=3))
+    hello = level.client.ask("hello")
+    told = {row["service"]: row for row in hello["services"]}
+    check("hello tells of services", told["north.Go"] == {"service": "north.Go", "kind": "activity", "overtakes": False, "values": {"speed": "number"}}, told)
+    check("who overtakes", [name for name, row in told.items() if row["overtakes"]] == ["north.Stop", "north.Abort", "south.Turn", "south.Stop", "south.Abort"], told)
+
+
+def values(level):
+    """Parameters are data: the rule's condition judges any value."""
+    for value in ("300", "100.5", "1e3"):
+        check(f"TOO-FAST speaks for {value}", level.final(level.ask(f"north.Go({value})", "too fast")) == "TOO-FAST")
+    go = level.ask("north.Go(99.5)", "3 1")
+    check("99.5 is accepted", level.accepted(go) == ("intermediate", "OK"), level.replies)
+    check("and runs", {"request": go, "service": "north.Go", "running": True} in level.client.ask("requests")["requests"])
+    check("a stop ends", level.final(level.ask("north.Stop")) == "OK")
+    check("and the activity", level.final(go) == "ACTIVITY_INTERRUPTED", level.replies)
+
+
+def stops_first(level):
+    """Of many requests a stop is answered first, and no older one begins what it told to stop."""
+    busy = level.ask("north.Go(1)")
+    level.accepted(busy)
+    older = [level.ask(*request) for request in [("north.Go(1)", "never"), ("north.Mark", "")] * 20]
+    stop, other = level.ask("north.Stop"), level.ask("south.Mark")
+    newer = level.ask("north.Go(2)")
+    check("the stop comes through", level.final(stop) == "OK" and level.final(busy) == "ACTIVITY_INTERRUPTED", level.replies)
+    check("another module does not wait", level.final(other) == "OK")
+    # One or two were on their way into the module when the stop came.
+    early = [n for n in older if n in level.order and level.order.index(n) < level.order.index(stop)]
+    refused = {level.final(n) for n in older[0::2]}
+    check("before the older ones", len([n for n in early if n in older[1::2]]) <= 2, early)
+    check("which are not begun", refused <= {"ACTIVITY_INTERRUPTED", "TOO_MANY_ACTIVITIES"}, refused)
+    check("what it does not stop goes on in order", [n for n in level.order if n in older[1::2]] == older[1::2] or not level.listen(lambda: set(older[1::2]) <= set(level.order)) or
+          [n for n in level.order if n in older[1::2]] == older[1::2], level.order)
+    check("a newer one begins", level.accepted(newer) == ("intermediate", "OK"), level.replies.get(newer))
+    level.final(level.ask("north.Stop"))
+    waiting = [level.ask("south.Mark") for _ in range(20)]
+    turn = level.ask("south.Turn")
+    level.accepted(turn)
+    check("the side file lets others overtake", len([n for n in level.order if n in waiting]) <= 2, level.order)
+    level.final(waiting[-1])
+    check("cancel ends an activity", level.refusal("cancel", request=turn) is None and level.final(turn) == "ACTIVITY_INTERRUPTED", level.replies.get(turn))
+
+
+def taken_back(level):
+    first = [level.ask("north.Mark") for _ in range(10)]
+    late = level.ask("north.Turn", "never")
+    check("a request is taken back", level.refusal("cancel", request=late) is None and level.final(late) == "CANCELLED", level.replies.get(late))
+    held = level.ask("south.Mark")
+    said = level.refusal("cancel", request=held)
+    check("also in the mailbox, if it is not decided", said is None and level.final(held) in ("CANCELLED", "OK") or "ask again" in (said or "") or "final reply" in (said or ""), said)
+    check("others go on", [level.final(n) for n in first] == ["OK"] * 10)
+    check("what is over is not", "has had its final reply" in level.refusal("cancel", request=first[0]))
+    check("what never was is not", "there was no request 100000" in level.refusal("cancel", request=100000))
+    check("a number is asked for", "`request` is a number" in level.refusal("cancel", request="x"))
+    turn = level.ask("south.Turn")
+    level.accepted(turn)
+    with Client(level.path, 20) as other:
+        check("another client hears of all, if it wants", other.ask("subscribe", requests=True)["ok"])
+        check("and sees what runs", [row["request"] for row in other.ask("requests")["requests"]] == [turn])
+        check("and may end it", other.ask("cancel", request=turn)["ok"])
+        told = [other.note(timeout=10) for _ in range(2)]
+        check("it is told", [(n["note"], n["service"], n["report"]) for n in told if n["request"] == turn] == [("request", "south.Turn", "ACTIVITY_INTERRUPTED")], told)
+    check("an activity that is not there", level.final(level.ask("south.Abort(Fly)")) == "UNKNOWN_ACTIVITY", level.replies)
+
+
+def set_back(level):
+    saved = level.client.ask("snapshot")["snapshot"]
+    level.final(level.ask("north.Mark"))
+    check("it is set back", level.client.ask("restore", snapshot=saved)["ok"])
+    check("and takes requests", level.final(level.ask("north.Mark")) == "OK")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
