@@ -5,7 +5,7 @@
 //   root Kitchen()                          (without it the model's own)
 //   holds [--fair=F] PROPERTY               `bipc verify` must answer that it holds
 //   violated [--fair=F] PROPERTY            … that it is violated
-//   prints [--seed N] [--limit N] TEXT      a line of a run, or of the state at its end, begins with TEXT
+//   prints [--seed N] [--limit N] TEXT      a line of a run, or of the state at its end, has TEXT in it
 //     hint, shown if the check fails
 #pragma once
 #include <cstdint>
@@ -28,7 +28,7 @@ struct LessonText {
 enum class CheckKind : std::uint8_t { Holds, Violated, Prints };
 struct LessonCheck {
   CheckKind kind = CheckKind::Holds;
-  std::string text;           // a property, or the beginning of a line
+  std::string text;           // a property, or a part of a line
   verify::Fairness fairness;  // of properties of runs
   std::uint64_t seed = 1, limit = 100;
   std::string hint;

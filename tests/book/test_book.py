@@ -6,8 +6,8 @@
 - walks: five ways through the first lesson, as a reader may go it: get the model, run it, see the deadlock in the page, repair it, prove the
   repair. Each takes at most 12 commands, the installation included, and few seconds. The installation itself is one command that is counted
   but not executed here: tools/try_package installs the package in a bare Debian.
-- exercises: `bipc check --lesson N` accepts tests/book/solutions/lessonNN.bip, refuses each exercise for the lesson's own model, and has a hint for
-  every check; each lesson has two exercises.
+- exercises: `bipc check --lesson N` accepts tests/book/solutions/lessonNN.bip (or lessonNN_K.bip, for one exercise each), refuses each exercise for
+  the lesson's own model, and has a hint for every check; each lesson has two exercises. Of rules, the level that they make is judged.
 - site: tools/docs makes the site without a warning, each page is found by its search, and nothing is asked of the network. Needs Sphinx
   (`tools/setup --docs`); without it the line `skipped: ...` says so.
 The pages' commands and outputs are executed by tests/meta/test_snippets.py. Needs a built bipc ($BIPC or build/bipc). Python's library only.
@@ -93,19 +93,27 @@ def test_walks():
 
 
 def lesson_files():
-    """(number, the page, the model that it shows first)"""
+    """(number, the model or the rules that the page shows first)"""
     for page in sorted(BOOK.glob("lesson*.md")):
-        model = re.search(r"^<!-- as (\S+\.bip) -->$", page.read_text(encoding="utf-8"), re.M)
-        yield int(page.stem[6:8]), page, ROOT / model.group(1)
+        model = re.search(r"^<!-- as (\S+\.(?:bip|rules)) -->$", page.read_text(encoding="utf-8"), re.M)
+        yield int(page.stem[6:8]), ROOT / model.group(1)
 
 
 def judge(selection, model):
-    done = subprocess.run([BIPC, "check", "--lesson", selection, str(model)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=300)
+    """Of a copy, beside the C++ of the lessons."""
+    with tempfile.TemporaryDirectory(prefix="exercise-") as work:
+        (pathlib.Path(work) / "ext-cpp").symlink_to(ROOT / "models/tutorial/ext-cpp")
+        copy = pathlib.Path(work) / "solution.bip"
+        if model.suffix == ".rules":
+            subprocess.run([BIPC, "rules", "--prove", str(model), "-o", str(copy)], check=True, timeout=300)
+        else:
+            copy.write_text(model.read_text(encoding="utf-8"), encoding="utf-8")
+        done = subprocess.run([BIPC, "check", "--lesson", selection, str(copy)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=300)
     return done.returncode, done.stdout
 
 
 def test_exercises():
-    for number, page, model in lesson_files():
+    for number, model in lesson_files():
         text = BOOK / f"exercises/lesson{number:02}.lesson"
         exercises = re.split(r"^exercise \d+: ", text.read_text(encoding="utf-8"), flags=re.M)[1:] if text.exists() else []
         yield f"{number}: two", None if len(exercises) == 2 else f"{text} has {len(exercises)} exercises"
@@ -114,8 +122,13 @@ def test_exercises():
             yield f"{number}.{at}: hints", None if checks and all(line.startswith("  ") for line in checks) else "a check has no hint"
             code, output = judge(f"{number}.{at}", model)
             yield f"{number}.{at}: not solved by the lesson's model", None if code == 3 and "= hint: " in output else f"exit {code}\n{output}"
-        code, output = judge(str(number), HERE / f"solutions/lesson{number:02}.bip")
-        yield f"{number}: solved", None if code == 0 and output.count(": solved\n") == 2 else f"exit {code}\n{output}"
+        solutions = sorted((HERE / "solutions").glob(f"lesson{number:02}*"))
+        solved = 0
+        for solution in solutions:
+            code, output = judge(f"{number}.{solution.stem[9:]}" if solution.stem[8:] else str(number), solution)
+            solved += output.count(": solved\n")
+            yield f"{solution.name}: solved", None if code == 0 else f"exit {code}\n{output}"
+        yield f"{number}: both solved", None if solved == 2 else f"{solved} are solved"
 
 
 def has_sphinx():
