@@ -13,7 +13,9 @@ tokens {
   // PARAMS-OR-SPEED-NOT-SET in the paper's notation
   REPORT,
   // `reset c` of a transition, in the older spelling of time; its `when (…)` is PROVIDED
-  RESET
+  RESET,
+  // `property name { … }` of a compound: the word, and the whole text with its braces, which has a grammar of its own
+  PROPERTY, PROPERTY_TEXT
 }
 
 // ---- reserved -------------------------------------------------------------------------------------------------------

@@ -41,7 +41,7 @@ compoundType: COMPOUND TYPE id LPAREN params? RPAREN bodyItem* END;
 component: COMPONENT_DECL id (LPAREN params? RPAREN)? bodyItem* END;
 
 bodyItem: annotation* (dataDecl | portDecl | compoundExport | clockDecl | places | initial | finals | transition | priority
-  | invariant | behavior | contains | componentDecl | connectorDecl | inlineConnector | forItems);
+  | invariant | behavior | contains | componentDecl | connectorDecl | inlineConnector | propertyDecl | forItems);
 
 // ---- connectors -----------------------------------------------------------------------------------------------------------
 connectorPart: annotation* (dataDecl | connectorExport | define | clause);
@@ -88,6 +88,7 @@ boundPorts: boundPort (COMMA boundPort)*;
 boundPort: path | family | (LBRACK | GROUP_OPEN) boundPorts RBRACK;
 inlineConnector: CONNECTOR binding connectorPart*;
 compoundExport: EXPORT (PORT | DATA) path (COMMA path)* AS id;
+propertyDecl: PROPERTY id index? PROPERTY_TEXT;
 forItems: FOR id IN expr DOTDOT expr (bodyItem | LBRACE bodyItem* RBRACE);
 
 // ---- statements ---------------------------------------------------------------------------------------------------------------

@@ -68,10 +68,13 @@ class ProofProgressLine {
 
 }  // namespace
 
-library::Verdict answer_question(const library::VerifyRequest& request, Compilation& c,
-                                 const verify::Question& question) {
+std::string remove_unread_cpp(const library::VerifyRequest& request, Compilation& c, const std::vector<DataRef>& data) {
   const bool may_simplify = library::calls_cpp(*c.system) && !request.wants_certificate;
-  const std::string note = may_simplify ? library::remove_unread_cpp(c, question) : std::string();
+  return may_simplify ? library::remove_unread_cpp(c, data) : std::string();
+}
+
+library::Verdict answer_question(const library::VerifyRequest& request, Compilation& c,
+                                 const verify::Question& question, const std::string& note) {
   if (std::optional<library::Verdict> fault = library::decide_initial_fault(c, question)) return *fault;
   if (library::calls_cpp(*c.system) && !c.options.refuses_cpp) {
     if (std::optional<library::Verdict> found = first_runs(request, c, question)) return *found;

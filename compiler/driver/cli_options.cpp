@@ -361,9 +361,14 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
   command
       ->add_option(
           "--property", a.property,
-          "property to decide: deadlock (default), errors, 'never EXPR', 'always EXPR', or of runs: 'eventually "
-          "EXPR', 'EXPR leads to EXPR', 'EXPR until EXPR' …")
+          "property to decide: deadlock, errors, the name of a property of the model, 'never EXPR', 'always EXPR', or "
+          "of runs: 'eventually EXPR', 'EXPR leads to EXPR', 'EXPR until EXPR' … (default: deadlock, and each property "
+          "that the model states)")
       ->type_name("WHAT");
+  command
+      ->add_option("--properties", a.properties_path,
+                   "read more properties of the model from PATH: `property NAME { … }` as in a compound")
+      ->type_name("PATH");
   command
       ->add_option_function<std::string>(
           "--fair", [&a](const std::string& name) { a.fairness = *verify::read_fairness(name); },

@@ -1,5 +1,5 @@
-// `bipc verify`: decides deadlock-freedom, run-time errors or a property of states
-// (compiler/verify/portfolio/portfolio.hpp) and prints the verdict.
+// `bipc verify`: decides deadlock-freedom, run-time errors or a property (compiler/verify/portfolio/portfolio.hpp) and
+// prints the verdict; of a model that states properties, those of all its questions.
 //
 // There are three verdicts. A property that holds has a proof, or every reachable state was visited; a counterexample
 // has been replayed before it is printed; everything else is unknown, with the reason. Ctrl-C ends the command with the
@@ -7,6 +7,10 @@
 #include <cstdio>
 #include <filesystem>
 #include <optional>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
 
 #include "compiler/base/write_file.hpp"
 #include "compiler/driver/answer_question.hpp"
@@ -17,6 +21,8 @@
 #include "compiler/driver/read_question.hpp"
 #include "compiler/library/decide.hpp"
 #include "compiler/driver/report.hpp"
+#include "compiler/driver/verdict_table.hpp"
+#include "compiler/pipeline/load_properties.hpp"
 
 namespace bip::driver {
 
@@ -40,6 +46,65 @@ void write_counterexample(const VerifyArguments& arguments, Compilation& c, cons
     c.diags.report(Diag::kB5004, {}, arguments.trace_path, written.error());
 }
 
+struct NamedQuestion {
+  std::string name;
+  verify::Question question;
+};
+
+// What is asked: by `--property` and `--partial`, else whether there is a deadlock, and each property of the model.
+std::optional<std::vector<NamedQuestion>> read_questions(const VerifyArguments& arguments, const System& system) {
+  std::vector<NamedQuestion> questions;
+  const auto read = [&](const std::string& name, const library::VerifyRequest& request) {
+    std::optional<verify::Question> question =
+        read_question("verify", request.property, library::read_question(request, system), system);
+    if (question) questions.push_back({name, std::move(*question)});
+    return question.has_value();
+  };
+  const bool asks_all = arguments.property.empty() && !arguments.partial;
+  if (!read("deadlock", arguments)) return std::nullopt;
+  for (const StatedProperty& stated : system.properties) {
+    library::VerifyRequest request = arguments;
+    request.property = stated.name;
+    if (asks_all && !read(stated.name, request)) return std::nullopt;
+  }
+  return questions;
+}
+
+std::vector<DataRef> data_of(const std::vector<NamedQuestion>& questions) {
+  std::vector<DataRef> data;
+  for (const NamedQuestion& asked : questions) {
+    const std::vector<DataRef> own = library::data_of(asked.question);
+    data.insert(data.end(), own.begin(), own.end());
+  }
+  return data;
+}
+
+void write_files(const VerifyArguments& arguments, Compilation& c, const library::Verdict& verdict) {
+  if (!verdict.certificate.empty()) {
+    const Result<bool> written = write_file(arguments.certificate, verdict.certificate);
+    if (!written) c.diags.report(Diag::kB5004, {}, arguments.certificate, written.error());
+  } else if (!arguments.certificate.empty() && verdict.exit_code == kViolated) {
+    remove_certificate(c, arguments.certificate);
+  }
+  write_counterexample(arguments, c, verdict);
+}
+
+// A certificate and a run answer one question.
+bool may_write_files(const VerifyArguments& arguments, const std::vector<NamedQuestion>& questions) {
+  if (questions.size() == 1 || (arguments.certificate.empty() && arguments.trace_path.empty())) return true;
+  std::string names;
+  constexpr std::size_t kNamesShown = 6;
+  for (std::size_t k = 0; k < questions.size() && k < kNamesShown; ++k)
+    names += fmt::format("{}`{}`", k == 0 ? "" : ", ", questions[k].name);
+  if (questions.size() > kNamesShown) names += ", …";
+  std::fputs(
+      fmt::format("bipc verify: {} is of one answer, and {} are asked for\n  = help: choose one by --property: {}\n",
+                  arguments.certificate.empty() ? "--trace" : "--certificate", questions.size(), names)
+          .c_str(),
+      stderr);
+  return false;
+}
+
 }  // namespace
 
 int command_verify(const VerifyArguments& arguments) {
@@ -50,25 +115,29 @@ int command_verify(const VerifyArguments& arguments) {
   }
   if (!compile(c, arguments.file, Stage::Image) || !check_outputs(c, {arguments.certificate, arguments.trace_path}))
     return report(c);
+  if (!arguments.properties_path.empty() && !load_properties(c, arguments.properties_path)) return report(c);
   library::VerifyRequest request = arguments;
   request.wants_certificate = !arguments.certificate.empty();
   request.wants_trace = !arguments.trace_path.empty();
-  const std::optional<verify::Question> asked =
-      read_question("verify", arguments.property, library::read_question(request, *c.system), *c.system);
-  if (!asked) return kUsage;
-  const verify::Question& question = *asked;
-  const library::Verdict verdict = answer_question(request, c, question);
-  if (!verdict.certificate.empty()) {
-    const Result<bool> written = write_file(arguments.certificate, verdict.certificate);
-    if (!written) c.diags.report(Diag::kB5004, {}, arguments.certificate, written.error());
-  } else if (request.wants_certificate && verdict.exit_code == kViolated) {
-    remove_certificate(c, arguments.certificate);
+  const std::optional<std::vector<NamedQuestion>> questions = read_questions(arguments, *c.system);
+  if (!questions || !may_write_files(arguments, *questions)) return kUsage;
+  const std::string note = remove_unread_cpp(request, c, data_of(*questions));
+  std::vector<NamedVerdict> verdicts;
+  bool are_answered = true;
+  for (const NamedQuestion& asked : *questions) {
+    if (!are_answered) break;
+    NamedVerdict row{asked.name, answer_question(request, c, asked.question, note)};
+    write_files(arguments, c, row.verdict);
+    are_answered = row.verdict.is_answered;
+    verdicts.push_back(std::move(row));
   }
-  write_counterexample(arguments, c, verdict);
-  if (const int code = report(c); code != 0 || !verdict.is_answered) return code;
-  const std::string& text = arguments.json ? verdict.json : verdict.text;
+  if (const int code = report(c); code != 0 || !are_answered) return code;
+  const library::Verdict& first = verdicts.front().verdict;
+  const std::string text = verdicts.size() == 1 ? (arguments.json ? first.json : first.text)
+                           : arguments.json     ? verdict_table_json(verdicts)
+                                                : verdict_table(verdicts);
   std::fwrite(text.data(), 1, text.size(), stdout);
-  return verdict.exit_code;
+  return worst_exit_code(verdicts);
 }
 
 }  // namespace bip::driver

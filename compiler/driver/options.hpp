@@ -72,8 +72,9 @@ struct BuildArguments {
 struct VerifyArguments : library::VerifyRequest {
   CompileOptions compile;
   std::string file;
-  std::string certificate;  // empty: none is written
-  std::string trace_path;   // of the run that violates the property; empty: none is written
+  std::string properties_path;  // of a file with more properties; empty: none
+  std::string certificate;      // empty: none is written
+  std::string trace_path;       // of the run that violates the property; empty: none is written
   bool json = false;
 };
 struct ExploreArguments {

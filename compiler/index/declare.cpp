@@ -214,6 +214,7 @@ void IndexBuilder::declare_items(std::span<const CompoundItem* const> items, Sym
       declare_items(item->items, owner, item->annotations);
       continue;
     }
+    if (item->kind == ItemKind::Property) continue;
     if (item->kind == ItemKind::Priority) {
       add(SymbolKind::Priority, item->name, item->range, owner, item->annotations);
       continue;

@@ -37,6 +37,7 @@ void IndexBuilder::resolve_items(std::span<const CompoundItem* const> items, Sym
       continue;
     }
     expr(item->index, scope);
+    if (item->kind == ItemKind::Property) continue;
     if (item->kind == ItemKind::Priority) {
       resolve_pattern(item->priority->low, scope);
       resolve_pattern(item->priority->high, scope);

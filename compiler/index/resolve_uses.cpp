@@ -91,7 +91,7 @@ void IndexBuilder::link_items(std::span<const CompoundItem* const> items, Symbol
       link_items(item->items, owner, file);
       continue;
     }
-    if (item->kind == ItemKind::Priority) continue;
+    if (item->kind == ItemKind::Priority || item->kind == ItemKind::Property) continue;
     const SymbolId symbol = find(owner, item->name.text);
     set_type(symbol, item->type, use_type(item->type.name, file));
     if (item->inline_body != nullptr && symbol.is_valid()) link_body(*item->inline_body, symbol, file);

@@ -276,7 +276,7 @@ Verdict Model::verify(const VerifyOptions& options) const {
     return out;
   }
   const bool may_simplify = library::calls_cpp(*c.system) && !request.wants_certificate;
-  const std::string note = may_simplify ? library::remove_unread_cpp(c, *question) : std::string();
+  const std::string note = may_simplify ? library::remove_unread_cpp(c, library::data_of(*question)) : std::string();
   std::optional<library::Verdict> verdict = library::decide_initial_fault(c, *question);
   if (!verdict) {
     verify::CancellationSource source;

@@ -1,6 +1,7 @@
 // See decide.hpp. The engines are those of compiler/verify/portfolio; this is what surrounds them: code, caches, texts.
 #include "compiler/library/decide.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -74,7 +75,10 @@ Result<verify::Question> read_question(const std::string& text, const System& sy
     question.what = verify::QuestionKind::NoErrors;
     return question;
   }
-  Result<verify::ParsedProperty> parsed = verify::parse_any_property(text, system);
+  const auto stated = std::find_if(system.properties.begin(), system.properties.end(),
+                                   [&text](const StatedProperty& property) { return property.name == text; });
+  Result<verify::ParsedProperty> parsed =
+      verify::parse_any_property(stated == system.properties.end() ? text : stated->text, system);
   if (!parsed) return Failure{parsed.error()};
   question.what = parsed->is_formula ? verify::QuestionKind::Runs : verify::QuestionKind::State;
   question.property = std::move(parsed->state);
@@ -102,8 +106,8 @@ std::vector<DataRef> data_of(const verify::Question& question) {
 
 bool calls_cpp(const System& system) { return !system.code.functions.empty() || !system.code.ffi_types.empty(); }
 
-std::string remove_unread_cpp(Compilation& c, const verify::Question& question) {
-  std::optional<System> simple = verify::without_unread_cpp(*c.system, data_of(question));
+std::string remove_unread_cpp(Compilation& c, const std::vector<DataRef>& data) {
+  std::optional<System> simple = verify::without_unread_cpp(*c.system, data);
   if (!simple) return {};
   c.lowered.reset();
   c.system = std::move(*simple);

@@ -43,8 +43,8 @@ struct Verdict {
   std::optional<FoundRun> counterexample;
 };
 
-/// Returns the question that the text asks: `deadlock` (also the empty text), `errors`, or a property of states or of
-/// runs; else what is wrong with it.
+/// Returns the question that the text asks: `deadlock` (also the empty text), `errors`, the name of a property that the
+/// model states, or a property of states or of runs; else what is wrong with it.
 [[nodiscard]] Result<verify::Question> read_question(const std::string& text, const System& system);
 [[nodiscard]] Result<verify::Question> read_question(const VerifyRequest& request, const System& system);
 
@@ -54,9 +54,9 @@ struct Verdict {
 /// What C++ remembers is outside of a state: then states can't be visited and steps can't be replayed.
 [[nodiscard]] bool calls_cpp(const System& system);
 
-/// Models with C++: takes out what decides about no state, so that they can be searched. Returns a note, empty if the
-/// system is as before.
-[[nodiscard]] std::string remove_unread_cpp(Compilation& c, const verify::Question& question);
+/// Models with C++: takes out what decides about no state, so that they can be searched; `data` is what the questions
+/// read. Returns a note, empty if the system is as before.
+[[nodiscard]] std::string remove_unread_cpp(Compilation& c, const std::vector<DataRef>& data);
 
 /// The verdict if the initialization ends with an error, so that no run reaches a state that is asked about.
 [[nodiscard]] std::optional<Verdict> decide_initial_fault(const Compilation& c, const verify::Question& question);

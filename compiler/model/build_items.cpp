@@ -33,6 +33,11 @@ CompoundItem CompoundBuilder::item(const syntax::CompoundItem& i) {
       build_priority(*i.priority);
       out.priorities[row.family].in_loop = true;
       break;
+    case syntax::ItemKind::Property:
+      row.kind = ItemKind::Property;
+      if (i.index != nullptr) row.index = CodeBuilder(b.model, b.diags, scope).expr_as(i.index, Type::Int, "the index");
+      for (const auto& [name, known] : scope.names) row.values.push_back({name, known.index, known.type});
+      break;
     case syntax::ItemKind::For: {
       row.kind = ItemKind::For;
       CodeBuilder code(b.model, b.diags, scope);

@@ -164,6 +164,8 @@ struct Dumper {
         items(t, i.items, indent + "  ");
       } else if (i.kind == ItemKind::Priority) {
         line("{}priority {}{}", indent, t.priorities[i.family].name, index);
+      } else if (i.kind == ItemKind::Property) {
+        line("{}property {}{}", indent, i.syntax->name.text, index);
       } else if (i.kind == ItemKind::Component) {
         const ComponentFamily& f = t.components[i.family];
         std::string args;

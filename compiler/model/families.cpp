@@ -14,12 +14,15 @@ void CompoundBuilder::declare_families(std::span<const syntax::CompoundItem* con
       continue;
     }
     const std::string name(i->name.text);
-    if (i->kind == syntax::ItemKind::Priority) {
-      if (i->index == nullptr)
+    const bool is_property = i->kind == syntax::ItemKind::Property;
+    if (i->kind == syntax::ItemKind::Priority || is_property) {
+      if (i->index == nullptr && place == ItemPlace::Loop)
         b.diags.report(Diag::kB4010, i->name.range, name)
             .help(fmt::format("write `{}[i]` with the loop's variable", name), i->name.range,
                   fmt::format("{}[i]", name));
-      if (loop_priorities.insert(name).second) names.declare(i->name, "priority");
+      // One item of a loop stands for many.
+      if (is_property || loop_priorities.insert(name).second)
+        names.declare(i->name, is_property ? "property" : "priority");
       continue;
     }
     const bool is_component = i->kind == syntax::ItemKind::Component;

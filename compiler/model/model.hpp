@@ -64,7 +64,7 @@ struct OuterValue {
   Type type = Type::Int;
 };
 
-enum class ItemKind : std::uint8_t { Component, Connector, For, Priority };
+enum class ItemKind : std::uint8_t { Component, Connector, For, Priority, Property };
 struct CompoundItem {
   ItemKind kind = ItemKind::Component;
   SourceRange range;
@@ -74,7 +74,8 @@ struct CompoundItem {
   ConnectorTypeId type;              // Connector
   std::vector<PortPath> ports;       // Connector: as written; a star path stands for several parameters
   std::vector<DataPath> data;        // Connector: one a data read of the type
-  std::vector<OuterValue> values{};  // Connector: an inline one gets its type when they are known
+  std::vector<OuterValue> values{};  // Connector: an inline one gets its type when they are known; Property: what its
+                                     // text may name
   const syntax::CompoundItem* syntax = nullptr;
   bool has_star = false;  // Connector: a path with [*]; an inline one gets its type when its ports are counted
   std::uint32_t loop_variable = 0;  // For: Self variable of the variable

@@ -200,6 +200,7 @@ class ModelValidator {
           expect(model_.code.exprs.contains(item.low) && model_.code.exprs.contains(item.high), "a loop has bounds");
           items(type, item.items);
           break;
+        case ItemKind::Property: expect(item.syntax != nullptr, "a property has a text"); break;
         case ItemKind::Priority: expect(item.family < type.priorities.size(), "a priority is a row"); break;
       }
     }

@@ -97,11 +97,15 @@ class Classifier {
       case BipLexer::IN: return push(row, in_of_for_ == at_ && at_ > 0 ? BipLexer::IN : BipLexer::ID);
       case BipLexer::NOT_WORD: return push(row, negates() ? BipLexer::NOT_WORD : BipLexer::ID);
       case BipLexer::DASHED: return push_dashed(row);
-      case BipLexer::LBRACE: ++braces_; break;
+      case BipLexer::LBRACE:
+        if (at_ == property_text_) return push_property_text(row);
+        ++braces_;
+        break;
       case BipLexer::RBRACE: --braces_; break;
       case BipLexer::ID:
         if (word_of(row) == "when" && ahead(1) == BipLexer::LPAREN && follows_part())
           return push(row, BipLexer::PROVIDED);
+        if (begins_property(row)) return push(row, BipLexer::PROPERTY);
         if (word_of(row) == "reset" && may_be_name(ahead(1)) && follows_part()) return push(row, BipLexer::RESET);
         break;
       case BipLexer::INT_RANGE:
@@ -144,6 +148,28 @@ class Classifier {
   }
   [[nodiscard]] std::string_view word_of(const TokenRow& row) const {
     return text_.substr(row.begin, row.end - row.begin);
+  }
+  /// `property name { … }` or `property name[i] { … }`: no name is followed by another one and a brace.
+  [[nodiscard]] bool begins_property(const TokenRow& row) {
+    if (word_of(row) != "property" || !may_be_name(ahead(1))) return false;
+    std::size_t open = 2;
+    if (ahead(open) == BipLexer::LBRACK) {
+      while (!is_one_of(ahead(open), {BipLexer::RBRACK, BipLexer::LBRACE, BipLexer::END, kNoToken})) ++open;
+      ++open;
+    }
+    if (ahead(open) != BipLexer::LBRACE) return false;
+    std::size_t close = open + 1;
+    while (!is_one_of(ahead(close), {BipLexer::RBRACE, BipLexer::LBRACE, BipLexer::END, kNoToken})) ++close;
+    if (ahead(close) != BipLexer::RBRACE) return false;
+    property_text_ = at_ + open;
+    property_end_ = at_ + close;
+    return true;
+  }
+  /// One token of all up to the closing brace.
+  void push_property_text(TokenRow row) {
+    at_ = property_end_;
+    row.end = in_[at_].end;
+    push(row, BipLexer::PROPERTY_TEXT);
   }
   /// Behind the places, a condition, the urgency or the action of a transition or an invariant.
   [[nodiscard]] bool follows_part() const {
@@ -209,6 +235,7 @@ class Classifier {
   std::vector<TokenRow> out_;
   std::size_t at_ = 0;
   std::size_t in_of_for_ = 0;
+  std::size_t property_text_ = 0, property_end_ = 0;
   Region region_ = Region::None;
   int open_ = 0;
   int braces_ = 0;

@@ -148,6 +148,7 @@ class Converter {
   void bindings(BipParser::ConnectorDeclContext* ctx, syntax::Annotations annotations, Items& to);
   void inline_connector(BipParser::InlineConnectorContext* ctx, syntax::Annotations annotations, Items& to);
   void bound_ports(BipParser::BoundPortsContext* ctx, std::vector<syntax::Path>& to);
+  void property(BipParser::PropertyDeclContext* ctx, syntax::Annotations annotations, Items& to);
   void for_items(BipParser::ForItemsContext* ctx, syntax::Annotations annotations, Items& to);
   syntax::CompoundPriority compound_priority(BipParser::PriorityContext* ctx, syntax::Annotations annotations);
   syntax::InteractionPattern pattern(BipParser::PrioritySideContext* ctx);

@@ -84,7 +84,7 @@ void Converter::atom_item(BipParser::BodyItemContext* ctx, Annotations marks, It
   } else if (ctx->priority() != nullptr) {
     atom_priority(ctx->priority(), to);
     if (BipParser::IndexContext* index = ctx->priority()->index())
-      diags_.report(Diag::kB3020, range(index), name(ctx->priority()->id()).text);
+      diags_.report(Diag::kB3020, range(index), "priority", name(ctx->priority()->id()).text);
   } else if (ctx->invariant() != nullptr) {
     if (!failed(ctx->invariant()->provided())) to.invariants.push_back(invariant(ctx->invariant()));
   } else if (ctx->behavior() != nullptr) {

@@ -10,12 +10,13 @@ bool Converter::compound_item(BipParser::BodyItemContext* ctx, Annotations marks
   const bool in_compound = owner_.kind == DeclKind::CompoundType;
   const bool belongs = ctx->contains() != nullptr || ctx->componentDecl() != nullptr ||
                        ctx->connectorDecl() != nullptr || ctx->inlineConnector() != nullptr ||
-                       ctx->forItems() != nullptr || ctx->compoundExport() != nullptr;
+                       ctx->forItems() != nullptr || ctx->compoundExport() != nullptr || ctx->propertyDecl() != nullptr;
   if (belongs && !in_compound) {
     std::string_view what = "an export of a part's port or data";
     if (ctx->contains() != nullptr || ctx->componentDecl() != nullptr) what = "a component";
     if (ctx->connectorDecl() != nullptr || ctx->inlineConnector() != nullptr) what = "a connector";
     if (ctx->forItems() != nullptr) what = "a `for`";
+    if (ctx->propertyDecl() != nullptr) what = "a property";
     misplaced(what, range(ctx));
     return true;
   }
@@ -30,10 +31,16 @@ bool Converter::compound_item(BipParser::BodyItemContext* ctx, Annotations marks
     inline_connector(ctx->inlineConnector(), marks, to);
   } else if (ctx->forItems() != nullptr) {
     for_items(ctx->forItems(), marks, to);
+  } else if (ctx->propertyDecl() != nullptr) {
+    property(ctx->propertyDecl(), marks, to);
+    if (const CompoundItem* made = to.items.back(); made->index != nullptr) {
+      diags_.report(Diag::kB3020, made->index->range, "property", made->name.text)
+          .help("only in a `for` are there several of one name");
+    }
   } else if (ctx->priority() != nullptr) {
     to.priorities.push_back(compound_priority(ctx->priority(), marks));
     if (const CompoundPriority& made = to.priorities.back(); made.index != nullptr) {
-      diags_.report(Diag::kB3020, made.index->range, made.name.text)
+      diags_.report(Diag::kB3020, made.index->range, "priority", made.name.text)
           .help("only in a `for` are there several of one name");
     }
   } else if (BipParser::CompoundExportContext* e = ctx->compoundExport()) {
@@ -125,6 +132,19 @@ void Converter::inline_connector(BipParser::InlineConnectorContext* ctx, Annotat
   to.items.push_back(arena_.make(item));
 }
 
+void Converter::property(BipParser::PropertyDeclContext* ctx, Annotations marks, Items& to) {
+  CompoundItem item{.kind = ItemKind::Property, .annotations = marks, .range = range(ctx)};
+  item.name = name(ctx->id());
+  if (ctx->index() != nullptr && ctx->index()->expr() != nullptr) item.index = value(ctx->index()->expr());
+  if (ctx->index() != nullptr && ctx->index()->STAR() != nullptr)
+    diags_.report(Diag::kB0019, range(ctx->index()), "a property's `[ ]` holds an index, not `*`");
+  SourceRange inside = range(ctx->PROPERTY_TEXT()->getSymbol());
+  ++inside.begin;
+  --inside.end;
+  item.property = {text(inside), inside};
+  to.items.push_back(arena_.make(item));
+}
+
 void Converter::for_items(BipParser::ForItemsContext* ctx, Annotations marks, Items& to) {
   CompoundItem item{.kind = ItemKind::For, .annotations = marks, .range = range(ctx)};
   item.name = name(ctx->id());
@@ -135,7 +155,9 @@ void Converter::for_items(BipParser::ForItemsContext* ctx, Annotations marks, It
     if (failed(i)) continue;
     const bool repeats = i->contains() != nullptr || i->componentDecl() != nullptr || i->connectorDecl() != nullptr ||
                          i->inlineConnector() != nullptr || i->forItems() != nullptr;
-    if (repeats) {
+    if (i->propertyDecl() != nullptr) {
+      property(i->propertyDecl(), annotations(i->annotation()), inner);
+    } else if (repeats) {
       body_item(i, inner);
     } else if (i->priority() != nullptr) {
       CompoundItem rule{
@@ -145,7 +167,8 @@ void Converter::for_items(BipParser::ForItemsContext* ctx, Annotations marks, It
       rule.index = rule.priority->index;
       inner.items.push_back(arena_.make(rule));
     } else {
-      diags_.report(Diag::kB0019, range(i), "a `for` repeats components, connectors, priorities and other `for`s only");
+      diags_.report(Diag::kB0019, range(i),
+                    "a `for` repeats components, connectors, priorities, properties and other `for`s only");
     }
   }
   item.items = arena_.list(inner.items);

@@ -70,6 +70,8 @@ constexpr Spelling kSpellings[] = {
     {BipParser::STATE, "state"},
     {BipParser::CONTAINS, "contains"},
     {BipParser::FOR, "for"},
+    {BipParser::PROPERTY, "property"},
+    {BipParser::PROPERTY_TEXT, "{ … }"},
     {BipParser::IN, "in"},
     {BipParser::IF, "if"},
     {BipParser::PACKAGE, "package"},
@@ -128,7 +130,7 @@ constexpr std::size_t kItemStarts[] = {
     BipParser::DATA,      BipParser::EXPORT,   BipParser::PORT,     BipParser::EXTERN,    BipParser::CLOCK,
     BipParser::PLACE,     BipParser::INITIAL,  BipParser::ON,       BipParser::INTERNAL,  BipParser::PRIORITY,
     BipParser::INVARIANT, BipParser::BEHAVIOR, BipParser::CONTAINS, BipParser::COMPONENT, BipParser::CONNECTOR,
-    BipParser::FOR,       BipParser::AT_SIGN,  BipParser::DEFINE,   BipParser::FINAL};
+    BipParser::FOR,       BipParser::AT_SIGN,  BipParser::DEFINE,   BipParser::FINAL,     BipParser::PROPERTY};
 constexpr std::size_t kDeclStarts[] = {BipParser::ATOM,      BipParser::COMPOUND,    BipParser::CONNECTOR_DECL,
                                        BipParser::PORT_DECL, BipParser::EXTERN_DECL, BipParser::COMPONENT_DECL,
                                        BipParser::CONST,     BipParser::DATA,        BipParser::FUNCTION,

@@ -47,6 +47,7 @@ bool begins_item(std::size_t type) {
     case BipParser::BEHAVIOR:
     case BipParser::STATE:
     case BipParser::FOR:
+    case BipParser::PROPERTY:
     case BipParser::DEFINE:
     case BipParser::AT_SIGN:
     case BipParser::END: return true;

@@ -61,6 +61,7 @@ constexpr std::string_view kTypes =
 constexpr std::string_view kUnit = "a bound counts in the unit of its clock, which `clock NAME unit millisecond` gives";
 constexpr std::string_view kInvariant = "an invariant is written `invariant NAME at PLACE provided (…)`";
 constexpr std::string_view kLoop = "an action has no loops: an `internal` transition with a guard repeats";
+constexpr std::string_view kProperty = "a property is written `property NAME { never … }`";
 constexpr std::string_view kPlaces = "places are declared by `place NAME, NAME`";
 
 constexpr Row kRows[] = {
@@ -143,6 +144,13 @@ constexpr Row kRows[] = {
     {Where::Priority, "priority N @ : O < O", "priority order $1:$2 < $3", kPriority},
     {Where::Priority, "< @ <", "<", kPriority},
     {Where::Priority, "@ <=", "<", kPriority},
+    // ---- properties
+    {Where::Compound, "@ property N never R", "property $1 { never $2 }", kProperty},
+    {Where::Compound, "@ property N always R", "property $1 { always $2 }", kProperty},
+    {Where::Compound, "@ property N eventually R", "property $1 { eventually $2 }", kProperty},
+    {Where::Compound, "@ property N : R", "property $1 { $2 }", kProperty},
+    {Where::Compound, "@ property N = R", "property $1 { $2 }", kProperty},
+    {Where::Compound, "@ property N", "", kProperty},
     // ---- ports, parameters
     {Where::Port, "@ T N", "$2", "a port names the data that it shows; its port type has their types"},
     {Where::Params, "N @ : T", "$2 $1", kParam},

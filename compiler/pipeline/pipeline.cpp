@@ -10,6 +10,7 @@
 #include <iterator>
 
 #include "compiler/base/stage_scope.hpp"
+#include "compiler/pipeline/check_properties.hpp"
 #include "compiler/pipeline/check_rest.hpp"
 #include "compiler/pipeline/load_packages.hpp"
 #include "compiler/pipeline/roots.hpp"
@@ -80,6 +81,7 @@ bool instantiate(Compilation& c) {
   static const std::vector<const syntax::Expr*> kNoArguments;
   c.system = system::instantiate(*c.model, c.root ? c.root->type : "", c.root ? c.root->args : kNoArguments, c.diags,
                                  c.root_range, unfolding_limits(c.options));
+  if (c.system && !c.diags.has_errors()) check_properties(*c.system, c.diags);
   return c.system.has_value() && !c.diags.has_errors();
 }
 
@@ -194,7 +196,10 @@ bool check(Compilation& c, const std::string& path) {
       // `instantiate` may take the model's code with it, so each root gets a model of its own.
       c.model = model::build_model(c.packages, c.sources, c.diags);
       c.system = system::instantiate(*c.model, root, {}, c.diags, c.root_range, unfolding_limits(c.options));
-      if (c.system) inspect_product(c, instantiation);
+      if (c.system) {
+        check_properties(*c.system, c.diags);
+        inspect_product(c, instantiation);
+      }
     }
     return !c.diags.has_errors();
   });

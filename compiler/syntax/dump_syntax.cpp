@@ -212,6 +212,7 @@ void Dumper::item(const CompoundItem& i) {
     case ItemKind::Priority:
       return line("Priority", i.range,
                   details + " " + text(i.priority->low) + " < " + text(i.priority->high) + guard(i.priority->guard));
+    case ItemKind::Property: return line("Property", i.range, details + " {" + std::string(i.property.text) + "}");
     case ItemKind::For:
       line("For", i.range, details + " in " + text(i.low) + ".." + text(i.high));
       ++indent_;

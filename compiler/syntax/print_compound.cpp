@@ -8,7 +8,8 @@ void SyntaxPrinter::item_group(std::span<const CompoundItem* const> group, Layou
   const std::uint32_t end = group.back()->range.end;
   if (layout == Layout::OwnLine) {
     annotations(first.annotations, first.range.begin);
-    const bool one_line = first.inline_body == nullptr && first.kind != ItemKind::For;
+    const bool one_line =
+        first.inline_body == nullptr && first.kind != ItemKind::For && first.kind != ItemKind::Property;
     lead_in(first.range.begin, one_line ? end : first.range.begin);
     begin_line();
   }
@@ -36,6 +37,7 @@ void SyntaxPrinter::item_group(std::span<const CompoundItem* const> group, Layou
     return end_line(end);
   }
   if (first.kind == ItemKind::Priority) return priority(*first.priority);
+  if (first.kind == ItemKind::Property) return property(first);
   const bool component = first.kind == ItemKind::Component;
   put(component ? (notation_ == Notation::Paper ? "contains " : "component ") : "connector ");
   if (first.type.is_written()) put(text(first.type) + " ");
@@ -55,6 +57,40 @@ void SyntaxPrinter::item_group(std::span<const CompoundItem* const> group, Layou
   connector_parts(*first.inline_body);
   notation_ = outer;
   --indent_;
+}
+
+// The text has a grammar of its own: its lines stay as they are, with the comments in them.
+void SyntaxPrinter::property(const CompoundItem& item) {
+  put("property ");
+  put(item.name.text);
+  if (item.index != nullptr) put("[" + text(item.index) + "]");
+  std::vector<std::string_view> lines;
+  const std::string_view all = item.property.text;
+  for (std::size_t at = 0; at <= all.size();) {
+    const std::size_t end = std::min(all.find('\n', at), all.size());
+    const std::string_view line = all.substr(at, end - at);
+    const std::size_t first = line.find_first_not_of(" \t\r");
+    if (first != std::string_view::npos)
+      lines.push_back(line.substr(first, line.find_last_not_of(" \t\r") - first + 1));
+    at = end + 1;
+  }
+  if (lines.size() == 1) {
+    put(" { " + std::string(lines.front()) + " }");
+  } else {
+    put(" {");
+    ++indent_;
+    for (const std::string_view line : lines) {
+      out_ += '\n';
+      begin_line();
+      put(line);
+    }
+    --indent_;
+    out_ += '\n';
+    begin_line();
+    put("}");
+  }
+  while (has_comment_before(item.range.end)) ++next_comment_;
+  end_line(item.range.end);
 }
 
 void SyntaxPrinter::priority(const CompoundPriority& p) {

@@ -85,6 +85,7 @@ class SyntaxPrinter {
   // print_compound.cpp
   void compound(const Decl& d);
   void items(std::span<const CompoundItem* const> list, std::vector<Piece>& pieces);
+  void property(const CompoundItem& item);
   void priority(const CompoundPriority& p);
   void item_group(std::span<const CompoundItem* const> group, Layout layout);
 

@@ -212,13 +212,13 @@ struct NamedArg {
   Name name{};  // empty: by position
   const Expr* value = nullptr;
 };
-enum class ItemKind : std::uint8_t { Component, Connector, For, Priority };
+enum class ItemKind : std::uint8_t { Component, Connector, For, Priority, Property };
 struct CompoundPriority;
 struct CompoundItem {
   ItemKind kind = ItemKind::Component;
   Annotations annotations{};
   SourceRange range{};
-  Name name{};                       // Component, Connector; For: the loop variable
+  Name name{};                       // Component, Connector, Property; For: the loop variable
   TypeRef type{};                    // Component, Connector (unwritten if inline)
   const Expr* index = nullptr;       // name[index]: an array's size outside `for`, an element inside; may be null
   std::span<const NamedArg> args{};  // Component
@@ -228,6 +228,7 @@ struct CompoundItem {
   const Expr* high = nullptr;
   std::span<const CompoundItem* const> items{};  // For
   const CompoundPriority* priority = nullptr;    // Priority: one in a `for`; name and index are its own
+  Name property{};                               // Property: what stands between the braces
 };
 /// One side of a compound priority: c:a.p,b.q | c:* | *:*
 struct InteractionPattern {

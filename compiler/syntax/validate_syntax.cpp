@@ -210,6 +210,7 @@ class SyntaxValidator {
         expect(i.priority != nullptr, "a priority item has a priority", i.range);
         if (i.priority != nullptr) priority(*i.priority, i.range);
         break;
+      case ItemKind::Property: name(i.property, i.range); break;
       case ItemKind::Component:
       case ItemKind::Connector: expect(i.items.empty(), "only `for` has items", i.range); break;
     }

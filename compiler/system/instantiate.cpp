@@ -9,6 +9,7 @@
 #include "compiler/model/code_builder.hpp"
 #include "compiler/model/packages.hpp"
 #include "compiler/model/evaluate.hpp"
+#include "compiler/system/expand_property.hpp"
 #include "compiler/system/instantiator.hpp"
 
 namespace bip::system {
@@ -124,6 +125,40 @@ void Instantiator::declare_connector(std::uint32_t instance, const CompoundItem&
   in.pending.push_back({&item, self, item.family, std::move(name), {}, false});
 }
 
+void Instantiator::property(std::uint32_t instance, const CompoundItem& item, const std::vector<Value>& self) {
+  const Instance& in = instances[instance];
+  if (too_many(out.properties.size(), "properties", item.range)) return;
+  // Without `ROOT.`, as traces have it.
+  const std::string& path = out.compounds[in.row].path;
+  const std::string scope = in.row.value == 0 ? std::string() : path.substr(path.find('.') + 1) + ".";
+  std::string name = scope + std::string(item.syntax->name.text);
+  if (item.index.is_valid()) {
+    const std::optional<Value> n = value(item.index, self, item.syntax->index->range);
+    if (!n) return;
+    name += fmt::format("[{}]", n->int_value);
+  }
+  std::map<std::string, Value, std::less<>> constants;
+  for (const OuterValue& v : item.values) {
+    BIP_ASSERT(v.variable < self.size(), "value {} of {}", v.variable, self.size());
+    constants.emplace(v.name, self[v.variable]);
+  }
+  const SourceRange written = item.syntax->property.range;
+  Result<ExpandedProperty> whole = expand_property(item.syntax->property.text, scope, constants, model.code.strings);
+  if (!whole) {
+    diags.report(Diag::kB4030, written, name, whole.error());
+    return;
+  }
+  if (!property_names.insert(name).second) {
+    diags.report(Diag::kB4015, item.syntax->name.range, name);
+    return;
+  }
+  StatedProperty& stated = out.properties.emplace_back();
+  stated.name = std::move(name);
+  stated.text = whole->text;
+  stated.file = written.file;
+  for (const std::uint32_t offset : whole->source) stated.source.push_back(written.begin + offset);
+}
+
 void Instantiator::items(std::uint32_t instance, const std::vector<CompoundItem>& list, std::vector<Value>& self,
                          std::size_t depth) {
   const std::size_t params = instances[instance].params.size();
@@ -133,6 +168,7 @@ void Instantiator::items(std::uint32_t instance, const std::vector<CompoundItem>
       case ItemKind::Component: component(instance, item, self, self.size() > params, depth); break;
       case ItemKind::Connector: declare_connector(instance, item, self); break;
       case ItemKind::Priority: declare_priority(instance, item, self); break;
+      case ItemKind::Property: property(instance, item, self); break;
       case ItemKind::For: {
         const std::optional<Value> low = value(item.low, self, item.syntax->low->range);
         const std::optional<Value> high = value(item.high, self, item.syntax->high->range);

@@ -55,6 +55,7 @@ struct Instantiator {
   std::size_t rounds = 0;
   bool stopped = false;                     // a limit was reached: unwind
   std::set<std::uint32_t> warned_cycles{};  // compound types
+  std::set<std::string> property_names{};
 
   // instantiate.cpp
   std::uint32_t compound(CompoundTypeId type, std::vector<Value> params, std::string path, CompoundId parent, Loc loc,
@@ -64,6 +65,7 @@ struct Instantiator {
              std::size_t depth);
   void component(std::uint32_t instance, const CompoundItem& item, const std::vector<Value>& self, bool in_loop,
                  std::size_t depth);
+  void property(std::uint32_t instance, const CompoundItem& item, const std::vector<Value>& self);
   void declare_connector(std::uint32_t instance, const CompoundItem& item, const std::vector<Value>& self);
   void declare_priority(std::uint32_t instance, const CompoundItem& item, const std::vector<Value>& self);
   bool too_many(std::size_t count, const char* what, SourceRange at) {

@@ -90,6 +90,15 @@ struct Priority {
   Loc loc{};
 };
 
+/// A property that a compound states (`property exclusion { never a@CS && b@CS }`), in terms of the whole system.
+struct StatedProperty {
+  std::string name;                   // "exclusion", "table.exclusion", "ring[2].served[0]": as traces, without ROOT
+  std::string text;                   // as `--property` takes it
+  std::vector<std::uint32_t> source;  // by byte of the text, and one for its end: offset in the file
+  FileId file;
+};
+
+/// The properties are no part of the .bsys form: they ask about a system and do not change it.
 struct System {
   std::vector<std::string> files;  // rows of Loc::file
   CodeTable code;
@@ -101,6 +110,7 @@ struct System {
   std::vector<Choice> choices;
   IndexVector<ConnectorId, Connector> connectors;
   IndexVector<PriorityId, Priority> priorities;
+  std::vector<StatedProperty> properties;
 
   /// True if the connector's interactions are steps: it exports no port.
   [[nodiscard]] bool is_top(ConnectorId id) const { return !connector_types[connectors[id].type].exports; }

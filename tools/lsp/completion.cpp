@@ -81,8 +81,8 @@ Texts keywords(Region region) {
       return {"data", "export data", "port", "export port", "place",     "initial to", "on",    "internal", "from",
               "to",   "provided",    "do",   "priority",    "invariant", "clock",      "state", "end"};
     case Region::Compound:
-      return {"component", "connector", "contains", "for", "priority", "export port", "export data", "port",
-              "data",      "behavior",  "define",   "on",  "provided", "do",          "end"};
+      return {"component", "connector", "contains", "for",    "priority", "property", "export port", "export data",
+              "port",      "data",      "behavior", "define", "on",       "provided", "do",          "end"};
     case Region::Action: return {"if", "then", "else", "fi", "true", "false"};
   }
   return {};

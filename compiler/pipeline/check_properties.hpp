@@ -1,0 +1,12 @@
+// Properties that compounds state are read when the system is there, not only when somebody asks for them.
+#pragma once
+#include "compiler/diag/diagnostics.hpp"
+#include "compiler/system/system.hpp"
+
+namespace bip::pipeline {
+
+/// Reports the first problem of each property of the system at its place in the source (B4030). Cost: linear in the
+/// system for each property.
+void check_properties(const System& system, Diagnostics& diags);
+
+}  // namespace bip::pipeline
