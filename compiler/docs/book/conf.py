@@ -16,7 +16,7 @@ include_patterns = ["README.md", "compiler/docs/*.md", "compiler/docs/book/*.md"
 suppress_warnings = ["ref.myst"]
 myst_heading_anchors = 3
 html_theme = "alabaster"
-html_theme_options = {"description": "BIP: behaviour, interaction, priority", "fixed_sidebar": True, "page_width": "72em", "sidebar_width": "17em"}
+html_theme_options = {"description": "BIP: behaviour, interaction, priority", "page_width": "1120px", "sidebar_width": "240px", "code_font_size": "0.82em"}
 html_sidebars = {"**": ["about.html", "searchbox.html", "navigation.html"]}
 html_copy_source = False
 html_show_sphinx = False
@@ -52,10 +52,12 @@ for language in ("bip", "gen", "genom", "rules"):
 
 
 def add_navigation(app, name, source):
-    """The pages that the index links to are the site's navigation, in that order."""
-    if name == root_doc:
-        pages = dict.fromkeys(re.findall(r"\]\(([^)#]+)\.md\)", source[0]))
-        source[0] += "\n```{toctree}\n:hidden:\n\n" + "\n".join(pages) + "\n```\n"
+    """The pages that the index links to are the site's navigation, in that order, under the index's headings."""
+    if name != root_doc:
+        return
+    for heading, section in re.findall(r"^## (.*?)\n(.*?)(?=^## |\Z)", source[0], re.M | re.S):
+        pages = dict.fromkeys(re.findall(r"\]\(([^)#]+)\.md\)", section))
+        source[0] += f"\n```{{toctree}}\n:hidden:\n:caption: {heading}\n\n" + "\n".join(pages) + "\n```\n"
 
 
 def setup(app):
