@@ -4,6 +4,7 @@
 #include <map>
 
 #include "compiler/base/log.hpp"
+#include "runtime/distributed/distribution.hpp"
 #include "runtime/engine/policies.hpp"
 #include "runtime/trace/trace_formats.hpp"
 
@@ -64,8 +65,11 @@ const PolicyChoices kPolicies;
 const FormatChoices kRunFormats([](const rt::TraceFormatRow&) { return true; });
 const FormatChoices kTextFormats([](const rt::TraceFormatRow& row) { return row.is_text; });
 const FormatChoices kServedFormats([](const rt::TraceFormatRow& row) { return row.can_embed; });
-const Names<rt::Engine> kEngines{
-    {"sequential", rt::Engine::Sequential}, {"threads", rt::Engine::Threads}, {"batch", rt::Engine::Batch}};
+const Names<rt::Engine> kEngines{{"sequential", rt::Engine::Sequential},
+                                 {"threads", rt::Engine::Threads},
+                                 {"batch", rt::Engine::Batch},
+                                 {"simulated", rt::Engine::Simulated}};
+const Names<rt::OnLoss> kOnLoss{{"stop", rt::OnLoss::Stop}, {"go-on", rt::OnLoss::GoOn}};
 
 const Names<ExportFormat> kExportFormats{{"promela", ExportFormat::Promela},
                                          {"pnml", ExportFormat::Pnml},
@@ -251,6 +255,11 @@ void add_check(CLI::App& app, CheckArguments& a) {
   CLI::App* command = app.add_subcommand("check", "report all errors and warnings of models without running them");
   command->add_option("FILE", a.files, "model files (.bip or .bsys)")->required()->type_name("");
   command
+      ->add_option("--placement", a.placement_path,
+                   "print what a run distributed by this file (see distributed.md) would be: interactions over several "
+                   "nodes, conflict sets, messages")
+      ->type_name("PATH");
+  command
       ->add_option(
           "--lesson", a.lesson,
           "judge FILE as the solution of the exercises of lesson N of the book, or of exercise K alone; exit code 3 "
@@ -299,14 +308,29 @@ void add_run(CLI::App& app, RunArguments& a) {
       ->type_name("PATH");
   add_choice(*command, "--trace-format", a.run.format, kRunFormats.names, kRunFormats.shown,
              "format of the trace" + kRunFormats.help + " (default: steps, or json with --trace)");
-  add_choice(*command, "--engine", a.run.engine, kEngines, "sequential|threads|batch",
+  add_choice(*command, "--engine", a.run.engine, kEngines, "sequential|threads|batch|simulated",
              "threads executes long actions in parallel; batch executes independent short steps of a large system in "
-             "parallel (default: sequential)");
+             "parallel; simulated distributes the components over nodes of a simulated network (default: sequential)");
   command
       ->add_option("--threads", a.run.threads,
                    "worker threads of --engine=threads and --engine=batch (default: one per processor)")
       ->check(CLI::Range(1, 256))
       ->type_name("N");
+  command->add_option("--nodes", a.run.nodes, "number of nodes of --engine=simulated (default: 4)")
+      ->check(CLI::Range(1u, rt::kMostNodes))
+      ->type_name("N");
+  command
+      ->add_option("--placement", a.placement_path,
+                   "place components on nodes as this file says (default: breadth first along connectors)")
+      ->type_name("PATH")
+      ->excludes("--nodes");
+  command
+      ->add_option("--faults", a.run.network_faults,
+                   "what goes wrong in the simulated network, for example 'cut 1-2 3s..5s, crash 3 5s, slow 2 x10, "
+                   "lose 5%, double 5%'")
+      ->type_name("FAULTS");
+  add_choice(*command, "--on-loss", a.run.on_loss, kOnLoss, "stop|go-on",
+             "after the crash of a node, stop the run or go on with what does not need it (default: stop)");
   command->add_flag("-a,--asap", a.run.asap,
                     "take each step at the earliest instant at which it is possible (for models with clocks)");
   command->add_flag_callback(

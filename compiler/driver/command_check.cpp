@@ -1,6 +1,7 @@
 // `bipc check`: reports everything that can be wrong without running. Prints nothing if there is nothing to report.
 // With `--lesson` it judges an exercise of the book.
 #include "compiler/driver/commands.hpp"
+#include "compiler/driver/distributed_runs.hpp"
 #include "compiler/driver/emit_stage.hpp"
 #include "compiler/driver/judge_lesson.hpp"
 #include "compiler/driver/report.hpp"
@@ -14,6 +15,10 @@ int command_check(const CheckArguments& arguments) {
     Compilation c(arguments.compile);
     if (arguments.compile.emit != EmitKind::None) {
       emit_stage(c, file, Optimisation::Auto);
+    } else if (!arguments.placement_path.empty()) {
+      std::string text;
+      if (compile(c, file, Stage::Image)) text = distribution_text(c, arguments.placement_path);
+      std::fwrite(text.data(), 1, text.size(), stdout);
     } else {
       (void)check(c, file);
     }

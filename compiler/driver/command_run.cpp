@@ -13,6 +13,7 @@
 #include "compiler/driver/check_outputs.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/pipeline/ffi_build.hpp"
+#include "compiler/driver/distributed_runs.hpp"
 #include "compiler/driver/emit_stage.hpp"
 #include "compiler/pipeline/executor.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
@@ -109,6 +110,8 @@ int command_run(const RunArguments& arguments) {
   const bool profiles = arguments.profile || !arguments.profile_path.empty();
   bool ready = compile(c, arguments.file, Stage::Image) &&
                check_outputs(c, {arguments.run.trace_path, arguments.run.record_path, arguments.profile_path});
+  rt::Placement placement;
+  ready = ready && prepare_distributed(c, arguments, placement);
   if (ready) c.lowered->calls_rows = profiles;
   const bool tiered = ready && !profiles && begins_interpreted(c, arguments);
   ready = ready && (tiered ? executor.prepare_tiered(c)
@@ -118,6 +121,7 @@ int command_run(const RunArguments& arguments) {
   release_instances(c);
   rt::RunOptions options = arguments.run;
   options.new_code = executor.new_code();
+  if (!placement.nodes.empty()) options.placement = &placement;
   const int code = profiles ? run_profiled(c, arguments) : rt::run(c.lowered->image, options, stdout, stderr).exit_code;
   if (options.stats) std::fputs(executor.summary().c_str(), stderr);
   return code;

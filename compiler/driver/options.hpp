@@ -25,6 +25,7 @@ struct RunArguments {
   bool for_debuggers = false;  // gdb and perf see machine code and its lines
   bool profile = false;        // a table of where the time went follows
   std::string profile_path;    // the same as JSON; empty: none
+  std::string placement_path;  // where components are at home; empty: anywhere
 };
 /// A debugging session on a model.
 struct SessionArguments {
@@ -111,7 +112,8 @@ struct SimulateArguments {
 struct CheckArguments {
   CompileOptions compile;
   std::vector<std::string> files;
-  std::string lesson = {};  // of the book, whose exercises the file solves, or not; empty: none
+  std::string placement_path = {};  // what a distributed run of the file would be; empty: nobody asks
+  std::string lesson = {};          // of the book, whose exercises the file solves, or not; empty: none
 };
 struct EmitArguments {
   CompileOptions compile;

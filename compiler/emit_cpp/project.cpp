@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 // Paths below `runtime_dir` of all its sources and headers, sorted.
 Result<std::vector<fs::path>> runtime_files(const fs::path& runtime_dir) {
   std::vector<fs::path> files;
-  for (const char* part : {"include", "core", "engine", "explore", "trace"}) {
+  for (const char* part : {"include", "core", "distributed", "engine", "explore", "trace"}) {
     std::error_code error;
     fs::recursive_directory_iterator it(runtime_dir / part, error);
     for (; !error && it != fs::recursive_directory_iterator(); it.increment(error)) {

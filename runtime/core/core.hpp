@@ -76,8 +76,15 @@ class Core {
   /// To a state of the same image. Cost: a comparison of the states, plus what differs. False: a fault.
   bool restore(const State& state) { return parts_.restore(state); }
 
+  /// Ends with a fault that another core of the image met.
+  void fail(const Fault& fault) { parts_.fault = fault; }
+  /// Remembers a step that another core of the image took.
+  void remember(u32 interaction) { parts_.history.remember(interaction); }
+
   // ---- looking at the state
   [[nodiscard]] const Cell& cell(u32 row) const { return parts_.memory.cells[row]; }
+  /// Of an atom that is away in this core, or gets a value of a port before it takes part.
+  void write_cell(u32 row, u64 bits) { parts_.memory.cells[row].bits = bits; }
   [[nodiscard]] bool is_marked(u32 atom, u32 place) const { return parts_.is_marked(atom, place); }
   /// The transition (row of the type's) that the port would fire, or kNone if the port is disabled.
   [[nodiscard]] u32 enabled_transition(u32 atom, u32 port) const;
@@ -110,6 +117,7 @@ class Core {
   [[nodiscard]] const AsyncActions& actions() const { return parts_.actions; }
   /// Steps begun and finished apart.
   [[nodiscard]] PartialSteps& partial() { return parts_.partial; }
+  [[nodiscard]] const PartialSteps& partial() const { return parts_.partial; }
   /// Compiled steps.
   [[nodiscard]] CompiledSteps& steps() { return parts_.steps; }
   [[nodiscard]] const CompiledSteps& steps() const { return parts_.steps; }

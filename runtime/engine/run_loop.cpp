@@ -10,6 +10,7 @@
 #include "bip/process.hpp"
 #include "runtime/core/final_state.hpp"
 #include "runtime/core/profile.hpp"
+#include "runtime/core/text.hpp"
 #include "runtime/engine/ask.hpp"
 #include "runtime/engine/code_replacement.hpp"
 #include "runtime/engine/collect_strings.hpp"
@@ -54,6 +55,7 @@ RunResult RunLoop::run() {
   start_real_time();
   start_measuring();
   if (is_sound_ && options_.engine == Engine::Threads) run_on_threads();
+  if (is_sound_ && options_.engine == Engine::Simulated) run_on_nodes();
   while (phase_ != Phase::Ended) advance();
   finish();
   return result_;
@@ -134,6 +136,20 @@ void RunLoop::run_on_threads() {
   threaded_ = run_threads(core_, scheduler_, options_, output_);
   result_.steps = threaded_.steps;
   end_with(threaded_.end);
+}
+
+void RunLoop::run_on_nodes() {
+  BIP_ASSERT(phase_ == Phase::Initialized, "phase {}", static_cast<int>(phase_));
+  const Tables& tables = core_.tables();
+  const PriorityTables& rules = core_.priorities();
+  const Distribution distribution = distribute(
+      tables, rules, options_.placement != nullptr ? *options_.placement : place_atoms(tables, rules, options_.nodes));
+  NetworkFaults faults;
+  const std::string problem = read_faults(options_.network_faults, distribution.placement.nodes, faults);
+  BIP_ENSURE(problem.empty() && distribution.crossing.empty(), "what cannot run was refused");
+  simulated_ = run_simulated(core_, distribution, faults, options_, seed_, output_);
+  result_.steps = simulated_.steps;
+  end_with(simulated_.end);
 }
 
 void RunLoop::finish() {
@@ -296,6 +312,12 @@ void RunLoop::report_end() {
     // Scripts made for the published engine look at its numbers.
     result_.exit_code = options_.format == TraceFormat::Bip2 ? published_exit_code(core_.fault().code) : 1;
   }
+  if (!simulated_.lost_nodes.empty()) {
+    std::fprintf(files_.err, "error[R0030]: %s", simulated_.lost_nodes.c_str());
+    result_.exit_code = 1;
+  } else if (!simulated_.warning.empty()) {
+    std::fprintf(files_.err, "warning[R0030]: %s", simulated_.warning.c_str());
+  }
   // As a shell says of a program that the signal ended; the end of --interactive's input is none.
   if (result_.end == End::Interrupted && is_interrupted()) result_.exit_code = 128 + interrupting_signal();
 }
@@ -337,10 +359,26 @@ void RunLoop::print_statistics() {
   } else if (batch_) {
     std::fprintf(files_.err, "one part: the system does not come apart, or has steps without compiled code\n");
   }
+  if (options_.engine == Engine::Simulated) print_node_statistics();
   if (threaded_.threads != 0) {
     std::fprintf(files_.err, "threads %u, atoms at work at once %u, actions handed over %llu\n", threaded_.threads,
                  threaded_.most_busy, static_cast<unsigned long long>(threaded_.handed_over));
   }
+}
+
+void RunLoop::print_node_statistics() {
+  const auto number = [](u64 value) { return static_cast<unsigned long long>(value); };
+  const u64 messages = simulated_.offers + simulated_.begins;
+  const u64 border = simulated_.border_steps;
+  std::fprintf(files_.err,
+               "steps of several nodes %llu, messages %llu (%.2f a step of several nodes: %llu offers, %llu begins)\n",
+               number(border), number(messages),
+               border == 0 ? 0.0 : static_cast<double>(messages) / static_cast<double>(border),
+               number(simulated_.offers), number(simulated_.begins));
+  const NetworkCounts& network = simulated_.network;
+  std::fprintf(files_.err, "frames %llu, sent again %llu, lost %llu, doubled %llu; simulated time %.3f s\n",
+               number(network.frames), number(network.again), number(network.lost), number(network.doubled),
+               static_cast<double>(simulated_.time) / 1e9);
 }
 
 bool RunLoop::can_be_quiet() const {

@@ -22,6 +22,7 @@
 #include "runtime/engine/run_file.hpp"
 #include "runtime/engine/run_statistics.hpp"
 #include "runtime/engine/scheduler.hpp"
+#include "runtime/engine/simulated.hpp"
 #include "runtime/engine/threads.hpp"
 #include "runtime/engine/timed_scheduler.hpp"
 
@@ -58,6 +59,7 @@ class RunLoop {
   void start_real_time();
   void start_measuring();
   void run_on_threads();
+  void run_on_nodes();
   void advance();
   void finish();
 
@@ -80,6 +82,7 @@ class RunLoop {
   void close_files();
   void compare_with_recorded_end();
   void print_statistics();
+  void print_node_statistics();
 
   [[nodiscard]] bool can_be_compiled() const;
   [[nodiscard]] bool can_be_quiet() const;
@@ -102,6 +105,7 @@ class RunLoop {
   std::unique_ptr<RealTimeThread> real_time_thread_;
   std::unique_ptr<BatchEngine> batch_;
   ThreadedResult threaded_;
+  SimulatedResult simulated_;
 
   Phase phase_ = Phase::Created;
   bool writes_;               // the steps, somewhere

@@ -6,6 +6,21 @@
 
 namespace bip::rt {
 
+bool Scheduler::choose_decided(Core& core, EnabledSet::Position& at) {
+  const std::uint64_t count = core.candidate_count();
+  if (count == 0) return false;
+  at = choose(core);
+  BIP_ASSERT(core.enabled().has(at), "interaction {} is no candidate", at.interaction);
+  if (core.partial().is_decided(at.interaction)) return true;
+  std::uint64_t k = core.enabled().number(at);
+  for (std::uint64_t tried = 1; tried < count; ++tried) {
+    k = k + 1 == count ? 0 : k + 1;
+    at = core.position(k);
+    if (core.partial().is_decided(at.interaction)) return true;
+  }
+  return false;
+}
+
 std::uint64_t draw_seed() {
   std::uint32_t seed = 0;
   if (std::FILE* file = std::fopen("/dev/urandom", "rb")) {

@@ -36,6 +36,8 @@ class Scheduler {
     if (!is_uniform()) return policy_->choose(core, prng_);
     return core.enabled().drawn(count == 1 ? 0 : prng_.below(count));
   }
+  /// The first candidate from the policy's on that may begin in this partial state. False: there is none.
+  bool choose_decided(Core& core, EnabledSet::Position& at);
   /// Every candidate is drawn with the same probability.
   [[nodiscard]] bool is_uniform() const { return policy_ == nullptr; }
   /// May a run take compiled steps? They draw by themselves, or choose by order.

@@ -12,6 +12,7 @@
 #include "bip/assert.hpp"
 #include "runtime/core/final_state.hpp"
 #include "runtime/core/start_thread.hpp"
+#include "runtime/engine/flights.hpp"
 #include "runtime/engine/interrupt.hpp"
 
 namespace bip::rt {
@@ -32,12 +33,6 @@ struct Cost {
     mean = runs == 0 ? ns : mean + (ns - mean) / 4;
     ++runs;
   }
-};
-
-// A step whose text waits for those before it.
-struct Flight {
-  std::uint32_t open = 0;
-  StepText text;
 };
 
 class ThreadedRun {
@@ -71,7 +66,7 @@ class ThreadedRun {
       result.end = End::Fault;
       result.steps = fault_step;
       // The step that ends in a fault is told, like that of any run.
-      while (writes_ && flushed_ <= fault_step) put_first();
+      if (writes_) flights_.write_until(fault_step);
     } else if (steps_ == options_.limit) {
       result.end = End::Limit;
     } else {
@@ -81,51 +76,24 @@ class ThreadedRun {
   }
 
  private:
-  void put_first() {
-    output_.put(flights_.front().text);
-    BIP_ASSERT(!flights_.empty() && flushed_ <= steps_, "{} of {} steps were written", flushed_, steps_);
-    flights_.pop_front();
-    ++flushed_;
-  }
   void landed(u64 step) {
     if (!writes_) return;
-    BIP_ASSERT(step >= flushed_ && step - flushed_ < flights_.size(), "step {}", step);
-    BIP_ASSERT(flights_[step - flushed_].open != 0, "step {} has landed", step);
-    --flights_[step - flushed_].open;
-    // Nothing is known to be a step of the run before all earlier ones have ended well.
-    while (!flights_.empty() && flights_.front().open == 0 && !stopping_) put_first();
-  }
-
-  // The first candidate from the policy's on that may begin. False: none.
-  bool choose(EnabledSet::Position& at) {
-    const u64 count = core_.candidate_count();
-    if (count == 0) return false;
-    at = scheduler_.choose(core_);
-    BIP_ASSERT(core_.enabled().has(at), "interaction {} is no candidate", at.interaction);
-    if (core_.partial().is_decided(at.interaction)) return true;
-    u64 k = core_.enabled().number(at);
-    for (u64 tried = 1; tried < count; ++tried) {
-      k = k + 1 == count ? 0 : k + 1;
-      at = core_.position(k);
-      if (core_.partial().is_decided(at.interaction)) return true;
-    }
-    return false;
+    flights_.land(step);
+    if (!stopping_) flights_.write_landed();
   }
 
   bool start() {
     EnabledSet::Position at{};
-    if (stopping_ || steps_ == options_.limit || is_interrupted() || !choose(at)) return false;
+    if (stopping_ || steps_ == options_.limit || is_interrupted() || !scheduler_.choose_decided(core_, at))
+      return false;
     fresh_.clear();
-    if (writes_) {
-      flights_.emplace_back();
-      output_.describe(flights_.back().text, core_, at, steps_, kNoChoice);
-    }
+    if (writes_) flights_.depart(core_, at);
     scheduler_.fired(at.interaction);
-    BIP_ASSERT(!writes_ || flights_.size() == steps_ - flushed_ + 1, "{} steps wait, from {} to {}", flights_.size(),
-               flushed_, steps_);
+    BIP_ASSERT(!writes_ || flights_.departed() == steps_ + 1, "{} steps departed of {}", flights_.departed(),
+               steps_ + 1);
     if (!core_.partial().begin(at, steps_, fresh_)) stopping_ = true;
     if (writes_) {
-      flights_.back().open = static_cast<u32>(fresh_.size()) + 1;
+      flights_.set_parts(static_cast<u32>(fresh_.size()) + 1);
       landed(steps_);
     }
     ++steps_;
@@ -227,8 +195,8 @@ class ThreadedRun {
   std::vector<Cost> costs_;  // by transition
   std::deque<Work> ready_;
   std::vector<Work> fresh_;
-  std::deque<Flight> flights_;  // steps flushed_ ... steps_ - 1
-  u64 flushed_ = 0, steps_ = 0, handed_over_ = 0;
+  Flights flights_{output_};
+  u64 steps_ = 0, handed_over_ = 0;
   u32 waiting_ = 0;
   bool stopping_ = false;  // a fault was met
 };

@@ -72,7 +72,8 @@ void RecordedWriter::end(std::string& out, const Core& core, End end, std::uint6
   BIP_ASSERT(end <= End::Final, "the end {}", end);
   append_leb(out, static_cast<u64>(end));
   append_leb(out, steps);
-  std::uint64_t digest = end == End::Fault ? 0 : digest_of(core);
+  // Of a partial state there is none.
+  std::uint64_t digest = end == End::Fault || core.partial().is_on() ? 0 : digest_of(core);
   for (int i = 0; i < 8; ++i, digest >>= 8) out += static_cast<char>(digest & 0xff);
 }
 
@@ -119,7 +120,7 @@ bool RecordedReader::text(std::string& value) {
 bool RecordedReader::engine(Engine& value) {
   std::string name;
   if (!text(name)) return false;
-  for (const Engine known : {Engine::Sequential, Engine::Threads, Engine::Batch}) {
+  for (const Engine known : {Engine::Sequential, Engine::Threads, Engine::Batch, Engine::Simulated}) {
     if (name != name_of(known)) continue;
     value = known;
     return true;

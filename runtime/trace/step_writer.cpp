@@ -22,6 +22,7 @@ const char* name_of(Engine engine) {
     case Engine::Sequential: return "sequential";
     case Engine::Threads: return "threads";
     case Engine::Batch: return "batch";
+    case Engine::Simulated: return "simulated";
   }
   return "";
 }

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Random systems run by the engines with several threads (--engine=threads, --engine=batch), under random delays; every run is
+# Random systems run by the engines with several threads (--engine=threads, --engine=batch), under random delays, and by the
+# simulated one, with cuts, losses and crashes of nodes; every run is
 # recorded and followed by the core (runtime/engine/replay_record.hpp). Fails if one is no run of its model.
 #
 #   tests/differential/test_engines.sh [COUNT] [FROM] [RUNS]        COUNT systems (default 100), seeds from FROM (default 1), RUNS of

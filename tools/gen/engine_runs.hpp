@@ -1,12 +1,14 @@
-// Runs of the engines with several threads under random delays. The core must accept each of them, including its end
-// and its last state (runtime/engine/replay_record.hpp). Needs the runtime only, so that emitted programs of a batch
-// execute the same runs.
+// Runs of the engines with several threads under random delays, and of the simulated one with whatever can go wrong in
+// a network. The core must accept each of them, including its end and its last state
+// (runtime/engine/replay_record.hpp). Needs the runtime only, so that emitted programs of a batch execute the same
+// runs.
 #pragma once
 #include <sys/mman.h>
 #include <unistd.h>
 
 #include <cstdio>
 #include <cstdlib>
+#include <iterator>
 #include <string>
 
 #include "bip/run.hpp"
@@ -58,12 +60,20 @@ inline std::string engine_run(const rt::Image& image, rt::RunOptions options, En
   const std::string text(said, said_size);
   std::free(said);
   if (followed.problem.empty()) return "";
+  // A lost node may have taken a step's error with it: the step never ended.
+  const bool has_crash = options.network_faults.find("crash") != std::string::npos;
+  if (has_crash && followed.problem.find("run-time error ends the model") != std::string::npos) return "";
   return std::string(rt::name_of(options.engine)) + ": seed " + std::to_string(options.seed) +
-         (options.maximal_progress ? "" : ", all interactions") + ": " + followed.problem +
+         (options.maximal_progress ? "" : ", all interactions") +
+         (options.network_faults.empty() ? "" : ", faults " + options.network_faults) + ": " + followed.problem +
          "; could be taken:" + followed.candidates + "\n" + text;
 }
 
-/// `runs` runs of each engine: policies, maximal progress and delays in turn.
+/// What goes wrong in simulated runs, in turn.
+inline constexpr const char* kNetworkFaults[] = {"", "lose 10%, double 10%", "cut 1-2 3ms..60ms, slow 2 x10",
+                                                 "crash 2 5ms", "cut 1-2 1ms..200ms, lose 30%, crash 1 20ms"};
+
+/// `runs` runs of each engine: policies, maximal progress, delays and faults of the network in turn.
 inline std::string engine_runs(const rt::Image& image, std::uint64_t seed, std::uint64_t runs, std::uint64_t steps,
                                EngineCounts& counts) {
   // They do not run models with time.
@@ -81,6 +91,12 @@ inline std::string engine_runs(const rt::Image& image, std::uint64_t seed, std::
     options.perturb = variant == 0 ? 0 : options.seed + 1;
     options.engine = rt::Engine::Threads;
     if (std::string problem = engine_run(image, options, counts); !problem.empty()) return problem;
+    options.engine = rt::Engine::Simulated;
+    options.nodes = 2 + static_cast<std::uint32_t>(options.seed % 4);
+    options.network_faults = kNetworkFaults[options.seed % std::size(kNetworkFaults)];
+    options.on_loss = options.seed % 2 == 0 ? rt::OnLoss::Stop : rt::OnLoss::GoOn;
+    if (std::string problem = engine_run(image, options, counts); !problem.empty()) return problem;
+    options.network_faults.clear();
     options.engine = rt::Engine::Batch;
     // Only these take epochs.
     options.policy = rt::Policy::Uniform;

@@ -42,17 +42,21 @@ void sort_pairs(std::vector<Csr::Pair>& pairs) {
 
 }  // namespace
 
-void atoms_of_interaction(const Tables& tables, const InteractionInfo& info, std::vector<u32>& out) {
+void ports_of_interaction(const Tables& tables, const InteractionInfo& info, std::vector<u32>& out) {
   out.clear();
-  if (info.kind == InteractionKind::Port) out.push_back(tables.port_atom[info.row]);
-  for (u32 i = 0; i < info.count; ++i) out.push_back(tables.port_atom[tables.flat_ports[info.first + i]]);
-  if (info.plan() != kNone) {
-    const Plan& plan = tables.plans[info.plan()];
-    for (u32 i = 0; i < plan.node_count; ++i) {
-      const PlanNode& node = tables.plan_nodes[plan.first_node + i];
-      if (node.kind == NodeKind::Leaf) out.push_back(tables.port_atom[node.ref]);
-    }
+  if (info.kind == InteractionKind::Port) out.push_back(info.row);
+  for (u32 i = 0; i < info.count; ++i) out.push_back(tables.flat_ports[info.first + i]);
+  if (info.plan() == kNone) return;
+  const Plan& plan = tables.plans[info.plan()];
+  for (u32 i = 0; i < plan.node_count; ++i) {
+    const PlanNode& node = tables.plan_nodes[plan.first_node + i];
+    if (node.kind == NodeKind::Leaf) out.push_back(node.ref);
   }
+}
+
+void atoms_of_interaction(const Tables& tables, const InteractionInfo& info, std::vector<u32>& out) {
+  ports_of_interaction(tables, info, out);
+  for (u32& port : out) port = tables.port_atom[port];
   std::sort(out.begin(), out.end());
 }
 
@@ -183,13 +187,11 @@ bool PartialSteps::begin(EnabledSet::Position at, u64 step, std::vector<Work>& w
   return sound;
 }
 
-// Until it is finished the atom offers nothing. A simple type's ports follow its place, so it is nowhere.
-bool PartialSteps::begin_port(u32 instance) {
-  PartialState& p = *state_;
-  const u32 atom = core_.tables.port_atom[instance];
+// From now on the atom offers nothing. A simple type's ports follow its place, so it is nowhere.
+void PartialSteps::withdraw(u32 atom) {
   const AtomInfo& info = core_.atoms[atom];
   const LinkedType& type = core_.tables.types[info.type];
-  const LinkedTransition& transition = core_.tables.transitions[core_.ports.port(instance).transition];
+  if (!state_->rest.empty()) state_->rest[atom] = core_.memory.places[atom];
   if (type.simple) {
     for (const u32 row : core_.tables.place_transitions[type.first_place + core_.memory.places[atom]])
       core_.ports.flip(info.port_base + core_.tables.transitions[row].port, false);
@@ -197,13 +199,36 @@ bool PartialSteps::begin_port(u32 instance) {
   } else {
     for (u32 port = info.port_base; port < core_.tables.port_base(atom + 1); ++port) core_.ports.set_port(port, kNone);
   }
+}
+
+void PartialSteps::occupy(u32 atom) {
+  PartialState& p = *state_;
+  ++p.busy;
+  p.most_busy = std::max(p.most_busy, p.busy);
+  for (const u32 group : p.groups_of_atom[atom]) ++p.busy_in_group[group];
+}
+
+void PartialSteps::release(u32 atom) {
+  PartialState& p = *state_;
+  BIP_ASSERT(p.busy != 0, "atom {} is not at work", atom);
+  --p.busy;
+  for (const u32 group : p.groups_of_atom[atom]) {
+    BIP_ASSERT(p.busy_in_group[group] != 0, "no atom of group {} is at work", group);
+    --p.busy_in_group[group];
+  }
+}
+
+bool PartialSteps::begin_port(u32 instance) {
+  PartialState& p = *state_;
+  const u32 atom = core_.tables.port_atom[instance];
+  const LinkedType& type = core_.tables.types[core_.atoms[atom].type];
+  const LinkedTransition& transition = core_.tables.transitions[core_.ports.port(instance).transition];
+  withdraw(atom);
   p.last_step[atom] = p.step;
   BIP_ASSERT(p.works != nullptr && is_beginning_, "a port fires outside of a step");
   p.order[atom] = p.begun;
   if (!type.simple && !core_.atom_steps.move_tokens(atom, transition)) return false;
-  ++p.busy;
-  p.most_busy = std::max(p.most_busy, p.busy);
-  for (const u32 group : p.groups_of_atom[atom]) ++p.busy_in_group[group];
+  occupy(atom);
   ++p.begun;
   p.works->push_back({atom, &transition, 0, p.step});
   return true;
@@ -216,7 +241,7 @@ std::int32_t PartialSteps::run(const Work& work) {
                                           core_.memory.cells.data(), nullptr);
 }
 
-Finished PartialSteps::finish(Work& work, std::int32_t status) {
+Finished PartialSteps::come_to_rest(Work& work, std::int32_t status) {
   PartialState& p = *state_;
   const u32 atom = work.atom;
   const LinkedType& type = core_.tables.types[core_.atoms[atom].type];
@@ -243,19 +268,107 @@ Finished PartialSteps::finish(Work& work, std::int32_t status) {
       }
     }
   }
-  sound = sound && core_.atom_steps.update_ports(atom, kNone);
-  BIP_ASSERT(p.busy != 0, "atom {} is not at work", atom);
-  --p.busy;
-  for (const u32 group : p.groups_of_atom[atom]) {
-    BIP_ASSERT(p.busy_in_group[group] != 0, "no atom of group {} is at work", group);
-    --p.busy_in_group[group];
-  }
+  if (sound) return Finished::Idle;
+  note_fault(p.last_step[atom], p.order[atom]);
+  return Finished::Fault;
+}
+
+bool PartialSteps::offer_here(u32 atom) {
+  const bool sound = core_.atom_steps.update_ports(atom, kNone);
+  release(atom);
   if (!sound) {
-    note_fault(p.last_step[atom], p.order[atom]);
-    return Finished::Fault;
+    note_fault(state_->last_step[atom], state_->order[atom]);
+    return false;
   }
   if (core_.atoms[atom].watched != 0) core_.ports.touch(atom);
-  return settle() ? Finished::Idle : Finished::Fault;
+  return settle();
+}
+
+Finished PartialSteps::finish(Work& work, std::int32_t status) {
+  const Finished how = come_to_rest(work, status);
+  if (how == Finished::More) return how;
+  if (how == Finished::Fault) {
+    release(work.atom);
+    return how;
+  }
+  return offer_here(work.atom) ? Finished::Idle : Finished::Fault;
+}
+
+// No step has an atom twice (alternatives that could are excluded before), so none has to be alone.
+void PartialSteps::share() {
+  PartialState& p = *state_;
+  p.rest.assign(core_.tables.image->atoms.size, kNone);
+  std::fill(p.is_exclusive.begin(), p.is_exclusive.end(), std::uint8_t{0});
+}
+
+void PartialSteps::send_away(u32 atom) {
+  BIP_ASSERT(!state_->rest.empty(), "atom {} leaves a core that is alone", atom);
+  withdraw(atom);
+  occupy(atom);
+}
+
+u32 PartialSteps::place_at_rest(u32 atom) const {
+  const u32 place = core_.memory.places[atom];
+  return place != kNone || state_->rest.empty() ? place : state_->rest[atom];
+}
+
+bool PartialSteps::take_up(u32 atom, u32 transition, u64 step, u32 order, Work& work) {
+  PartialState& p = *state_;
+  const LinkedTransition& row = core_.tables.transitions[transition];
+  const LinkedType& type = core_.tables.types[core_.atoms[atom].type];
+  BIP_ASSERT(!type.simple || p.rest[atom] == row.from, "atom {} leaves place {}, and is at {}", atom, row.from,
+             p.rest[atom]);
+  p.last_step[atom] = step;
+  p.order[atom] = order;
+  work = {atom, &row, 0, step};
+  core_.fault = {};
+  p.noted = false;
+  if (type.simple || core_.atom_steps.move_tokens(atom, row)) return true;
+  note_fault(step, order);
+  return false;
+}
+
+bool PartialSteps::offer_away(u32 atom, AtomOffer& offer) {
+  PartialState& p = *state_;
+  const LinkedType& type = core_.tables.types[core_.atoms[atom].type];
+  if (!core_.atom_steps.find_ports(atom)) {
+    note_fault(p.last_step[atom], p.order[atom]);
+    return false;
+  }
+  offer.place = core_.memory.places[atom];
+  const u64* marks = core_.memory.marks.data() + core_.tables.first_mark(atom);
+  offer.marks.assign(marks, marks + type.mark_words);
+  offer.transitions.clear();
+  const u32 ports = core_.tables.port_base(atom + 1) - core_.tables.port_base(atom);
+  for (u32 port = 0; port < ports; ++port) {
+    const u32 row = core_.atom_steps.port_scratch()[port];
+    if (row != kNone) offer.transitions.push_back(row);
+  }
+  offer.step = p.last_step[atom];
+  offer.order = p.order[atom];
+  p.rest[atom] = offer.place;
+  if (type.simple) core_.memory.places[atom] = kNone;
+  return true;
+}
+
+bool PartialSteps::receive(u32 atom, const AtomOffer& offer) {
+  PartialState& p = *state_;
+  const AtomInfo& info = core_.atoms[atom];
+  const LinkedType& type = core_.tables.types[info.type];
+  core_.fault = {};
+  p.noted = false;
+  p.step = p.last_step[atom] = offer.step;
+  p.order[atom] = offer.order;
+  core_.memory.places[atom] = offer.place;
+  std::copy(offer.marks.begin(), offer.marks.end(), core_.memory.marks.begin() + core_.tables.first_mark(atom));
+  for (const u32 row : offer.transitions) {
+    const u32 port = info.port_base + core_.tables.transitions[row].port;
+    if (type.simple) core_.ports.flip(port, true);
+    else core_.ports.set_port(port, row);
+  }
+  release(atom);
+  if (info.watched != 0) core_.ports.touch(atom);
+  return settle();
 }
 
 // The step that brought the interaction's atoms where they are.

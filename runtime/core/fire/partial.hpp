@@ -13,6 +13,11 @@
 // A step may begin if no atom of the groups it depends on is at work. A group with guards, or of what may fault, is
 // strict: whoever touches one of its atoms depends on it, so that every state of the group is looked at and its faults
 // are the sequential ones.
+//
+// Several cores may share a system: each atom's data and actions are in one of them, its home, and it is offered in at
+// most one at a time. In all others it is *away*, which is the same as being at work: whoever depends on it waits. What
+// begins a step in one core, runs in another and is offered in a third is three calls here; who makes them is said in
+// runtime/distributed.
 #pragma once
 #include <memory>
 #include <vector>
@@ -32,6 +37,15 @@ struct Work {
 };
 enum class Finished : std::uint8_t { Idle, More, Fault };  // More: the work now names an internal transition
 
+/// What an atom at rest offers, apart from its data, and the step that brought it there.
+struct AtomOffer {
+  u32 place = kNone;             // of automata
+  std::vector<u64> marks;        // of Petri types
+  std::vector<u32> transitions;  // rows of Tables::transitions: of each enabled port
+  u64 step = 0;
+  u32 order = 0;  // in that step
+};
+
 struct PartialState {
   Csr groups_of_interaction;  // those it depends on
   Csr groups_of_atom;
@@ -44,6 +58,7 @@ struct PartialState {
 
   std::vector<u64> last_step;  // by atom
   std::vector<u32> order;      // by atom: in that step
+  std::vector<u32> rest;       // by atom that is away or at work: its last place. Empty: none is ever away
   u32 busy = 0;                // atoms at work
   u32 most_busy = 0;
 
@@ -59,6 +74,8 @@ struct PartialState {
   u32 fault_order = 0;
 };
 
+/// All port instances that may take part.
+void ports_of_interaction(const Tables& tables, const InteractionInfo& info, std::vector<u32>& out);
 /// All atoms that may take part, sorted; one twice if two of its ports may.
 void atoms_of_interaction(const Tables& tables, const InteractionInfo& info, std::vector<u32>& out);
 
@@ -87,6 +104,25 @@ class PartialSteps {
   /// Ends it, nothing being at work. False: a fault was met; the core's fault is the one of the earliest step.
   bool end();
 
+  // ---- several cores
+  /// From now on atoms may be away. Of a core that allowed partial steps.
+  void share();
+  /// The atom, at rest and offered here, is away from now on. Settle follows.
+  void send_away(u32 atom);
+  /// An atom that is at home here and away begins the transition (row of Tables::transitions) that another core's step
+  /// `step` gave it as its `order`-th. False: a fault.
+  bool take_up(u32 atom, u32 transition, u64 step, u32 order, Work& work);
+  /// As finish, but for what follows: Idle means that the atom is at rest and not yet offered anywhere.
+  Finished come_to_rest(Work& work, std::int32_t status);
+  /// What the atom, which came to rest here, offers to another core; here it is away. False: a fault.
+  bool offer_away(u32 atom, AtomOffer& offer);
+  /// The atom, which came to rest here, is offered here. False: a fault.
+  bool offer_here(u32 atom);
+  /// The atom came to rest elsewhere and is offered here; its data have been written. False: a fault.
+  bool receive(u32 atom, const AtomOffer& offer);
+  /// Where the atom is at rest, or was before it went to work; of automata.
+  [[nodiscard]] u32 place_at_rest(u32 atom) const;
+
   // ---- for the other parts of the core
   /// Does a step begin? Then its ports' actions are not run, but noted.
   [[nodiscard]] bool is_beginning() const { return is_beginning_; }
@@ -95,6 +131,9 @@ class PartialSteps {
   bool settle();
 
  private:
+  void withdraw(u32 atom);
+  void occupy(u32 atom);
+  void release(u32 atom);
   void note_fault(u64 step, u32 order);
   [[nodiscard]] u64 last_step_of(u32 interaction) const;
 

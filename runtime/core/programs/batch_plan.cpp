@@ -21,7 +21,8 @@ Csr turned(const Csr& interactions, std::size_t atoms) {
   return Csr::build(atoms, pairs);
 }
 
-// Atoms in breadth-first order along interactions, cut into pieces of equal size.
+}  // namespace
+
 std::vector<std::uint8_t> parts_of_atoms(const Csr& atoms_of_interaction, const Csr& interactions_of_atom, u32 atoms,
                                          u32 parts) {
   std::vector<u32> order;
@@ -48,8 +49,6 @@ std::vector<std::uint8_t> parts_of_atoms(const Csr& atoms_of_interaction, const 
   for (u32 i = 0; i < atoms; ++i) part[order[i]] = static_cast<std::uint8_t>(u64{i} * parts / atoms);
   return part;
 }
-
-}  // namespace
 
 BatchPlan plan_batch(const Tables& tables, const PriorityTables& rules, u32 parts, bool any_share) {
   BatchPlan plan;

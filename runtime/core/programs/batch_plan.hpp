@@ -29,6 +29,10 @@ struct BatchPlan {
 [[nodiscard]] BatchPlan plan_batch(const Tables& tables, const PriorityTables& rules, u32 parts,
                                    bool any_share = false);
 
+/// Cuts the atoms, in breadth-first order along interactions, into `parts` pieces of equal size. Linear.
+[[nodiscard]] std::vector<std::uint8_t> parts_of_atoms(const Csr& atoms_of_interaction, const Csr& interactions_of_atom,
+                                                       u32 atoms, u32 parts);
+
 /// One thread's share of an epoch.
 struct BatchPart {
   Prng prng;

@@ -108,6 +108,22 @@ bool AtomSteps::run_internals(u32 atom) {
   }
 }
 
+// If the transition is enabled, it is the one of its port.
+inline bool AtomSteps::look_at(u32 atom, u32 row) {
+  const LinkedTransition& transition = core_.tables.transitions[row];
+  bool enabled = false;
+  if (!is_enabled_from(atom, transition, enabled)) return false;
+  if (!enabled) return true;
+  u32& enabled_row = port_scratch_[transition.port];
+  BIP_ASSERT(transition.port < core_.tables.atom_type(atom).ports.size, "port {} of atom {}", transition.port, atom);
+  if (enabled_row != kNone) {
+    return core_.faults.fail(FaultCode::TwoTransitions, atom, core_.tables.transitions[enabled_row].source,
+                             transition.source);
+  }
+  enabled_row = row;
+  return true;
+}
+
 bool AtomSteps::update_ports(u32 atom, u32 place_before) {
   const AtomInfo& state = core_.atoms[atom];
   const LinkedType& type = core_.tables.types[state.type];
@@ -128,20 +144,6 @@ bool AtomSteps::update_ports(u32 atom, u32 place_before) {
   }
   if (type.is_timed) return core_.clocks.look_at_time(atom);
   u32* now = port_scratch_.data();
-  const auto look = [&](u32 row) {
-    const LinkedTransition& transition = core_.tables.transitions[row];
-    bool enabled = false;
-    if (!is_enabled_from(atom, transition, enabled)) return false;
-    if (!enabled) return true;
-    u32& enabled_row = now[transition.port];
-    BIP_ASSERT(transition.port < core_.tables.atom_type(atom).ports.size, "port {} of atom {}", transition.port, atom);
-    if (enabled_row != kNone) {
-      return core_.faults.fail(FaultCode::TwoTransitions, atom, core_.tables.transitions[enabled_row].source,
-                               transition.source);
-    }
-    enabled_row = row;
-    return true;
-  };
   if (type.mark_words == 0 && place_before != kNone && !type.has_priorities) {
     // Only ports that the two places offer can change.
     const Span<u32> old_rows = core_.tables.place_transitions[type.first_place + place_before];
@@ -151,7 +153,7 @@ bool AtomSteps::update_ports(u32 atom, u32 place_before) {
       for (u32 row : old_rows) now[core_.tables.transitions[row].port] = kNone;
     }
     for (u32 row : rows) {
-      if (!look(row)) return false;
+      if (!look_at(atom, row)) return false;
     }
     if (place_before != place_now) {
       for (u32 row : old_rows) {
@@ -165,21 +167,28 @@ bool AtomSteps::update_ports(u32 atom, u32 place_before) {
     }
     return true;
   }
+  if (!find_ports(atom)) return false;
   const u32 ports = core_.tables.port_base(atom + 1) - state.port_base;
+  for (u32 port = 0; port < ports; ++port) core_.ports.set_port(state.port_base + port, now[port]);
+  return true;
+}
+
+bool AtomSteps::find_ports(u32 atom) {
+  const LinkedType& type = core_.tables.types[core_.atoms[atom].type];
+  u32* now = port_scratch_.data();
+  const u32 ports = core_.tables.port_base(atom + 1) - core_.tables.port_base(atom);
   for (u32 port = 0; port < ports; ++port) now[port] = kNone;
   if (type.mark_words == 0) {
-    for (u32 row : core_.tables.place_transitions[type.first_place + place_now]) {
-      if (!look(row)) return false;
+    for (u32 row : core_.tables.place_transitions[type.first_place + core_.memory.places[atom]]) {
+      if (!look_at(atom, row)) return false;
     }
   } else {
     for (u32 i = 0; i < type.transition_count; ++i) {
       if (core_.tables.transitions[type.first_transition + i].port == kNone) continue;
-      if (!look(type.first_transition + i)) return false;
+      if (!look_at(atom, type.first_transition + i)) return false;
     }
   }
-  if (type.has_priorities && !core_.atom_priorities.hide_ports(atom, now)) return false;
-  for (u32 port = 0; port < ports; ++port) core_.ports.set_port(state.port_base + port, now[port]);
-  return true;
+  return !type.has_priorities || core_.atom_priorities.hide_ports(atom, now);
 }
 
 // fired: null for `initial`.

@@ -23,6 +23,8 @@ class AtomSteps {
   bool settle_atom(u32 atom, u32 place_before, const LinkedTransition* fired);
   /// Finds the enabled transition of each port anew. place_before: kNone if not known.
   bool update_ports(u32 atom, u32 place_before);
+  /// Finds the enabled transition of each port, into port_scratch(): kNone if there is none. Of atoms without time.
+  bool find_ports(u32 atom);
   /// Finds the enabled internal transition; null if none is.
   bool find_internal(u32 atom, const LinkedTransition*& found);
   bool move_tokens(u32 atom, const LinkedTransition& transition);
@@ -37,6 +39,7 @@ class AtomSteps {
   [[nodiscard]] u32* port_scratch() { return port_scratch_.data(); }
 
  private:
+  bool look_at(u32 atom, u32 row);
   bool run_internals(u32 atom);
   bool move(u32 atom, const LinkedTransition& transition);
 

@@ -1,0 +1,162 @@
+// See distributed_runs.hpp.
+#include "compiler/driver/distributed_runs.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "runtime/core/fire/partial.hpp"
+#include "runtime/distributed/faults.hpp"
+
+namespace bip::driver {
+
+namespace {
+
+constexpr std::size_t kMostListed = 20;
+
+// What is linked without code.
+struct Linked {
+  explicit Linked(const rt::Image& image, rt::MaximalProgress progress = rt::MaximalProgress::On)
+      : tables(rt::link(image, progress)), rules(rt::link_priorities(tables)) {}
+  rt::Tables tables;
+  rt::PriorityTables rules;
+};
+
+bool is_distributable(Compilation& c) {
+  if (!rt::has_time(c.lowered->image)) return true;
+  c.diags.report(Diag::kB5071, {}, "a model with time")
+      .note("nodes have no common instant yet")
+      .help("run it on one: `--engine=sequential`");
+  return false;
+}
+
+bool crosses_nothing(Compilation& c, const Linked& linked, const rt::Distribution& distribution) {
+  const rt::Image& image = c.lowered->image;
+  for (const rt::CrossingObject& object : distribution.crossing) {
+    const auto node = [&](std::uint32_t atom) { return distribution.placement.nodes[distribution.home(atom)]; };
+    const std::string path = image.atoms[object.atom].path(), other = image.atoms[object.other].path();
+    c.diags
+        .report(Diag::kB5072, {}, linked.tables.atom_type(object.atom).variables[object.variable].name, path,
+                node(object.atom), other, node(object.other))
+        .note("what C++ keeps in an object cannot be sent")
+        .help(fmt::format("put `{}` and `{}` on one node", path, other));
+  }
+  return distribution.crossing.empty();
+}
+
+std::string interaction_name(const rt::Tables& tables, std::uint32_t interaction) {
+  const rt::Image& image = *tables.image;
+  if (interaction < tables.connector_interactions) return image.connectors[tables.connector_of(interaction)].path();
+  const std::uint32_t port = tables.interactions[interaction].row;
+  const std::uint32_t atom = tables.port_atom[port];
+  return image.atoms[atom].path() + '.' + tables.atom_type(atom).ports[port - tables.port_base(atom)].name;
+}
+
+std::string place_text(const rt::Image& image, const rt::SourceLine& loc) {
+  return loc.line == 0 ? std::string() : fmt::format(" ({}:{})", image.files[loc.file], loc.line);
+}
+
+std::string reason_text(const rt::Tables& tables, const rt::JoinReason& reason) {
+  const rt::Image& image = *tables.image;
+  switch (reason.kind) {
+    case rt::JoinReason::Kind::Connector: {
+      const rt::Connector row = image.connectors[tables.connector_of(reason.row)];
+      return fmt::format("`{}`{} is no plain rendezvous, and waits for whatever moves its components: {} interactions",
+                         row.path(), place_text(image, row.loc), reason.joined);
+    }
+    case rt::JoinReason::Kind::Rule: {
+      const rt::Priority& row = image.priorities[reason.row];
+      return fmt::format("priority `{}`{} looks at what moves the components of its high side: {} interactions",
+                         row.name, place_text(image, row.loc), reason.joined);
+    }
+    case rt::JoinReason::Kind::Place: break;
+  }
+  const std::string place = reason.place == rt::kNone
+                                ? std::string()
+                                : fmt::format(" at {}", tables.atom_type(reason.row).places[reason.place]);
+  return fmt::format("`{}`{} offers ports of {} interactions", image.atoms[reason.row].path(), place, reason.joined);
+}
+
+// Of a rendezvous; of others if all take part.
+std::size_t most_messages(const rt::Distribution& distribution, std::uint32_t coordinator,
+                          const std::vector<std::uint32_t>& atoms, std::vector<std::uint32_t>& nodes) {
+  std::size_t offers = 0;
+  nodes.assign(1, coordinator);
+  for (const std::uint32_t atom : atoms) {
+    nodes.push_back(distribution.home(atom));
+    if (distribution.home(atom) != coordinator) ++offers;
+  }
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return offers + nodes.size() - 1;
+}
+
+}  // namespace
+
+bool prepare_distributed(Compilation& c, const RunArguments& arguments, rt::Placement& placement) {
+  if (arguments.run.engine != rt::Engine::Simulated && arguments.placement_path.empty()) return true;
+  if (!is_distributable(c)) return false;
+  const Linked linked(c.lowered->image,
+                      arguments.run.maximal_progress ? rt::MaximalProgress::On : rt::MaximalProgress::Off);
+  if (arguments.placement_path.empty()) placement = rt::place_atoms(linked.tables, linked.rules, arguments.run.nodes);
+  else if (!read_placement(c, arguments.placement_path, placement)) return false;
+  rt::NetworkFaults faults;
+  if (const std::string problem = rt::read_faults(arguments.run.network_faults, placement.nodes, faults);
+      !problem.empty()) {
+    c.diags.report(Diag::kB5070, {}, problem);
+    return false;
+  }
+  return crosses_nothing(c, linked, rt::distribute(linked.tables, linked.rules, placement));
+}
+
+std::string distribution_text(Compilation& c, const std::string& placement_path) {
+  rt::Placement placement;
+  if (!is_distributable(c) || !read_placement(c, placement_path, placement)) return {};
+  const Linked linked(c.lowered->image);
+  const rt::Distribution distribution = rt::distribute(linked.tables, linked.rules, placement);
+  if (!crosses_nothing(c, linked, distribution)) return {};
+  const rt::ConflictSets& sets = distribution.sets;
+  const std::size_t interactions = sets.of_interaction.size();
+
+  std::vector<std::size_t> components(placement.nodes.size(), 0), coordinates(placement.nodes.size(), 0);
+  for (const std::uint32_t home : placement.home) ++components[home];
+  for (const std::uint32_t set : sets.of_interaction) ++coordinates[distribution.coordinator[set]];
+  std::string text;
+  for (std::size_t node = 0; node < placement.nodes.size(); ++node)
+    text += fmt::format("node {}: {} components at home, coordinates {} of {} interactions\n", placement.nodes[node],
+                        components[node], coordinates[node], interactions);
+
+  std::uint32_t largest = 0;
+  for (std::uint32_t set = 1; set < sets.count; ++set) {
+    if (sets.interactions[set].size > sets.interactions[largest].size) largest = set;
+  }
+  if (sets.count != 0) {
+    const std::uint32_t size = sets.interactions[largest].size;
+    text += fmt::format("{} conflict sets; the largest has {} interactions ({} %), coordinated by {}\n", sets.count,
+                        size, size * 100 / interactions, placement.nodes[distribution.coordinator[largest]]);
+    if (size > 1)
+      text += "  " + reason_text(linked.tables, rt::why_joined(linked.tables, linked.rules, sets, largest)) + '\n';
+  }
+
+  std::string rows;
+  std::size_t border = 0, sum = 0;
+  std::vector<std::uint32_t> atoms, nodes;
+  for (std::uint32_t interaction = 0; interaction < interactions; ++interaction) {
+    rt::atoms_of_interaction(linked.tables, linked.tables.interactions[interaction], atoms);
+    atoms.erase(std::unique(atoms.begin(), atoms.end()), atoms.end());
+    const std::size_t messages =
+        most_messages(distribution, distribution.coordinator[sets.of_interaction[interaction]], atoms, nodes);
+    if (nodes.size() < 2) continue;
+    sum += messages;
+    if (++border > kMostListed) continue;
+    rows += fmt::format("  {}: {} messages between", interaction_name(linked.tables, interaction), messages);
+    for (std::size_t i = 0; i < nodes.size(); ++i) rows += (i == 0 ? " " : ", ") + placement.nodes[nodes[i]];
+    rows += '\n';
+  }
+  text += fmt::format("{} of {} interactions are of several nodes", border, interactions);
+  text += border == 0 ? "\n" : fmt::format(", at most {:.2f} messages each\n", double(sum) / double(border));
+  if (border > kMostListed) rows += fmt::format("  and {} more\n", border - kMostListed);
+  return text + rows;
+}
+
+}  // namespace bip::driver

@@ -1,0 +1,158 @@
+// Placement files: see distributed_runs.hpp. Line by line, words separated by spaces, comments from `#` on.
+#include <algorithm>
+#include <charconv>
+
+#include <fmt/format.h>
+
+#include "compiler/driver/distributed_runs.hpp"
+
+namespace bip::driver {
+
+namespace {
+
+struct Word {
+  std::string_view text;
+  SourceRange range;
+};
+
+// Does the pattern name the atom, or a compound that it is in? `[1..3]` is 1 and 2, as in models, `[*]` any index, `*`
+// alone everything. `ROOT.` may be left out of the pattern.
+bool names(std::string_view pattern, std::string_view path) {
+  if (pattern == "*") return true;
+  constexpr std::string_view kRoot = "ROOT.";
+  if (!pattern.starts_with(kRoot) && path.starts_with(kRoot)) path.remove_prefix(kRoot.size());
+  const auto number = [](std::string_view& text, std::uint64_t& value) {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc()) return false;
+    text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+    return true;
+  };
+  while (!pattern.empty()) {
+    if (path.empty() || pattern.front() != path.front()) return false;
+    const bool is_index = pattern.front() == '[';
+    pattern.remove_prefix(1);
+    path.remove_prefix(1);
+    if (!is_index) continue;
+    std::uint64_t index = 0, from = 0, until = 0;
+    if (!number(path, index)) return false;
+    if (pattern.starts_with('*')) {
+      pattern.remove_prefix(1);
+      continue;
+    }
+    if (!number(pattern, from)) return false;
+    until = from + 1;
+    if (pattern.starts_with("..")) {
+      pattern.remove_prefix(2);
+      if (!number(pattern, until)) return false;
+    }
+    if (index < from || index >= until) return false;
+  }
+  return path.empty() || path.front() == '.' || path.front() == '[';
+}
+
+class PlacementReader {
+ public:
+  PlacementReader(Compilation& c, FileId file, rt::Placement& placement) : c_(c), file_(file), placement_(placement) {
+    const rt::Image& image = c.lowered->image;
+    for (std::uint32_t atom = 0; atom < image.atoms.size; ++atom) paths_.push_back(image.atoms[atom].path());
+    placement.home.assign(paths_.size(), rt::kNone);
+  }
+
+  bool read() {
+    const std::string_view text = c_.sources.text(file_);
+    for (std::size_t begin = 0; begin < text.size();) {
+      const std::size_t end = std::min(text.find('\n', begin), text.size());
+      split(text, begin, end);
+      if (!words_.empty() && words_[0].text == "node") node();
+      else if (!words_.empty()) home();
+      begin = end + 1;
+    }
+    if (c_.diags.has_errors()) return false;
+    if (placement_.nodes.empty()) {
+      c_.diags.report(Diag::kB5073, {}, fmt::format("`{}` declares no node", c_.sources.name(file_)));
+      return false;
+    }
+    const auto without = std::find(placement_.home.begin(), placement_.home.end(), rt::kNone);
+    if (without == placement_.home.end()) return true;
+    c_.diags.report(Diag::kB5076, {}, paths_[static_cast<std::size_t>(without - placement_.home.begin())])
+        .help(fmt::format("`* on {}` as the last line places whatever is left", placement_.nodes.front()));
+    return false;
+  }
+
+ private:
+  void split(std::string_view text, std::size_t begin, std::size_t end) {
+    words_.clear();
+    end = std::min(end, text.find('#', begin));
+    const auto is_space = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
+    while (begin < end) {
+      if (is_space(text[begin])) {
+        ++begin;
+        continue;
+      }
+      std::size_t stop = begin;
+      while (stop < end && !is_space(text[stop])) ++stop;
+      words_.push_back({text.substr(begin, stop - begin),
+                        {file_, static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(stop)}});
+      begin = stop;
+    }
+  }
+  [[nodiscard]] SourceRange line() const { return {file_, words_.front().range.begin, words_.back().range.end}; }
+
+  void node() {
+    if (words_.size() != 2 && !(words_.size() == 4 && words_[2].text == "host")) {
+      c_.diags.report(Diag::kB5073, line(), "expected `node NAME` or `node NAME host ADDRESS:PORT`");
+      return;
+    }
+    const std::string name(words_[1].text);
+    if (name.find_first_of("-,*[]") != std::string::npos) {
+      c_.diags.report(Diag::kB5073, words_[1].range, fmt::format("`{}` is no name of a node", name));
+    } else if (std::find(placement_.nodes.begin(), placement_.nodes.end(), name) != placement_.nodes.end()) {
+      c_.diags.report(Diag::kB5073, words_[1].range, fmt::format("node `{}` is declared twice", name));
+    } else if (placement_.nodes.size() == rt::kMostNodes) {
+      c_.diags.report(Diag::kB5073, words_[1].range, fmt::format("more than {} nodes", rt::kMostNodes));
+    } else {
+      placement_.nodes.push_back(name);
+    }
+  }
+
+  void home() {
+    if (words_.size() != 3 || words_[1].text != "on") {
+      c_.diags.report(Diag::kB5073, line(), "expected `COMPONENT on NODE` or `node NAME`")
+          .help("for example `table.phil[0..2] on field`, or `* on lab`");
+      return;
+    }
+    const auto node = std::find(placement_.nodes.begin(), placement_.nodes.end(), words_[2].text);
+    if (node == placement_.nodes.end()) {
+      c_.diags.report(Diag::kB5074, words_[2].range, words_[2].text)
+          .help(fmt::format("`node {}` in a line above", words_[2].text));
+      return;
+    }
+    bool is_known = words_[0].text == "*";
+    for (std::size_t atom = 0; atom < paths_.size(); ++atom) {
+      if (!names(words_[0].text, paths_[atom])) continue;
+      is_known = true;
+      std::uint32_t& home = placement_.home[atom];
+      if (home == rt::kNone) home = static_cast<std::uint32_t>(node - placement_.nodes.begin());
+    }
+    if (!is_known) c_.diags.report(Diag::kB5075, words_[0].range, words_[0].text);
+  }
+
+  Compilation& c_;
+  FileId file_;
+  rt::Placement& placement_;
+  std::vector<std::string> paths_;
+  std::vector<Word> words_;
+};
+
+}  // namespace
+
+bool read_placement(Compilation& c, const std::string& path, rt::Placement& placement) {
+  const Result<FileId> file = pipeline::load_text(c, path);
+  if (!file) {
+    c.diags.report(Diag::kB0090, {}, path, file.error());
+    return false;
+  }
+  return PlacementReader(c, *file, placement).read();
+}
+
+}  // namespace bip::driver

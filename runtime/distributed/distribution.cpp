@@ -1,0 +1,279 @@
+// See distribution.hpp.
+#include "runtime/distributed/distribution.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "runtime/core/fire/partial.hpp"
+#include "runtime/core/programs/batch_plan.hpp"
+
+namespace bip::rt {
+
+namespace {
+
+// Disjoint sets, by halving paths.
+class UnionFind {
+ public:
+  explicit UnionFind(u32 size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), 0u); }
+  u32 find(u32 x) {
+    while (parent_[x] != x) x = parent_[x] = parent_[parent_[x]];
+    return x;
+  }
+  void join(u32 x, u32 y) { parent_[std::max(find(x), find(y))] = std::min(find(x), find(y)); }
+
+ private:
+  std::vector<u32> parent_;
+};
+
+Csr turned_round(const Csr& rows, u32 row_count, u32 item_count) {
+  std::vector<Csr::Pair> pairs;
+  for (u32 row = 0; row < row_count; ++row) {
+    for (const u32 item : rows[row]) pairs.push_back({item, row});
+  }
+  return Csr::build(item_count, pairs);
+}
+
+void make_unique(std::vector<Csr::Pair>& pairs) {
+  const auto key = [](const Csr::Pair& pair) { return u64{pair.from} << 32 | pair.to; };
+  std::sort(pairs.begin(), pairs.end(), [&](const Csr::Pair& a, const Csr::Pair& b) { return key(a) < key(b); });
+  pairs.erase(
+      std::unique(pairs.begin(), pairs.end(), [&](const Csr::Pair& a, const Csr::Pair& b) { return key(a) == key(b); }),
+      pairs.end());
+}
+
+bool has_object(const Tables& tables, u32 atom, u32 cell) {
+  return is_ffi(tables.atom_type(atom).variables[cell - tables.atoms[atom].first_cell].type);
+}
+
+// Does a transition of the port leave the place? Of Petri types: any.
+bool can_fire_at(const Tables& tables, u32 port, u32 place) {
+  const u32 atom = tables.port_atom[port];
+  const LinkedType& type = tables.types[tables.atoms[atom].type];
+  const auto first = tables.transitions.begin() + type.first_transition;
+  return std::any_of(first, first + type.transition_count, [&](const LinkedTransition& transition) {
+    return transition.port == port - tables.port_base(atom) && (type.mark_words != 0 || transition.from == place);
+  });
+}
+
+u32 atom_of_cell(const std::vector<Csr::Pair>& by_cell, u32 cell) {
+  const auto after = std::upper_bound(by_cell.begin(), by_cell.end(), cell,
+                                      [](u32 row, const Csr::Pair& pair) { return row < pair.from; });
+  return std::prev(after)->to;
+}
+
+}  // namespace
+
+Csr shown_cells(const Tables& tables) {
+  const Image& image = *tables.image;
+  const u32 atom_count = image.atoms.size;
+  std::vector<Csr::Pair> shown, by_cell;
+  for (u32 atom = 0; atom < atom_count; ++atom) {
+    const u32 first = tables.atoms[atom].first_cell;
+    if (tables.atom_type(atom).variables.size != 0) by_cell.push_back({first, atom});
+    for (const Port& port : tables.atom_type(atom).ports) {
+      for (const u32 variable : port.variables) shown.push_back({atom, first + variable});
+    }
+  }
+  std::sort(by_cell.begin(), by_cell.end(), [](const Csr::Pair& a, const Csr::Pair& b) { return a.from < b.from; });
+  const auto read = [&](u32 bind) {
+    const u32 cell = image.binds[bind].cell;
+    if (cell < tables.atom_cells) shown.push_back({atom_of_cell(by_cell, cell), cell});
+  };
+  for (u32 connector = 0; connector < image.connectors.size; ++connector) {
+    const Connector& row = image.connectors[connector];
+    for (u32 i = 0; i < row.bind_count; ++i) read(row.binds + i);
+  }
+  for (const Priority& rule : image.priorities) {
+    for (u32 i = 0; i < rule.bind_count; ++i) read(rule.binds + i);
+  }
+  make_unique(shown);
+  return Csr::build(atom_count, shown);
+}
+
+ConflictSets conflict_sets(const Tables& tables, const PriorityTables& rules) {
+  const u32 interaction_count = static_cast<u32>(tables.interactions.size());
+  const u32 atom_count = tables.image->atoms.size;
+  const PartialState partial = link_partial(tables, rules);
+  const Csr movers = turned_round(partial.atoms_of_interaction, interaction_count, atom_count);
+  const u32 group_count = static_cast<u32>(partial.busy_in_group.size());
+  const Csr atoms_of_group = turned_round(partial.groups_of_atom, atom_count, group_count);
+  const Csr dependents = turned_round(partial.groups_of_interaction, interaction_count, group_count);
+
+  // Interactions, then atoms: those in a group, with all that moves them.
+  UnionFind sets(interaction_count + atom_count);
+  std::vector<std::uint8_t> is_looked_at(atom_count, 0);
+  for (u32 group = 0; group < group_count; ++group) {
+    if (dependents[group].size == 0) continue;
+    const u32 first = dependents[group][0];
+    for (const u32 interaction : dependents[group]) sets.join(first, interaction);
+    for (const u32 atom : atoms_of_group[group]) {
+      is_looked_at[atom] = 1;
+      sets.join(first, interaction_count + atom);
+    }
+  }
+  for (u32 atom = 0; atom < atom_count; ++atom) {
+    for (const u32 interaction : movers[atom]) {
+      if (is_looked_at[atom] != 0) sets.join(interaction_count + atom, interaction);
+    }
+  }
+
+  ConflictSets result;
+  for (u32 atom = 0; atom < atom_count; ++atom) {
+    result.first_slot.push_back(static_cast<u32>(result.set_at.size()));
+    const bool is_automaton = tables.types[tables.atoms[atom].type].mark_words == 0;
+    result.set_at.resize(result.set_at.size() + (is_automaton ? tables.atom_type(atom).places.size : 1), kNone);
+  }
+  result.first_slot.push_back(static_cast<u32>(result.set_at.size()));
+
+  // By now set_at holds one of the interactions at the place, at the end its set.
+  std::vector<u32> ports;
+  std::vector<Csr::Pair> atoms;
+  for (u32 interaction = 0; interaction < interaction_count; ++interaction) {
+    ports_of_interaction(tables, tables.interactions[interaction], ports);
+    for (const u32 port : ports) {
+      const u32 atom = tables.port_atom[port];
+      const LinkedType& type = tables.types[tables.atoms[atom].type];
+      for (u32 row = type.first_transition; row < type.first_transition + type.transition_count; ++row) {
+        if (tables.transitions[row].port != port - tables.port_base(atom)) continue;
+        u32& there = result.set_at[result.first_slot[atom] + (type.mark_words == 0 ? tables.transitions[row].from : 0)];
+        if (there == kNone) there = interaction;
+        else sets.join(there, interaction);
+      }
+    }
+  }
+  std::vector<u32> number(interaction_count + atom_count, kNone);
+  for (u32 interaction = 0; interaction < interaction_count; ++interaction) {
+    u32& set = number[sets.find(interaction)];
+    if (set == kNone) set = result.count++;
+    result.of_interaction.push_back(set);
+    for (const u32 atom : partial.atoms_of_interaction[interaction]) atoms.push_back({set, atom});
+  }
+  for (u32& set : result.set_at) set = set == kNone ? kNone : result.of_interaction[set];
+  for (u32 atom = 0; atom < atom_count; ++atom) {
+    if (is_looked_at[atom] == 0) continue;
+    const u32 set = number[sets.find(interaction_count + atom)];
+    std::fill(result.set_at.begin() + result.first_slot[atom], result.set_at.begin() + result.first_slot[atom + 1],
+              set);
+    atoms.push_back({set, atom});
+  }
+  make_unique(atoms);
+  result.atoms = Csr::build(result.count, atoms);
+  std::vector<Csr::Pair> members;
+  for (u32 interaction = 0; interaction < interaction_count; ++interaction)
+    members.push_back({result.of_interaction[interaction], interaction});
+  result.interactions = Csr::build(result.count, members);
+  return result;
+}
+
+Placement place_atoms(const Tables& tables, const PriorityTables& rules, u32 nodes) {
+  BIP_ASSERT(nodes != 0 && nodes <= kMostNodes, "{} nodes", nodes);
+  const u32 atom_count = tables.image->atoms.size;
+  const u32 interaction_count = static_cast<u32>(tables.interactions.size());
+  const PartialState partial = link_partial(tables, rules);
+  const Csr movers = turned_round(partial.atoms_of_interaction, interaction_count, atom_count);
+  Placement placement;
+  for (u32 node = 1; node <= nodes; ++node) placement.nodes.push_back(std::to_string(node));
+  for (const std::uint8_t part : parts_of_atoms(partial.atoms_of_interaction, movers, atom_count, nodes))
+    placement.home.push_back(part);
+  // Objects stay where they are: who shows one is at home where the first such atom of its set is.
+  const Csr cells = shown_cells(tables);
+  const auto shows_object = [&](u32 atom) {
+    return std::any_of(cells[atom].begin(), cells[atom].end(),
+                       [&](u32 cell) { return has_object(tables, atom, cell); });
+  };
+  const ConflictSets sets = conflict_sets(tables, rules);
+  UnionFind together(atom_count);
+  for (u32 set = 0; set < sets.count; ++set) {
+    u32 first = kNone;
+    for (const u32 atom : sets.atoms[set]) {
+      if (!shows_object(atom)) continue;
+      if (first == kNone) first = atom;
+      together.join(first, atom);
+    }
+  }
+  for (u32 atom = 0; atom < atom_count; ++atom) placement.home[atom] = placement.home[together.find(atom)];
+  return placement;
+}
+
+JoinReason why_joined(const Tables& tables, const PriorityTables& rules, const ConflictSets& sets, u32 set) {
+  const u32 interaction_count = static_cast<u32>(tables.interactions.size());
+  const PartialState partial = link_partial(tables, rules);
+  const u32 group_count = static_cast<u32>(partial.busy_in_group.size());
+  const Csr movers = turned_round(partial.atoms_of_interaction, interaction_count, tables.image->atoms.size);
+  const Csr atoms_of_group = turned_round(partial.groups_of_atom, tables.image->atoms.size, group_count);
+  const Csr dependents = turned_round(partial.groups_of_interaction, interaction_count, group_count);
+  JoinReason best;
+  std::vector<u32> joined;
+  const auto consider = [&](JoinReason reason) {
+    std::sort(joined.begin(), joined.end());
+    reason.joined = static_cast<u32>(std::unique(joined.begin(), joined.end()) - joined.begin());
+    if (reason.joined > best.joined) best = reason;
+  };
+  for (u32 group = 0; group < group_count; ++group) {
+    if (dependents[group].size == 0 || sets.of_interaction[dependents[group][0]] != set) continue;
+    joined.assign(dependents[group].begin(), dependents[group].end());
+    for (const u32 atom : atoms_of_group[group]) joined.insert(joined.end(), movers[atom].begin(), movers[atom].end());
+    JoinReason reason;
+    for (u32 interaction = 0; interaction < interaction_count; ++interaction) {
+      if (partial.own_group[interaction] == group) reason = {JoinReason::Kind::Connector, interaction, kNone, 0};
+    }
+    for (u32 rule = 0; rule < rules.count && reason.row == kNone; ++rule) {
+      if (partial.group_of_component[rules.component[rule]] == group) reason = {JoinReason::Kind::Rule, rule, kNone, 0};
+    }
+    consider(reason);
+  }
+  if (best.row != kNone) return best;
+  std::vector<u32> ports;
+  for (const u32 atom : sets.atoms[set]) {
+    const LinkedType& type = tables.types[tables.atoms[atom].type];
+    const u32 places = type.mark_words == 0 ? tables.atom_type(atom).places.size : 1;
+    for (u32 place = 0; place < places; ++place) {
+      joined.clear();
+      for (const u32 interaction : movers[atom]) {
+        ports_of_interaction(tables, tables.interactions[interaction], ports);
+        const bool leaves = std::any_of(ports.begin(), ports.end(), [&](u32 port) {
+          return tables.port_atom[port] == atom && can_fire_at(tables, port, place);
+        });
+        if (leaves && sets.of_interaction[interaction] == set) joined.push_back(interaction);
+      }
+      consider({JoinReason::Kind::Place, atom, type.mark_words == 0 ? place : kNone, 0});
+    }
+  }
+  return best;
+}
+
+Distribution distribute(const Tables& tables, const PriorityTables& rules, Placement placement) {
+  Distribution result;
+  result.placement = std::move(placement);
+  result.sets = conflict_sets(tables, rules);
+  result.cells = shown_cells(tables);
+  BIP_ASSERT(result.placement.home.size() == tables.image->atoms.size, "{} atoms have a home",
+             result.placement.home.size());
+  const u32 nodes = static_cast<u32>(result.placement.nodes.size());
+  std::vector<u32> ports;
+  for (u32 set = 0; set < result.sets.count; ++set) {
+    std::vector<u32> votes(nodes, 0);
+    for (const u32 interaction : result.sets.interactions[set]) {
+      ports_of_interaction(tables, tables.interactions[interaction], ports);
+      for (const u32 port : ports) ++votes[result.home(tables.port_atom[port])];
+    }
+    u32 chosen = static_cast<u32>(std::max_element(votes.begin(), votes.end()) - votes.begin());
+    CrossingObject object;  // the first of the set
+    for (const u32 atom : result.sets.atoms[set]) {
+      for (const u32 cell : result.cells[atom]) {
+        if (!has_object(tables, atom, cell)) continue;
+        if (object.atom == kNone) {
+          object = {atom, cell - tables.atoms[atom].first_cell, kNone};
+          chosen = result.home(atom);
+        } else if (result.home(atom) != chosen && object.other == kNone) {
+          object.other = atom;
+          result.crossing.push_back(object);
+        }
+      }
+    }
+    result.coordinator.push_back(chosen);
+  }
+  return result;
+}
+
+}  // namespace bip::rt

@@ -1,0 +1,86 @@
+// Who does what in a distributed run: the node at which each atom is at home, and the node that coordinates each
+// interaction.
+//
+// Interactions that can compete for an atom form a *conflict set*, and one node coordinates all of a set, so that
+// nothing is ever reserved. Two interactions compete
+// - if an atom offers ports of both from one place;
+// - if one of them depends on a group (core/fire/partial.hpp: a larger interaction, a rule, or a fault might come) and
+//   the other moves an atom of that group.
+// So at each place an atom has at most one coordinator: the only node to which it is offered there.
+//
+// Linear in the ports of all interactions and groups, but for the logarithms of sorting. Constant during a run.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "runtime/core/link/priorities.hpp"
+#include "runtime/core/link/tables.hpp"
+
+namespace bip::rt {
+
+inline constexpr u32 kMostNodes = 64;
+
+/// Where the atoms are at home.
+struct Placement {
+  std::vector<std::string> nodes;  // their names
+  std::vector<u32> home;           // by atom
+};
+
+/// Variables that connectors and rules read or write, and traces show: rows in `all`, by atom. What an offer carries.
+[[nodiscard]] Csr shown_cells(const Tables& tables);
+
+struct ConflictSets {
+  u32 count = 0;
+  std::vector<u32> of_interaction;
+  Csr interactions;             // by set
+  Csr atoms;                    // by set: those that take part or are looked at, sorted
+  std::vector<u32> first_slot;  // by atom: row of its first place in set_at; and one more
+  std::vector<u32> set_at;      // by atom and place (of Petri types: one for all): the set it is offered to, or kNone
+  [[nodiscard]] u32 set_of(u32 atom, u32 place) const {
+    const u32 first = first_slot[atom];
+    return set_at[first_slot[atom + 1] - first == 1 ? first : first + place];
+  }
+};
+[[nodiscard]] ConflictSets conflict_sets(const Tables& tables, const PriorityTables& rules);
+
+/// A variable that holds a C++ object, is seen by an interaction, and would have to cross from one node to another.
+struct CrossingObject {
+  u32 atom = kNone;
+  u32 variable = kNone;  // of the atom's type
+  u32 other = kNone;     // an atom at home elsewhere that ends up in one interaction with it
+};
+
+struct Distribution {
+  Placement placement;
+  ConflictSets sets;
+  Csr cells;                             // shown_cells
+  std::vector<u32> coordinator;          // by set
+  std::vector<CrossingObject> crossing;  // not empty: such a run cannot be
+
+  [[nodiscard]] u32 home(u32 atom) const { return placement.home[atom]; }
+  /// The node to which the atom is offered at this place; kNone: nobody waits for it there.
+  [[nodiscard]] u32 coordinator_at(u32 atom, u32 place) const {
+    const u32 set = sets.set_of(atom, place);
+    return set == kNone ? kNone : coordinator[set];
+  }
+};
+
+/// Places atoms breadth first along interactions, in pieces of equal size; atoms whose C++ objects may not cross stay
+/// with those that they meet. Nodes are named "1", "2", …
+[[nodiscard]] Placement place_atoms(const Tables& tables, const PriorityTables& rules, u32 nodes);
+/// Why interactions of a set are in it: one of them, or one rule, joins so many.
+struct JoinReason {
+  enum class Kind : std::uint8_t { Place, Connector, Rule };
+  Kind kind = Kind::Place;
+  u32 row = kNone;    // Place: the atom; Connector: an interaction; Rule: a priority
+  u32 place = kNone;  // Place: of the atom's type
+  u32 joined = 0;     // interactions
+};
+/// The reason that joins the most interactions of the set.
+[[nodiscard]] JoinReason why_joined(const Tables& tables, const PriorityTables& rules, const ConflictSets& sets,
+                                    u32 set);
+
+/// Gives each conflict set to the node at which most of its ports are at home, or where its C++ objects are.
+[[nodiscard]] Distribution distribute(const Tables& tables, const PriorityTables& rules, Placement placement);
+
+}  // namespace bip::rt

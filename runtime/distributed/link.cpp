@@ -1,0 +1,45 @@
+// See link.hpp.
+#include "runtime/distributed/link.hpp"
+
+#include <utility>
+
+namespace bip::rt {
+
+bool Link::next_frame(Frame& frame) {
+  if (is_closed_ || (unsaid_.empty() && !owes_answer_)) return false;
+  frame = {self_, peer_, 0, received_, {}};
+  owes_answer_ = false;
+  if (unsaid_.empty()) return true;
+  frame.number = next_++;
+  frame.messages = std::move(unsaid_);
+  unsaid_.clear();
+  unconfirmed_.push_back(frame);
+  return true;
+}
+
+void Link::take(const Frame& frame, std::vector<Message>& messages) {
+  if (is_closed_) return;
+  while (!unconfirmed_.empty() && unconfirmed_.front().number <= frame.received) unconfirmed_.pop_front();
+  if (frame.number == 0) return;
+  owes_answer_ = true;
+  if (frame.number > received_) early_.emplace(frame.number, frame.messages);
+  for (auto next = early_.begin(); next != early_.end() && next->first == received_ + 1; next = early_.begin()) {
+    for (Message& message : next->second) messages.push_back(std::move(message));
+    early_.erase(next);
+    ++received_;
+  }
+}
+
+Frame Link::again(std::size_t k) const {
+  Frame frame = unconfirmed_[k];
+  frame.received = received_;
+  return frame;
+}
+
+void Link::close() {
+  is_closed_ = true;
+  unsaid_.clear();
+  unconfirmed_.clear();
+}
+
+}  // namespace bip::rt

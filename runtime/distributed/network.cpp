@@ -1,0 +1,77 @@
+// See network.hpp.
+#include "runtime/distributed/network.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace bip::rt {
+
+Network::Network(const NetworkFaults& faults, u64 seed) : faults_(faults), prng_(seed) {
+  for (const NetworkFaults::Crash& crash : faults.crashes) {
+    enter(crash.at, {NetworkEvent::Kind::Crash, crash.node, 0, {}});
+    enter(crash.at + kNoticed, {NetworkEvent::Kind::Loss, crash.node, 0, {}});
+  }
+}
+
+void Network::enter(i64 after, NetworkEvent event) {
+  if (event.kind != NetworkEvent::Kind::Crash && event.kind != NetworkEvent::Kind::Loss) ++live_;
+  std::size_t row = events_.size();
+  if (free_.empty()) {
+    events_.push_back(std::move(event));
+  } else {
+    row = free_.back();
+    free_.pop_back();
+    events_[row] = std::move(event);
+  }
+  queue_.push({now_ + after, entered_++, row});
+}
+
+bool Network::is_cut(u32 a, u32 b, i64 at) const {
+  return std::any_of(faults_.cuts.begin(), faults_.cuts.end(), [&](const NetworkFaults::Cut& cut) {
+    return ((cut.a == a && cut.b == b) || (cut.a == b && cut.b == a)) && cut.from <= at && at < cut.until;
+  });
+}
+
+i64 Network::delay(u32 from, u32 to) {
+  const i64 plain = kLeastDelay + static_cast<i64>(prng_.below(static_cast<u64>(kMoreDelay)));
+  return plain * std::max(faults_.slowness_of(from), faults_.slowness_of(to));
+}
+
+void Network::send(const Frame& frame) {
+  ++counts_.frames;
+  const bool is_doubled = faults_.doubled_percent != 0 && prng_.below(100) < faults_.doubled_percent;
+  counts_.doubled += is_doubled ? 1 : 0;
+  for (int copy = 0; copy < (is_doubled ? 2 : 1); ++copy) {
+    const i64 after = delay(frame.from, frame.to);
+    const bool is_lost = faults_.lost_percent != 0 && prng_.below(100) < faults_.lost_percent;
+    // What is on its way when the cut begins is lost, too.
+    if (is_lost || is_cut(frame.from, frame.to, now_) || is_cut(frame.from, frame.to, now_ + after)) {
+      ++counts_.lost;
+      continue;
+    }
+    enter(after, {NetworkEvent::Kind::Arrival, frame.to, frame.from, frame});
+  }
+}
+
+void Network::await_turn(u32 node) {
+  const i64 plain = kLeastTurn + static_cast<i64>(prng_.below(static_cast<u64>(kMoreTurn)));
+  enter(plain * faults_.slowness_of(node), {NetworkEvent::Kind::Turn, node, 0, {}});
+}
+
+void Network::await_again(u32 node, u32 peer) {
+  enter(kAgain * std::max(faults_.slowness_of(node), faults_.slowness_of(peer)),
+        {NetworkEvent::Kind::Again, node, peer, {}});
+}
+
+bool Network::next(NetworkEvent& event) {
+  if (live_ == 0) return false;
+  const Entry entry = queue_.top();
+  queue_.pop();
+  now_ = entry.at;
+  event = std::move(events_[entry.row]);
+  free_.push_back(entry.row);
+  if (event.kind != NetworkEvent::Kind::Crash && event.kind != NetworkEvent::Kind::Loss) --live_;
+  return true;
+}
+
+}  // namespace bip::rt

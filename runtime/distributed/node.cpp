@@ -1,0 +1,140 @@
+// See node.hpp.
+#include "runtime/distributed/node.hpp"
+
+#include "bip/assert.hpp"
+
+namespace bip::rt {
+
+bool Node::start(const State& state) {
+  const u32 atoms = core_.image().atoms.size;
+  n_.assign(atoms, 0);
+  if (!core_.restore(state)) return false;
+  PartialSteps& partial = core_.partial();
+  partial.allow();
+  partial.share();
+  for (u32 atom = 0; atom < atoms; ++atom) {
+    if (distribution_.coordinator_at(atom, partial.place_at_rest(atom)) != self_) partial.send_away(atom);
+  }
+  return partial.settle();
+}
+
+void Node::take(const Message& message) {
+  std::visit([this](const auto& said) { take(said); }, message);
+}
+
+void Node::take(const Offer& offer) {
+  if (offer.n <= n_[offer.atom]) {
+    ++counts_.stale;
+    return;
+  }
+  n_[offer.atom] = offer.n;
+  const Span<u32> cells = distribution_.cells[offer.atom];
+  BIP_ASSERT(cells.size == offer.cells.size(), "{} of {} variables", offer.cells.size(), cells.size);
+  for (u32 i = 0; i < cells.size; ++i) core_.write_cell(cells[i], offer.cells[i]);
+  if (!core_.partial().receive(offer.atom, offer.offer)) stop();
+}
+
+void Node::take(const Begin& begin) {
+  for (const Part& part : begin.parts) {
+    BIP_ASSERT(distribution_.home(part.atom) == self_ && part.n <= n_[part.atom], "a step of atom {}", part.atom);
+    if (part.n != n_[part.atom]) {
+      ++counts_.stale;
+      continue;
+    }
+    ++n_[part.atom];
+    const Span<u32> cells = distribution_.cells[part.atom];
+    for (u32 i = 0; i < cells.size; ++i) core_.write_cell(cells[i], part.cells[i]);
+    Work work;
+    if (core_.partial().take_up(part.atom, part.transition, begin.step, part.order, work)) works_.push_back(work);
+    else stop();
+  }
+}
+
+void Node::begin(EnabledSet::Position at, u64 step, std::vector<u32>& atoms) {
+  begun_.clear();
+  if (!core_.partial().begin(at, step, begun_)) stop();
+  const std::size_t first = outbox_.size();
+  u32 order = 0;
+  for (const Work& work : begun_) {
+    const u32 home = distribution_.home(work.atom);
+    atoms.push_back(work.atom);
+    if (home == self_) {
+      ++n_[work.atom];
+      works_.push_back(work);
+      ++order;
+      continue;
+    }
+    std::size_t to = first;
+    while (to < outbox_.size() && outbox_[to].to != home) ++to;
+    if (to == outbox_.size()) {
+      outbox_.push_back({home, Begin{step, {}}});
+      ++counts_.begins;
+    }
+    Part part{
+        work.atom, n_[work.atom], static_cast<u32>(work.transition - core_.tables().transitions.data()), order++, {}};
+    for (const u32 cell : distribution_.cells[work.atom]) part.cells.push_back(core_.cell(cell).bits);
+    std::get<Begin>(outbox_[to].message).parts.push_back(std::move(part));
+  }
+}
+
+void Node::run(std::size_t k) {
+  Work work = works_[k];
+  works_[k] = works_.back();
+  works_.pop_back();
+  const std::int32_t status = core_.partial().run(work);
+  switch (core_.partial().come_to_rest(work, status)) {
+    case Finished::More: works_.push_back(work); return;
+    case Finished::Fault: stop(); break;
+    case Finished::Idle: come_to_rest(work.atom); break;
+  }
+  landed_.push_back(work.step);
+}
+
+void Node::come_to_rest(u32 atom) {
+  PartialSteps& partial = core_.partial();
+  const u32 coordinator = distribution_.coordinator_at(atom, partial.place_at_rest(atom));
+  if (coordinator == self_) {
+    if (!partial.offer_here(atom)) stop();
+    return;
+  }
+  Offer offer{atom, n_[atom], {}, {}};
+  if (!partial.offer_away(atom, offer.offer)) return stop();
+  if (coordinator == kNone) return;
+  for (const u32 cell : distribution_.cells[atom]) offer.cells.push_back(core_.cell(cell).bits);
+  outbox_.push_back({coordinator, std::move(offer)});
+  ++counts_.offers;
+}
+
+// Of all faults the one of the earliest step is the run's; the others only have to stop.
+void Node::stop() {
+  is_stopped_ = true;
+  const u64 step = core_.partial().state()->fault_step;
+  for (u32 node = 0; node < distribution_.placement.nodes.size(); ++node) {
+    if (node != self_) outbox_.push_back({node, Stop{step}});
+  }
+}
+
+void Node::save(State& state) const {
+  const State own = core_.snapshot();
+  const Image& image = core_.image();
+  std::size_t object = 0;
+  for (u32 atom = 0; atom < image.atoms.size; ++atom) {
+    const bool is_home = distribution_.home(atom) == self_;
+    const Tables& tables = core_.tables();
+    const AtomType& type = tables.atom_type(atom);
+    if (is_home) {
+      state.places[atom] = core_.partial().place_at_rest(atom);
+      const u32 words = tables.types[tables.atoms[atom].type].mark_words;
+      for (u32 i = 0; i < words; ++i) state.marks[tables.first_mark(atom) + i] = own.marks[tables.first_mark(atom) + i];
+    }
+    for (u32 i = 0; i < type.variables.size; ++i) {
+      const u32 cell = tables.atoms[atom].first_cell + i;
+      if (is_home) state.data[cell] = own.data[cell];
+      if (!is_ffi(type.variables[i].type)) continue;
+      if (is_home) state.objects[object] = own.objects[object];
+      ++object;
+    }
+  }
+}
+
+}  // namespace bip::rt

@@ -1,0 +1,71 @@
+// A node of a distributed run, as a state machine: messages come in, messages go out, and in between it says which
+// steps it may begin and which actions wait to be run. No input or output, no clock, no thread; who calls it decides
+// when.
+//
+// It has a core of the whole image. Atoms at home here have their data in it. What it coordinates it begins as the core
+// allows: atoms that are elsewhere, or offered elsewhere, are away, so all that depends on them waits
+// (core/fire/partial.hpp). A step that it begins runs here for the atoms at home here, and is a BEGIN for others;
+// an atom that comes to rest is offered to the one node that coordinates what it can do next.
+#pragma once
+#include <vector>
+
+#include "runtime/core/core.hpp"
+#include "runtime/distributed/distribution.hpp"
+#include "runtime/distributed/message.hpp"
+
+namespace bip::rt {
+
+struct NodeCounts {
+  u64 offers = 0, begins = 0;  // messages sent
+  u64 stale = 0;               // messages that came again
+};
+
+class Node {
+ public:
+  /// All arguments must outlive the node.
+  Node(const Image& image, const CoreOptions& options, const Distribution& distribution, u32 self)
+      : distribution_(distribution), self_(self), core_(image, options) {}
+
+  [[nodiscard]] Core& core() { return core_; }
+  /// To the initial state, which all nodes know. False: a fault.
+  bool start(const State& state);
+
+  /// Takes a message of another node.
+  void take(const Message& message);
+  /// Begins a candidate that is_decided, as step `step` of the whole run: numbers grow along whatever depends on
+  /// something. Appends the atoms that take part.
+  void begin(EnabledSet::Position at, u64 step, std::vector<u32>& atoms);
+  /// Actions that wait to be run.
+  [[nodiscard]] std::size_t work_count() const { return works_.size(); }
+  /// Runs one of them and lets it take effect.
+  void run(std::size_t k);
+
+  /// What it has to say, in this order; who sends it empties it.
+  [[nodiscard]] std::vector<Outgoing>& outbox() { return outbox_; }
+  /// Steps of which an atom came to rest here; who reads it empties it.
+  [[nodiscard]] std::vector<u64>& landed() { return landed_; }
+  /// A fault was met, here or elsewhere: it begins nothing more.
+  [[nodiscard]] bool is_stopped() const { return is_stopped_; }
+  [[nodiscard]] const NodeCounts& counts() const { return counts_; }
+  /// Writes places and data of the atoms at home here into a state of the image.
+  void save(State& state) const;
+
+ private:
+  void take(const Offer& offer);
+  void take(const Begin& begin);
+  void take(const Stop&) { is_stopped_ = true; }
+  void come_to_rest(u32 atom);
+  void stop();
+
+  const Distribution& distribution_;
+  u32 self_;
+  Core core_;
+  std::vector<u64> n_;  // by atom: at home, how often it took part; elsewhere, as its last offer said
+  std::vector<Work> works_, begun_;
+  std::vector<Outgoing> outbox_;
+  std::vector<u64> landed_;
+  NodeCounts counts_;
+  bool is_stopped_ = false;
+};
+
+}  // namespace bip::rt

@@ -1,0 +1,287 @@
+// The simulated engine: see simulated.hpp.
+#include "runtime/engine/simulated.hpp"
+
+#include <algorithm>
+#include <memory>
+
+#include "bip/assert.hpp"
+#include "runtime/core/final_state.hpp"
+#include "runtime/distributed/node.hpp"
+#include "runtime/engine/flights.hpp"
+#include "runtime/engine/interrupt.hpp"
+#include "runtime/engine/scheduler.hpp"
+
+namespace bip::rt {
+
+namespace {
+
+constexpr std::size_t kMostNamed = 5;  // components that a story names
+
+// A node, and what is around it.
+struct Seat {
+  std::unique_ptr<Node> node;
+  Scheduler scheduler;
+  std::vector<Link> links;       // by peer
+  std::vector<u64> again_until;  // by peer: frames up to this number are sent again; 0: nobody looks
+  bool has_turn = false;
+  bool is_lost = false;
+};
+
+class SimulatedRun {
+ public:
+  SimulatedRun(Core& core, const Distribution& distribution, const NetworkFaults& faults, const RunOptions& options,
+               u64 seed, Output& output)
+      : core_(core),
+        distribution_(distribution),
+        options_(options),
+        writes_(output.writes_steps()),
+        network_(faults, seed),
+        draws_(seed + 1),
+        flights_(output) {
+    const u32 nodes = static_cast<u32>(distribution.placement.nodes.size());
+    const CoreOptions how = core.parts().options;
+    for (u32 node = 0; node < nodes; ++node) {
+      Seat& seat = seats_.emplace_back(Seat{std::make_unique<Node>(core.image(), how, distribution, node),
+                                            Scheduler(options.policy, seed + node),
+                                            {},
+                                            {}});
+      for (u32 peer = 0; peer < nodes; ++peer) seat.links.emplace_back(node, peer);
+      seat.again_until.assign(nodes, 0);
+    }
+  }
+
+  SimulatedResult run() {
+    const State initial = core_.snapshot();
+    for (u32 node = 0; node < seats_.size(); ++node) {
+      seats_[node].scheduler.start(seats_[node].node->core());
+      BIP_ENSURE(seats_[node].node->start(initial), "the initial state has no fault");
+      wake(node);
+    }
+    for (NetworkEvent event; network_.next(event);) take(event);
+    SimulatedResult result;
+    result.border_steps = border_steps_;
+    for (const Seat& seat : seats_) {
+      result.offers += seat.node->counts().offers;
+      result.begins += seat.node->counts().begins;
+    }
+    result.network = network_.counts();
+    result.time = network_.now();
+    end(initial, result);
+    return result;
+  }
+
+ private:
+  void take(NetworkEvent& event) {
+    Seat& seat = seats_[event.node];
+    switch (event.kind) {
+      case NetworkEvent::Kind::Crash:
+        if (!seat.is_lost) lost_after_ = steps_;
+        seat.is_lost = true;
+        return;
+      case NetworkEvent::Kind::Loss:
+        for (Seat& other : seats_) other.links[event.node].close();
+        if (options_.on_loss == OnLoss::Stop) is_stopping_ = true;
+        return;
+      case NetworkEvent::Kind::Turn:
+        seat.has_turn = false;
+        if (seat.is_lost) return;
+        if (has_taken_turn(event.node)) wake(event.node);
+        return send(event.node);
+      case NetworkEvent::Kind::Again:
+        if (!seat.is_lost) send_again(event.node, event.peer);
+        return;
+      case NetworkEvent::Kind::Arrival:
+        if (seat.is_lost) return;
+        heard_.clear();
+        seat.links[event.peer].take(event.frame, heard_);
+        for (const Message& message : heard_) seat.node->take(message);
+        if (!heard_.empty()) wake(event.node);
+        return send(event.node);
+    }
+  }
+
+  void wake(u32 node) {
+    if (seats_[node].has_turn) return;
+    seats_[node].has_turn = true;
+    network_.await_turn(node);
+  }
+
+  // False: there was nothing to do.
+  bool has_taken_turn(u32 node) {
+    Node& at = *seats_[node].node;
+    const bool works_first = at.work_count() != 0 && draws_.below(2) == 0;
+    if (!works_first && has_begun(seats_[node])) return true;
+    if (at.work_count() == 0) return false;
+    at.run(draws_.below(at.work_count()));
+    land(at);
+    return true;
+  }
+
+  bool has_begun(Seat& seat) {
+    Node& node = *seat.node;
+    EnabledSet::Position at{};
+    if (is_stopping_ || node.is_stopped() || steps_ == options_.limit || is_interrupted() ||
+        !seat.scheduler.choose_decided(node.core(), at))
+      return false;
+    if (writes_) flights_.depart(node.core(), at);
+    seat.scheduler.fired(at.interaction);
+    core_.remember(at.interaction);
+    atoms_.clear();
+    node.begin(at, steps_, atoms_);
+    if (writes_) flights_.set_parts(static_cast<u32>(atoms_.size()));
+    const u32 self = static_cast<u32>(&seat - seats_.data());
+    const bool is_border =
+        std::any_of(atoms_.begin(), atoms_.end(), [&](u32 atom) { return distribution_.home(atom) != self; });
+    border_steps_ += is_border ? 1 : 0;
+    ++steps_;
+    return true;
+  }
+
+  void land(Node& node) {
+    for (const u64 step : node.landed()) {
+      if (writes_) flights_.land(step);
+    }
+    node.landed().clear();
+    if (writes_ && std::none_of(seats_.begin(), seats_.end(), [](const Seat& seat) { return seat.node->is_stopped(); }))
+      flights_.write_landed();
+  }
+
+  void send(u32 node) {
+    Seat& seat = seats_[node];
+    for (Outgoing& outgoing : seat.node->outbox()) seat.links[outgoing.to].say(std::move(outgoing.message));
+    seat.node->outbox().clear();
+    for (u32 peer = 0; peer < seats_.size(); ++peer) {
+      if (!seat.links[peer].next_frame(frame_)) continue;
+      network_.send(frame_);
+      await_again(node, peer);
+    }
+  }
+
+  void await_again(u32 node, u32 peer) {
+    Seat& seat = seats_[node];
+    if (seat.again_until[peer] != 0 || seat.links[peer].unconfirmed().empty()) return;
+    seat.again_until[peer] = seat.links[peer].unconfirmed().back().number;
+    network_.await_again(node, peer);
+  }
+
+  void send_again(u32 node, u32 peer) {
+    Seat& seat = seats_[node];
+    const Link& link = seat.links[peer];
+    for (std::size_t k = 0; k < link.unconfirmed().size(); ++k) {
+      if (link.unconfirmed()[k].number <= seat.again_until[peer]) network_.send_again(link.again(k));
+    }
+    seat.again_until[peer] = 0;
+    await_again(node, peer);
+  }
+
+  // -- The end --
+
+  [[nodiscard]] bool has_lost() const {
+    return std::any_of(seats_.begin(), seats_.end(), [](const Seat& seat) { return seat.is_lost; });
+  }
+
+  void end(const State& initial, SimulatedResult& result) {
+    const PartialState* fault = nullptr;
+    for (const Seat& seat : seats_) {
+      const PartialState* at = seat.node->core().partial().state();
+      if (at->fault && (fault == nullptr || at->fault_step < fault->fault_step ||
+                        (at->fault_step == fault->fault_step && at->fault_order < fault->fault_order)))
+        fault = at;
+    }
+    State last = initial;
+    for (const Seat& seat : seats_) seat.node->save(last);
+    result.steps = steps_;
+    if (fault != nullptr) {
+      // The step that ends in a fault is told, like that of any run.
+      if (writes_) flights_.write_until(fault->fault_step);
+      result.steps = fault->fault_step;
+      result.end = End::Fault;
+      (void)core_.restore(last);
+      core_.fail(fault->fault);
+      return;
+    }
+    if (writes_) flights_.write_until(steps_);
+    const bool is_sound = core_.restore(last);
+    if (has_lost()) return end_with_loss(is_sound, initial, result);
+    BIP_ENSURE(is_sound, "the last state has no fault");
+    if (steps_ == options_.limit) result.end = End::Limit;
+    else result.end = core_.candidate_count() != 0 ? End::Interrupted : end_without_step(core_);
+    BIP_ENSURE(result.end != End::Interrupted || is_interrupted(), "a node waits for what never comes");
+  }
+
+  // What was at work when nodes were lost stays so. It may have left data behind that no state of the model has.
+  void end_with_loss(bool is_sound, const State& initial, SimulatedResult& result) {
+    result.end = steps_ == options_.limit ? End::Limit : End::Interrupted;
+    if (!is_sound) BIP_ENSURE(core_.restore(initial), "the initial state has no fault");
+    else if (!is_stopping_ && !is_interrupted() && steps_ != options_.limit) ensure_nobody_waits_in_vain();
+    std::string& story = result.end == End::Limit ? result.warning : result.lost_nodes;
+    story = loss_story();
+    core_.partial().allow();
+  }
+
+  [[nodiscard]] bool is_whole(u32 set) const {
+    const auto is_lost = [this](u32 atom) { return seats_[distribution_.home(atom)].is_lost; };
+    const Span<u32> atoms = distribution_.sets.atoms[set];
+    return !seats_[distribution_.coordinator[set]].is_lost && std::none_of(atoms.begin(), atoms.end(), is_lost);
+  }
+
+  // What needs no lost node went on until it could no more.
+  void ensure_nobody_waits_in_vain() const {
+    for (u64 k = 0; k < core_.candidate_count(); ++k)
+      BIP_ENSURE(!is_whole(distribution_.sets.of_interaction[core_.position(k).interaction]),
+                 "a node waits for what never comes");
+  }
+
+  void name_atoms(std::string& text, const std::vector<u32>& atoms) const {
+    if (atoms.empty()) text += "none";
+    for (std::size_t i = 0; i < std::min(atoms.size(), kMostNamed); ++i)
+      text += (i == 0 ? "" : ", ") + core_.image().atoms[atoms[i]].path();
+    if (atoms.size() > kMostNamed) text += " and " + std::to_string(atoms.size() - kMostNamed) + " more";
+    text += '\n';
+  }
+
+  [[nodiscard]] std::string loss_story() const {
+    std::vector<u32> gone, waiting;
+    for (u32 atom = 0; atom < core_.image().atoms.size; ++atom) {
+      if (seats_[distribution_.home(atom)].is_lost) {
+        gone.push_back(atom);
+        continue;
+      }
+      const u32 set = distribution_.sets.set_of(atom, core_.partial().place_at_rest(atom));
+      if (set != kNone && !is_whole(set)) waiting.push_back(atom);
+    }
+    std::string names;
+    for (u32 node = 0; node < seats_.size(); ++node) {
+      if (seats_[node].is_lost) names += (names.empty() ? "`" : ", `") + distribution_.placement.nodes[node] + '`';
+    }
+    std::string text = "lost " + names + " after " + std::to_string(lost_after_) + " steps\n  at home there: ";
+    name_atoms(text, gone);
+    text += "  waiting for it: ";
+    name_atoms(text, waiting);
+    return text;
+  }
+
+  Core& core_;
+  const Distribution& distribution_;
+  const RunOptions& options_;
+  bool writes_;
+  Network network_;
+  Prng draws_;
+  Flights flights_;
+  std::vector<Seat> seats_;
+  u64 steps_ = 0, border_steps_ = 0, lost_after_ = 0;
+  bool is_stopping_ = false;  // a node was lost
+  // Scratch.
+  std::vector<Message> heard_;
+  std::vector<u32> atoms_;
+  Frame frame_;
+};
+
+}  // namespace
+
+SimulatedResult run_simulated(Core& core, const Distribution& distribution, const NetworkFaults& faults,
+                              const RunOptions& options, u64 seed, Output& output) {
+  return SimulatedRun(core, distribution, faults, options, seed, output).run();
+}
+
+}  // namespace bip::rt

@@ -1,0 +1,301 @@
+// Distributed runs: links and faults alone, conflict sets, messages of a step, and runs of the simulated engine, which
+// are sequential runs whatever goes wrong.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cstdio>
+#include <numeric>
+
+#include "runtime/distributed/node.hpp"
+#include "runtime/engine/replay_record.hpp"
+#include "runtime/engine/simulated.hpp"
+#include "tests/unit/base/contents.hpp"
+#include "tests/unit/runtime/helpers.hpp"
+#include "tests/unit/runtime/models.hpp"
+
+using namespace bip::rt;
+using namespace bip::rt::testing;
+using bip::testing::contents;
+
+namespace {
+
+// Each atom on a node of its own.
+Placement apart(const Image& image) {
+  Placement placement;
+  for (u32 atom = 0; atom < image.atoms.size; ++atom) {
+    placement.nodes.push_back(std::to_string(atom + 1));
+    placement.home.push_back(atom);
+  }
+  return placement;
+}
+
+SimulatedResult simulated(const Image& image, const Placement& placement, std::uint64_t seed, std::uint64_t limit) {
+  RunOptions options;
+  options.limit = limit;
+  options.silent = true;
+  std::FILE* out = std::tmpfile();
+  RunFile no_trace({}, stderr);
+  Output output(options, seed, out, no_trace, image);
+  Core core(image);
+  REQUIRE(core.initialize());
+  const Distribution distribution = distribute(core.tables(), core.priorities(), placement);
+  const SimulatedResult result = run_simulated(core, distribution, {}, options, seed, output);
+  std::fclose(out);
+  return result;
+}
+
+struct Told {
+  RunResult result;
+  std::string trace, out, err;
+};
+Told told(const Image& image, std::uint64_t seed, std::uint64_t limit, const char* faults, OnLoss on_loss) {
+  RunOptions options;
+  options.seed = seed;
+  options.has_seed = true;
+  options.limit = limit;
+  options.engine = Engine::Simulated;
+  options.nodes = 3;
+  options.network_faults = faults;
+  options.on_loss = on_loss;
+  options.format = TraceFormat::Binary;
+  std::FILE* out = std::tmpfile();
+  std::FILE* err = std::tmpfile();
+  std::FILE* trace = std::tmpfile();
+  options.trace_path = "/proc/self/fd/" + std::to_string(fileno(trace));
+  Told result{run(image, options, out, err), "", "", ""};
+  result.trace = contents(trace);
+  result.out = contents(out);
+  result.err = contents(err);
+  return result;
+}
+Followed check(const Image& image, const Told& run) {
+  std::FILE* out = std::tmpfile();
+  RunOptions quiet;
+  quiet.silent = true;
+  const Followed followed = follow(image, run.trace, quiet, out);
+  std::fclose(out);
+  INFO(followed.problem << followed.candidates);
+  CHECK(followed.problem.empty());
+  CHECK(followed.steps == run.result.steps);
+  return followed;
+}
+
+}  // namespace
+
+TEST_CASE("every message arrives once and in order, whatever happens to its frame") {
+  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+    Prng draws(seed);
+    Link here(0, 1), there(1, 0);
+    std::vector<Frame> on_the_way;  // to there
+    std::vector<Message> heard;
+    u64 said = 0;
+    const auto said_now = [&] {
+      for (std::size_t k = 0; k < heard.size(); ++k) REQUIRE(std::get<Stop>(heard[k]).step == k + 1);
+    };
+    for (int turn = 0; turn < 400; ++turn) {
+      if (turn < 300 && draws.below(2) == 0) here.say(Stop{++said});
+      Frame frame;
+      while (here.next_frame(frame)) {
+        if (draws.below(3) != 0) on_the_way.push_back(frame);
+        if (draws.below(3) == 0) on_the_way.push_back(frame);
+      }
+      if (turn % 7 == 0 || turn >= 300) {
+        for (std::size_t k = 0; k < here.unconfirmed().size(); ++k) on_the_way.push_back(here.again(k));
+      }
+      for (u64 n = draws.below(3); n > 0 && !on_the_way.empty(); --n) {
+        std::swap(on_the_way[draws.below(on_the_way.size())], on_the_way.back());
+        there.take(on_the_way.back(), heard);
+        on_the_way.pop_back();
+      }
+      if (there.next_frame(frame) && draws.below(2) == 0) here.take(frame, heard);
+      said_now();
+    }
+    for (std::size_t k = 0; k < here.unconfirmed().size(); ++k) there.take(here.again(k), heard);
+    said_now();
+    CHECK(heard.size() == said);
+    Frame answer;
+    CHECK(there.next_frame(answer) != here.unconfirmed().empty());
+    here.take(answer, heard);
+    CHECK(here.unconfirmed().empty());
+  }
+}
+
+TEST_CASE("faults are read, or told what is wrong with them") {
+  const std::vector<std::string> nodes{"1", "lab"};
+  NetworkFaults faults;
+  CHECK(read_faults("cut 1-lab 3s..1min, crash lab 5s500ms,slow 1 x10, lose 5%, double 7%", nodes, faults).empty());
+  REQUIRE(faults.cuts.size() == 1);
+  CHECK(faults.cuts[0].from == 3'000'000'000);
+  CHECK(faults.cuts[0].until == 60'000'000'000);
+  REQUIRE(faults.crashes.size() == 1);
+  CHECK(faults.crashes[0].node == 1);
+  CHECK(faults.crashes[0].at == 5'500'000'000);
+  CHECK(faults.slowness_of(0) == 10);
+  CHECK(faults.slowness_of(1) == 1);
+  CHECK(faults.lost_percent == 5);
+  CHECK(faults.doubled_percent == 7);
+  for (const char* wrong :
+       {"cat 1-lab 1s..2s", "cut 1-1 1s..2s", "cut 1-lab 2s..1s", "cut 1-lab 1s", "cut 1 1s..2s", "cut 1-lab 1..2",
+        "crash 3 5s", "crash lab", "crash lab 5 s", "crash lab 99999999999999999999s", "slow 1 10", "slow 1 x0",
+        "slow 1 x1001", "lose 51%", "lose 5", "double 5%,", ",", "lose 5% now"}) {
+    INFO(wrong);
+    CHECK_FALSE(read_faults(wrong, nodes, faults).empty());
+  }
+}
+
+TEST_CASE("an interaction of n nodes costs 2(n-1) messages") {
+  for (int n = 2; n <= 6; ++n) {
+    ImageBuilder b;
+    b.atom_type({.name = "A",
+                 .ports = {{.name = "go"}},
+                 .places = {"S"},
+                 .initial = {"S"},
+                 .transitions = {{"go", {"S"}, {"S"}}}});
+    ConnectorTypeSpec all{.name = "All"};
+    std::vector<std::string> ports;
+    for (int i = 0; i < n; ++i) {
+      all.params.push_back({"p" + std::to_string(i), 0});
+      all.define += " p" + std::to_string(i);
+      b.atom("a" + std::to_string(i), "A");
+      ports.push_back("a" + std::to_string(i) + ".go");
+    }
+    b.connector_type(all);
+    b.connector("all", "All", ports);
+    const SimulatedResult result = simulated(b.image(), apart(b.image()), 1, 100);
+    CHECK(result.border_steps == 100);
+    CHECK(result.begins == 100u * static_cast<unsigned>(n - 1));
+    CHECK(result.offers == 100u * static_cast<unsigned>(n - 1));
+  }
+}
+
+TEST_CASE("what does not compete costs two messages, however much there is of it") {
+  for (const bool is_ring : {false, true}) {
+    ImageBuilder b;
+    if (is_ring) build_ring(b, 12);
+    else build_pairs(b, 12);
+    const SimulatedResult result = simulated(b.image(), apart(b.image()), 3, 600);
+    CHECK(result.steps == 600);
+    CHECK(result.border_steps == 600);
+    CHECK(result.begins == 600);
+    // A station of the ring offers to the next one's coordinator: to itself, or to another node.
+    CHECK(result.offers <= 600u + (is_ring ? 600u : 0u));
+  }
+}
+
+TEST_CASE("conflict sets: places tell what competes") {
+  const auto sets_of = [](ImageBuilder& b) {
+    const Core core(b.image());
+    return conflict_sets(core.tables(), core.priorities());
+  };
+  {
+    ImageBuilder b;
+    build_pairs(b, 8);
+    CHECK(sets_of(b).count == 8);
+  }
+  {
+    ImageBuilder b;
+    build_ring(b, 8);
+    CHECK(sets_of(b).count == 8);
+  }
+  {
+    // Each fork's two neighbours compete for it while it lies there; and by places, all that put forks down.
+    ImageBuilder b;
+    build_philosophers(b, 8, true);
+    const ConflictSets sets = sets_of(b);
+    CHECK(sets.count == 8 + 1);
+    u32 largest = 0;
+    for (u32 set = 0; set < sets.count; ++set) largest = std::max<u32>(largest, sets.interactions[set].size);
+    CHECK(largest == 8);
+  }
+}
+
+TEST_CASE("messages that come again change nothing") {
+  ImageBuilder b;
+  build_pairs(b, 2);
+  const Image& image = b.image();
+  Core core(image);
+  REQUIRE(core.initialize());
+  const Distribution distribution = distribute(core.tables(), core.priorities(), apart(image));
+  Node nodes[] = {{image, {}, distribution, 0}, {image, {}, distribution, 1}};
+  for (Node& node : nodes) REQUIRE(node.start(core.snapshot()));
+  u64 steps = 0;
+  std::vector<u32> atoms;
+  for (int turn = 0; turn < 200; ++turn) {
+    for (Node& node : nodes) {
+      if (node.work_count() != 0) node.run(0);
+      if (node.core().candidate_count() != 0 && node.core().partial().is_decided(node.core().position(0).interaction))
+        node.begin(node.core().position(0), steps++, atoms);
+      const std::vector<Outgoing> said = std::exchange(node.outbox(), {});
+      for (const Outgoing& outgoing : said) {
+        nodes[outgoing.to].take(outgoing.message);
+        nodes[outgoing.to].take(outgoing.message);
+      }
+    }
+  }
+  CHECK(steps > 50);
+  CHECK(nodes[0].counts().stale + nodes[1].counts().stale ==
+        nodes[0].counts().offers + nodes[1].counts().offers + nodes[0].counts().begins + nodes[1].counts().begins);
+}
+
+TEST_CASE("the same seed gives the same simulated run") {
+  ImageBuilder b;
+  build_philosophers(b, 6, false);
+  const char* const faults = "lose 20%, double 20%, cut 1-2 5ms..50ms";
+  const Told one = told(b.image(), 5, 300, faults, OnLoss::Stop), two = told(b.image(), 5, 300, faults, OnLoss::Stop);
+  CHECK(one.trace == two.trace);
+  CHECK(one.out == two.out);
+  CHECK(told(b.image(), 6, 300, faults, OnLoss::Stop).trace != one.trace);
+}
+
+TEST_CASE("simulated runs are accepted, whatever the network does") {
+  for (const bool deadlocks : {false, true}) {
+    ImageBuilder b;
+    build_philosophers(b, 5, deadlocks);
+    for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+      const char* const faults = seed % 2 == 0 ? "" : "lose 20%, double 20%, cut 1-3 2ms..40ms, slow 2 x5";
+      const Told run = told(b.image(), seed, 300, faults, OnLoss::Stop);
+      CHECK(check(b.image(), run).end == run.result.end);
+      CHECK(run.result.exit_code == 0);
+      CHECK(run.result.end == (run.result.steps == 300 ? End::Limit : End::Deadlock));
+    }
+  }
+}
+
+TEST_CASE("when a node is lost the others stop, or go on with what does not need it") {
+  ImageBuilder b;
+  build_pairs(b, 12);
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const Told stopped = told(b.image(), seed, 100000, "crash 2 30ms", OnLoss::Stop);
+    CHECK(stopped.result.end == End::Interrupted);
+    CHECK(stopped.result.exit_code == 1);
+    CHECK(stopped.err.find("error[R0030]: lost `2`") == 0);
+    (void)check(b.image(), stopped);
+    const Told went_on = told(b.image(), seed, 3000, "crash 2 30ms", OnLoss::GoOn);
+    CHECK(went_on.result.end == End::Limit);
+    CHECK(went_on.result.exit_code == 0);
+    CHECK(went_on.err.find("warning[R0030]: lost `2`") == 0);
+    (void)check(b.image(), went_on);
+  }
+}
+
+TEST_CASE("a fault ends a simulated run at the step where a sequential one meets it") {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    ImageBuilder b;
+    b.atom_type({.name = "Worker",
+                 .data = {"n"},
+                 .ports = {{.name = "go"}},
+                 .places = {"S"},
+                 .initial = {"S"},
+                 .transitions = {{"go", {"S"}, {"S"}, nullptr, [](Cell* self, Cell*, const u32*) {
+                                    return ++self[0].i == 5 ? fault_status(0, FaultKind::DivisionByZero) : 1;
+                                  }}}});
+    b.connector_type({.name = "Two", .params = {{"p", 0}, {"q", 0}}, .define = "p q"});
+    for (const char* name : {"v", "w", "x"}) b.atom(name, "Worker");
+    b.connector("vw", "Two", {"v.go", "w.go"});
+    b.connector("wx", "Two", {"w.go", "x.go"});
+    const Told run = told(b.image(), seed, 1000, "lose 10%", OnLoss::Stop);
+    CHECK(run.result.end == End::Fault);
+    CHECK(run.err.find("R0005") != std::string::npos);
+    CHECK(check(b.image(), run).end == End::Fault);
+  }
+}
