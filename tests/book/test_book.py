@@ -8,13 +8,14 @@
   but not executed here: tools/try_package installs the package in a bare Debian.
 - exercises: `bipc check --lesson N` accepts tests/book/solutions/lessonNN.bip (or lessonNN_K.bip, for one exercise each), refuses each exercise for
   the lesson's own model, and has a hint for every check; each lesson has two exercises. Of rules, the level that they make is judged.
-- site: tools/docs makes the site without a warning, each page is found by its search, and nothing is asked of the network. Needs Sphinx
-  (`tools/setup --docs`); without it the line `skipped: ...` says so.
+- site: tools/docs makes the site without a warning, each page is known to its search, and nothing is asked of the network. Needs Sphinx
+  (`tools/setup --docs`); without it the line `skipped: ...` says so. Where chromium is installed it searches in the files, without a server.
 The pages' commands and outputs are executed by tests/meta/test_snippets.py. Needs a built bipc ($BIPC or build/bipc). Python's library only.
 """
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -140,6 +141,14 @@ def has_sphinx():
         return False
 
 
+def problem_of_search(site, word, page):
+    """None if the browser, given the site's files, finds the page."""
+    with tempfile.TemporaryDirectory(prefix="browser-") as home:
+        options = ["--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={home}", "--virtual-time-budget=10000", "--dump-dom"]
+        done = subprocess.run(["chromium", *options, f"file://{site}/search.html?q={word}"], capture_output=True, text=True, timeout=120)
+    return None if f'<a href="{page}' in done.stdout else f"a search for `{word}` does not find {page}\n{done.stderr[-500:]}"
+
+
 def test_site():
     if not has_sphinx():
         print("skipped: the book's site: Sphinx or MyST is not installed (tools/setup --docs)")
@@ -157,6 +166,10 @@ def test_site():
             problem = None if html.exists() and f'"{name}"' in index else "is not in the site, or its search does not know it"
             asks = re.findall(r'(?:src|href)="(?:https?:)?//[^"]*\.(?:js|css|svg|png|woff2?)"', html.read_text(encoding="utf-8")) if html.exists() else []
             yield f"site: {page.name}", problem or (f"asks the network for {asks}" if asks else None)
+        if shutil.which("chromium"):
+            yield "site: search", problem_of_search(site, "rendezvous", "compiler/docs/book/lesson01_rendezvous.html")
+        else:
+            print("skipped: a search in the book's site: chromium is not installed")
 
 
 def main():
