@@ -5,6 +5,7 @@
 
 #include "compiler/base/log.hpp"
 #include "runtime/distributed/distribution.hpp"
+#include "runtime/engine/event_file.hpp"
 #include "runtime/engine/policies.hpp"
 #include "runtime/trace/trace_formats.hpp"
 
@@ -117,6 +118,18 @@ CLI::Validator is_speed() {
         return is_good ? std::string() : fmt::format("`{}` is not a number from 0.000001 to 1000000", text);
       },
       "");
+}
+
+CLI::Option* add_duration(CLI::App& command, const char* name, std::int64_t& ns, const char* help) {
+  return command
+      .add_option_function<std::string>(
+          name, [&ns](const std::string& text) { ns = rt::parse_time(text); }, help)
+      ->check(CLI::Validator(
+          [](std::string& text) {
+            return rt::parse_time(text) < 0 ? fmt::format("`{}` is no duration such as 1s500ms", text) : std::string();
+          },
+          ""))
+      ->type_name("TIME");
 }
 
 // ---- machine code and who runs it: how it is made, kept and watched, and its priority
@@ -646,6 +659,16 @@ void add_serve(CLI::App& app, ServeArguments& a) {
       ->check(is_speed())
       ->type_name("F");
   add_real_time_priority(*command, a.real_time_priority);
+  add_duration(*command, "--stall-after", a.stall_after,
+               "when no step has returned for so long, or steps begin so much too late, say so and call the safe-stop "
+               "function (default: 1s if the model's C++ has one, else 0: never)");
+  command
+      ->add_option("--safe-stop", a.safe_stop,
+                   "the C function of the model's C++ that stops the robot, `extern \"C\" void NAME(const char* why)` "
+                   "(default: safe_stop, if there is one)")
+      ->type_name("NAME");
+  add_duration(*command, "--late-after", a.late_after,
+               "tell of each instant whose steps begin so much later than they are due (default: 0: never)");
   command
       ->add_option("--trace", a.trace_path,
                    "write a trace of the steps to PATH; the file is complete when the process has ended")

@@ -1,4 +1,6 @@
 // `bipc serve`: runs a model in real time while clients communicate with it (compiler/docs/serve.md).
+#include <dlfcn.h>
+
 #include <cstdio>
 
 #include "bip/process.hpp"
@@ -11,6 +13,22 @@
 
 namespace bip::driver {
 
+namespace {
+
+// False: a function is asked for that there is not.
+bool find_safe_stop(const ServeArguments& arguments, void* library, serve::WatchOptions& watch) {
+  watch.safe_stop_name = arguments.safe_stop.empty() ? "safe_stop" : arguments.safe_stop;
+  if (library != nullptr) {
+    watch.safe_stop = reinterpret_cast<void (*)(const char*)>(::dlsym(library, watch.safe_stop_name.c_str()));
+    watch.called_now = reinterpret_cast<const std::atomic<const char*>* (*)()>(::dlsym(library, "bip_called_now"));
+  }
+  watch.late = arguments.late_after;
+  watch.stall = arguments.stall_after >= 0 ? arguments.stall_after : watch.safe_stop == nullptr ? 0 : 1'000'000'000;
+  return arguments.safe_stop.empty() || watch.safe_stop != nullptr;
+}
+
+}  // namespace
+
 int command_serve(const ServeArguments& arguments) {
   Compilation c(arguments.compile);
   Executor executor;
@@ -22,8 +40,15 @@ int command_serve(const ServeArguments& arguments) {
   options.policy = arguments.policy;
   options.asap = arguments.asap;
   options.speed = arguments.speed;
+  serve::WatchOptions watch;
+  if (!find_safe_stop(arguments, c.lowered->library, watch)) {
+    std::fprintf(stderr, "error: the model's C++ has no function `extern \"C\" void %s(const char* why)`\n",
+                 arguments.safe_stop.c_str());
+    return kUsage;
+  }
   serve::Controller controller(c.lowered->image, options,
-                               arguments.paused ? serve::Controller::Begin::Paused : serve::Controller::Begin::Running);
+                               arguments.paused ? serve::Controller::Begin::Paused : serve::Controller::Begin::Running,
+                               watch);
   controller.real_time_priority = arguments.real_time_priority;
   controller.on_problem = [](const std::string& problem) { std::fprintf(stderr, "warning: %s\n", problem.c_str()); };
   if (!arguments.trace_path.empty() && !controller.trace(arguments.trace_path, arguments.trace_format)) {

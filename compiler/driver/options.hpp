@@ -57,8 +57,11 @@ struct ServeArguments {
   bool asap = false;
   bool paused = false;
   double speed = 1;
-  int real_time_priority = 0;  // 0: as usual
-  std::string trace_path;      // empty: none
+  int real_time_priority = 0;     // 0: as usual
+  std::int64_t stall_after = -1;  // ns; -1: a second if there is a safe-stop function, 0: nobody watches
+  std::int64_t late_after = 0;    // ns; 0: late steps are not told of
+  std::string safe_stop;          // empty: `safe_stop` if the model's C++ has it
+  std::string trace_path;         // empty: none
   rt::TraceFormat trace_format = rt::TraceFormat::Json;
   std::string socket;  // empty: standard input, unless has_port
   bool has_port = false;

@@ -157,6 +157,8 @@ std::string shim_text(const System& system, const ConstNames& const_names) {
                          {.own_context = false, .mark = true, .names_crashes = true, .files = system.files});
   if (!classes.empty()) out += event_class_text(system, classes, true);
   const auto line = [&](const std::string& text) { out += text + "\n"; };
+  // For who watches a thread from outside.
+  line("extern \"C\" const std::atomic<const char*>* bip_called_now() { return &bip::rt::called_now; }");
   for (std::size_t k = 0; k < code.functions.size(); ++k) {
     const Function& function = code.functions[k];
     line("");

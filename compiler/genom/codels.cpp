@@ -140,7 +140,10 @@ std::string codel_header(const std::vector<Module>& modules, const GenerateOptio
     out +=
         "\n// What a request of a client came with: when it is asked for, for codels that judge it; and, if it is "
         "accepted, before its codels run.\nvoid request_asked(const char* service, const char* input);\n"
-        "void request_input(const char* service, const char* input);\n";
+        "void request_input(const char* service, const char* input);\n"
+        "\n// Called beside everything else when the engine stalls, by the watchdog of `bipc serve`: stops the robot "
+        "whatever codels do.\n"
+        "// It must not wait for what a codel may hold.\nextern \"C\" void safe_stop(const char* why);\n";
   if (options.executive == Executive::Cpp) {
     out +=
         "\nstd::string executive_request();\n"
@@ -170,7 +173,8 @@ std::string codel_source(const std::vector<Module>& modules, const GenerateOptio
   if (options.executive == Executive::Served)
     out +=
         "\nvoid request_asked(const char* /*service*/, const char* /*input*/) {}\n"
-        "void request_input(const char* /*service*/, const char* /*input*/) {}\n";
+        "void request_input(const char* /*service*/, const char* /*input*/) {}\n"
+        "void safe_stop(const char* /*why*/) {}\n";
   if (options.executive == Executive::Cpp) {
     out +=
         "\n// Never asks for anything.\nstd::string executive_request() { return {}; }\n"

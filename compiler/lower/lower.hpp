@@ -36,6 +36,7 @@ struct LoweredSystem {
   rt::Image image;                          // image.codes points to `codes`
   // The FFI. Whoever compiles it fills `functions` (one a row of CodeTable::functions) and `ffi_types`.
   std::vector<rt::FfiFunction> functions;
+  void* library = nullptr;  // of the C++ that the model calls, as dlopen() gave it
   std::vector<rt::FfiType> ffi_types;
   std::vector<rt::EventClass> event_classes;  // one an EventClassUse
   Results results;

@@ -241,6 +241,7 @@ bool load_ffi(Compilation& c, const CacheOptions& cache) {
     return false;
   }
   lower::LoweredSystem& lowered = *c.lowered;
+  lowered.library = library;
   for (std::size_t row = 0; row < lowered.functions.size(); ++row) {
     lowered.functions[row] =
         reinterpret_cast<rt::FfiFunction>(::dlsym(library, fmt::format("bip_call_{}", row).c_str()));

@@ -6,8 +6,12 @@
 
 namespace bip::serve {
 
-Controller::Controller(const rt::Image& image, const ExecutionOptions& options, Begin begin)
-    : image_(image), system_(image, options), requests_(image, system_), is_paused_(begin == Begin::Paused) {}
+Controller::Controller(const rt::Image& image, const ExecutionOptions& options, Begin begin, const WatchOptions& watch)
+    : image_(image),
+      system_(image, options),
+      requests_(image, system_),
+      watchdog_(system_, watch),
+      is_paused_(begin == Begin::Paused) {}
 
 Controller::~Controller() { halt(); }
 
@@ -19,6 +23,7 @@ void Controller::halt() {
   }
   changed_.notify_all();
   if (thread_.joinable()) thread_.join();
+  watchdog_.halt();
 }
 
 void Controller::start() {
@@ -26,8 +31,10 @@ void Controller::start() {
   system_.on_step([this](const Step& step) {
     if (on_step) on_step(step, system_.now());
     requests_.note_step(step);
+    watchdog_.note_step(step);
   });
   thread_ = std::thread([this] { run(); });
+  watchdog_.start();
 }
 
 void Controller::ask(Command command) {
@@ -121,6 +128,7 @@ void Controller::run() {
   if (real_time_priority != 0) thread.raise(real_time_priority);
   if (!thread.problem().empty() && on_problem) on_problem(thread.problem());
   system_.restart_clock();
+  watchdog_.enter_thread();
   std::deque<Command> commands;
   if (system_.outcome() == Outcome::Fault) end(Outcome::Fault);
   while (true) {
@@ -131,12 +139,16 @@ void Controller::run() {
       commands.swap(commands_);
       system_.go_on();
     }
+    watchdog_.begin();
     for (Command& command : commands) command(*this);
     commands.clear();
+    watchdog_.end();
     if (is_paused_ || has_ended_) continue;
     BIP_ASSERT(commands.empty(), "{} commands were not carried out", commands.size());
     if (steps_left_ != 0) note_state();
+    watchdog_.begin();
     const Outcome outcome = system_.step();
+    watchdog_.end();
     if (outcome != Outcome::Stepped && steps_left_ != 0) drop_state();
     if (outcome == Outcome::Stepped && steps_left_ != 0 && --steps_left_ == 0) is_paused_ = true;
     note_outcome(outcome);

@@ -12,6 +12,7 @@
 
 #include "bip/bip.hpp"
 #include "compiler/serve/requests.hpp"
+#include "compiler/serve/watchdog.hpp"
 
 namespace bip::serve {
 
@@ -22,13 +23,15 @@ class Controller {
   static constexpr std::size_t kMaxSnapshots = 16;
 
   enum class Begin : std::uint8_t { Running, Paused };
-  Controller(const rt::Image& image, const ExecutionOptions& options, Begin begin);
+  Controller(const rt::Image& image, const ExecutionOptions& options, Begin begin, const WatchOptions& watch = {});
   Controller(const Controller&) = delete;
   Controller& operator=(const Controller&) = delete;
   ~Controller();
   /// Both are called on the engine's thread; set before start().
   std::function<void(const Step&, std::int64_t now)> on_step;
   std::function<void(Outcome outcome, const std::string& text)> on_end;
+  /// The watchdog's; set before start().
+  std::function<void(const Alarm&)>& on_alarm() { return watchdog_.on_alarm; }
   /// Of that thread (bip/real_time_thread.hpp); on_problem hears what is refused. Set before start().
   int real_time_priority = 0;
   std::function<void(const std::string&)> on_problem;
@@ -74,6 +77,7 @@ class Controller {
   const rt::Image& image_;
   Execution system_;
   Requests requests_;
+  Watchdog watchdog_;
   std::vector<Execution::Snapshot> snapshots_;
   std::deque<Execution::Snapshot> undo_;  // before each of the last steps that a client asked for
   std::size_t undo_bytes_ = 0;

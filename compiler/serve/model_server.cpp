@@ -132,6 +132,7 @@ class Server {
     controller_.on_end = [this](Outcome outcome, const std::string& text) {
       net::post(io_, [this, line = end_line(outcome, text)] { broadcast(nullptr, line); });
     };
+    controller_.on_alarm() = [this](const Alarm& alarm) { note(alarm); };
     controller_.requests().on_reply = [this](const RequestReply& reply) { note(reply); };
     controller_.start();
     io_.run();
@@ -273,6 +274,12 @@ class Server {
         else send(number, line);
       }
     });
+  }
+
+  // Any thread: in the log, and to all who subscribed to anything.
+  void note(const Alarm& alarm) {
+    std::fprintf(stderr, "warning[%s]: %s\n", alarm.kind == Alarm::Kind::Late ? "R0047" : "R0046", alarm.text.c_str());
+    net::post(io_, [this, line = alarm_line(alarm)] { broadcast(nullptr, line); });
   }
 
   // To some subscribers, or (null: the end) to all and to those who wait at a breakpoint.

@@ -392,6 +392,13 @@ std::string request_line(const RequestReply& reply, std::int64_t now) {
                   {"report", reply.report}});
 }
 
+std::string alarm_line(const Alarm& alarm) {
+  const char* const note = alarm.kind == Alarm::Kind::Stalled     ? "stalled"
+                           : alarm.kind == Alarm::Kind::RunsAgain ? "runs again"
+                                                                  : "late";
+  return line_of({{"note", note}, {"ns", alarm.ns}, {"text", alarm.text}});
+}
+
 std::string end_line(Outcome outcome, const std::string& text) {
   return line_of({{"note", "end"},
                   {"outcome", outcome == Outcome::Fault   ? "error"

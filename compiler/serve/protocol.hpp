@@ -47,6 +47,8 @@ void handle_line(Controller& controller, const std::string& line, Reply reply);
 [[nodiscard]] std::string step_line(const Step& step, std::int64_t now, const char* note = "step");
 /// `{"note":"request",…}`
 [[nodiscard]] std::string request_line(const RequestReply& reply, std::int64_t now);
+/// `{"note":"stalled",…}`, `"runs again"`, `"late"`
+[[nodiscard]] std::string alarm_line(const Alarm& alarm);
 [[nodiscard]] std::string end_line(Outcome outcome, const std::string& text);
 [[nodiscard]] std::string error_line(const std::string& what);
 

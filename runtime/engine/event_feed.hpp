@@ -62,6 +62,7 @@ class EventFeed {
   /// The instant `now` of the model is now on the wall, and events that wait come now.
   void restart(RealTime& wall, i64 now);
   [[nodiscard]] Waker& waker() { return inbox_.waker(); }
+  [[nodiscard]] const Waker& waker() const { return inbox_.waker(); }
 
   /// The engine has looked, and without us it goes on at `target`. The instant of the first event that comes until
   /// then, no earlier than now; kForever: none does, or is_stopped(), or failed(). In real time it is then `target`.

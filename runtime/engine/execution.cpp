@@ -152,7 +152,8 @@ struct Execution::Impl {
   // In real time, before the scheduler's choice is taken. False: a timing violation.
   bool is_in_time() {
     if (!is_real || !core.is_timed()) return true;
-    const rt::i64 actual = core.now() + wall.in_model(wall.note_late(core.now()));
+    lateness = wall.note_late(core.now());
+    const rt::i64 actual = core.now() + wall.in_model(lateness);
     if (!wall.is_too_late(actual, scheduler.latest(core))) return true;
     ++late;
     return !is_strict || core.time().fail_late(core.candidate(scheduler.choice()), scheduler.latest(core), actual);
@@ -164,6 +165,7 @@ struct Execution::Impl {
   rt::RealTime wall;
   bool is_real, is_strict;
   std::uint64_t late = 0;
+  std::int64_t lateness = 0;  // of the last step, on the wall
   rt::Policy policy;
   std::uint64_t seed;
   std::uint64_t steps = 0;
@@ -241,6 +243,8 @@ void Execution::restart_clock() { impl_->feed.restart(impl_->wall, impl_->core.n
 
 std::uint64_t Execution::overruns() const { return impl_->feed.overruns(); }
 std::uint64_t Execution::late_steps() const { return impl_->late; }
+std::int64_t Execution::lateness() const { return impl_->lateness; }
+std::int64_t Execution::awake_since() const { return std::as_const(impl_->feed).waker().awake_since(); }
 
 std::int64_t Execution::now() const { return impl_->core.now(); }
 

@@ -31,6 +31,7 @@ class Inbox {
   /// `count` events of the port left the core.
   void release(u32 row, u32 count);
   [[nodiscard]] Waker& waker() { return waker_; }
+  [[nodiscard]] const Waker& waker() const { return waker_; }
   [[nodiscard]] u32 capacity() const { return capacity_; }
 
  private:

@@ -33,6 +33,7 @@ void Waker::wake() noexcept {
 void Waker::sleep_until(i64 instant) noexcept {
   const i64 end = instant == kForever ? wall_clock() + kLongest : instant;
   const timespec until{static_cast<std::time_t>(end / kSecond), static_cast<long>(end % kSecond)};
+  awake_since_.store(0, std::memory_order_relaxed);
   // An instant that has passed times out at once; a wake since prepare() has changed the word.
   while (sleeps_.load(std::memory_order_seq_cst) != 0) {
     if (::syscall(SYS_futex, &sleeps_, FUTEX_WAIT_BITSET_PRIVATE, 1, &until, nullptr, FUTEX_BITSET_MATCH_ANY) != 0 &&
@@ -40,6 +41,7 @@ void Waker::sleep_until(i64 instant) noexcept {
       break;
   }
   sleeps_.store(0, std::memory_order_relaxed);
+  awake_since_.store(wall_clock(), std::memory_order_relaxed);
 }
 
 }  // namespace bip::rt

@@ -24,8 +24,11 @@ class Waker {
   void stay_awake() noexcept { sleeps_.store(0, std::memory_order_relaxed); }
   /// Sleeps to an instant of CLOCK_MONOTONIC in ns, kForever for none, or until it is woken. After prepare().
   void sleep_until(i64 instant) noexcept;
+  /// When the last sleep ended, on CLOCK_MONOTONIC in ns, 1 if there was none; 0: somebody sleeps. Any thread.
+  [[nodiscard]] i64 awake_since() const noexcept { return awake_since_.load(std::memory_order_relaxed); }
 
  private:
+  std::atomic<i64> awake_since_{1};
   std::atomic<std::uint32_t> sleeps_{0};  // 1: somebody sleeps, or will
 };
 

@@ -89,6 +89,11 @@ class Execution {
 
   /// Returns the number of steps that started later than their guards allow (with `speed`).
   [[nodiscard]] std::uint64_t late_steps() const;
+  /// With `speed`: how much later than it was due the last step began, in ns of the wall clock.
+  [[nodiscard]] std::int64_t lateness() const;
+  /// When a waiting step() woke up last, in ns of the monotonic clock; 0 while it sleeps. May be called by any thread:
+  /// what is awake for long in one step() has stalled.
+  [[nodiscard]] std::int64_t awake_since() const;
   /// Returns the number of `@async` actions that exceeded their budgets (with `speed`).
   [[nodiscard]] std::uint64_t overruns() const;
 

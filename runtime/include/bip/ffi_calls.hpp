@@ -4,6 +4,7 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cstring>
 #include <exception>
 
@@ -13,13 +14,15 @@
 namespace bip::rt {
 
 /// The C++ function that a thread is in, named when a signal ends the process. A literal, or null.
-inline thread_local const char* called_now = nullptr;
+inline thread_local std::atomic<const char*> called_now{nullptr};
 class CallNote {
  public:
-  explicit CallNote(const char* what) : before_(called_now) { called_now = what; }
+  explicit CallNote(const char* what) : before_(called_now.load(std::memory_order_relaxed)) {
+    called_now.store(what, std::memory_order_relaxed);
+  }
   CallNote(const CallNote&) = delete;
   CallNote& operator=(const CallNote&) = delete;
-  ~CallNote() { called_now = before_; }
+  ~CallNote() { called_now.store(before_, std::memory_order_relaxed); }
 
  private:
   const char* before_;
@@ -38,11 +41,11 @@ inline void handle(int signal) {
                      : signal == SIGBUS  ? "SIGBUS"
                      : signal == SIGABRT ? "SIGABRT (abort)"
                                          : "SIGILL";
-  if (called_now != nullptr) {
+  if (const char* const what = called_now.load(std::memory_order_relaxed); what != nullptr) {
     say("\nerror: signal ");
     say(name);
     say(" in the model's C++, ");
-    say(called_now);
+    say(what);
     say("\n");
   }
   // SA_RESETHAND removed the handler: now the signal ends the process.

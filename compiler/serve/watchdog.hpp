@@ -1,0 +1,75 @@
+// A thread beside the engine's that notices when the engine stalls: a step that does not return within a bound, or
+// steps that begin later than the bound allows. Then it says so, and calls the model's safe-stop function.
+//
+// It shares nothing with the engine but instants, so that no lock that a hanging function holds can hold it up. It
+// looks eight times within the bound: the function is called after the bound and an eighth of it at the latest, if the
+// system lets the thread run.
+#pragma once
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "bip/bip.hpp"
+
+namespace bip::serve {
+
+/// ns of the wall clock.
+struct WatchOptions {
+  std::int64_t stall = 0;  // 0: nobody watches
+  std::int64_t late = 0;   // steps that begin so much later than they are due are told of; 0: none
+  /// Stops the robot; runs beside whatever hangs. May be empty.
+  void (*safe_stop)(const char* why) = nullptr;
+  std::string safe_stop_name;
+  /// Asked on the engine's thread: where that thread notes which C++ function it is in. May be null.
+  const std::atomic<const char*>* (*called_now)() = nullptr;
+};
+/// What was noticed, in the words of a log.
+struct Alarm {
+  enum class Kind : std::uint8_t { Stalled, RunsAgain, Late } kind = Kind::Stalled;
+  std::int64_t ns = 0;  // of the wall clock: how long, how late
+  std::string text;
+};
+
+class Watchdog {
+ public:
+  Watchdog(const Execution& system, const WatchOptions& options) : system_(system), options_(options) {}
+  ~Watchdog() { halt(); }
+  Watchdog(const Watchdog&) = delete;
+  Watchdog& operator=(const Watchdog&) = delete;
+  /// Set before start(); called on the watchdog's thread, for Late on the engine's.
+  std::function<void(const Alarm&)> on_alarm;
+  void start();
+  void halt();
+
+  // ---- the engine's thread
+  void enter_thread() {
+    if (options_.called_now != nullptr) called_.store(options_.called_now());
+  }
+  /// Before and after a step or a command, which may wait or work.
+  void begin();
+  void end() { begun_.store(0, std::memory_order_relaxed); }
+  /// After a step.
+  void note_step(const Step& step);
+
+ private:
+  void watch();
+  [[nodiscard]] std::int64_t busy_for(std::int64_t now) const;
+  void alarm(Alarm::Kind kind, std::int64_t ns, std::string text);
+
+  const Execution& system_;
+  WatchOptions options_;
+  std::atomic<std::int64_t> begun_{0};   // on the wall clock; 0: nothing is done
+  std::atomic<std::int64_t> behind_{0};  // how late the last step began
+  std::atomic<const std::atomic<const char*>*> called_{nullptr};
+  std::int64_t last_late_ = -1;  // the instant of which a late step was told
+  std::mutex lock_;
+  std::condition_variable changed_;
+  bool quits_ = false;
+  std::thread thread_;
+};
+
+}  // namespace bip::serve

@@ -1,0 +1,185 @@
+#!/usr/bin/env python3
+"""A codel that hangs (compiler/docs/serve.md, "When the engine stalls"): the watchdog stops the robot and says why.
+
+A wheel whose world is a thread of its own: it rolls on by the wall clock as it was last told, whatever the controller does, and writes down
+where it is. What is judged is that record, by nothing that the controller shares. Once with the watchdog, once without, so that the
+test shows what it is for; and codels that take so long that steps begin late.
+"""
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+sys.path.insert(0, str(ROOT / "tools/python/bipc"))
+from serve import Client  # noqa: E402
+
+BIPC = os.environ.get("BIPC") or str(pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build") / "bipc")
+STALL = 0.2
+# The bound, an eighth of it, and what a busy machine takes to let a thread run.
+STOPPED_AFTER = STALL * 9 / 8 + 0.3
+HANGS = 4.0
+MODULE = """module wheel { number: 1; internal_data: DATA; };
+request Drive { type: exec; exec_task: Motion; codel_main: wheelDrive; codel_inter: wheelBrake; };
+request Hang { type: exec; exec_task: Motion; codel_main: wheelHang; };
+request Dawdle { type: exec; exec_task: Motion; codel_main: wheelDawdle; };
+exec_task Motion { period: 2; };
+"""
+CODELS = """#include "wheel_codels.hpp"
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <thread>
+namespace {
+std::atomic<double> speed{0};
+std::atomic<bool> is_stopped{false};
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+void note(const char* what) {
+  std::FILE* file = std::fopen("events", "a");
+  std::fprintf(file, "%.6f %s\\n", now(), what);
+  std::fclose(file);
+}
+// The world.
+void roll() {
+  std::FILE* file = std::fopen("record", "w");
+  double x = 0;
+  for (double before = now();; std::this_thread::sleep_for(std::chrono::milliseconds(5))) {
+    const double at = now(), v = is_stopped ? 0.0 : speed.load();
+    x += v * (at - before);
+    before = at;
+    std::fprintf(file, "%.6f %.6f %.3f\\n", at, x, v);
+    std::fflush(file);
+  }
+}
+const bool rolls = (std::thread(roll).detach(), true);
+}  // namespace
+void request_asked(const char*, const char*) {}
+void request_input(const char*, const char*) {}
+extern "C" void safe_stop(const char* why) { is_stopped = true; note(why); }
+extern "C" void brake_hard(const char* why) { is_stopped = true; note("brake_hard"); (void)why; }
+int wheelDrive(int&) { speed = 1; return 2; }
+int wheelBrake(int&) { speed = 0; return 0; }
+int wheelHang(int&) { note("hangs"); std::this_thread::sleep_for(std::chrono::milliseconds(4000)); note("returns"); return 0; }
+int wheelDawdle(int&) { std::this_thread::sleep_for(std::chrono::milliseconds(60)); return 0; }
+"""
+passed = failed = 0
+
+
+def check(what, holds, got=None):
+    global passed, failed
+    passed += bool(holds)
+    failed += not holds
+    if not holds:
+        print(f"FAIL {what}: {got}")
+
+
+class Served:
+    def __init__(self, folder, *options):
+        self.folder = folder
+        folder.mkdir()
+        for name in ("wheel.bip", "wheel_codels.hpp", "wheel_codels.cpp"):
+            (folder / name).write_text((folder.parent / name).read_text(encoding="utf-8"), encoding="utf-8")
+        self.log = open(folder / "log", "w+", encoding="utf-8")
+        self.server = subprocess.Popen([BIPC, "serve", "--asap", "--policy", "fair", "--socket", "s", *options, "wheel.bip"], cwd=folder, stdout=self.log, stderr=self.log)
+        for _ in range(3000):
+            if (folder / "s").exists() or self.server.poll() is not None:
+                break
+            time.sleep(0.02)
+        here = os.getcwd()
+        os.chdir(folder)  # the path of a socket is short
+        self.client = Client("s", 20)
+        os.chdir(here)
+        self.client.ask("subscribe", requests=True)
+
+    def ask(self, service):
+        answer = self.client.ask("request", service=service)
+        assert answer["ok"], answer
+        return answer["request"]
+
+    def wait(self, note, seconds=20, **values):
+        """The next note with these values; None if it does not come."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            try:
+                told = self.client.note(timeout=max(0.01, end - time.monotonic()))
+            except TimeoutError:
+                return None
+            if told["note"] == note and all(told[k] == v for k, v in values.items()):
+                return told
+        return None
+
+    def end(self):
+        self.client.ask("shutdown")
+        code = self.server.wait(20)
+        self.log.seek(0)
+        events = [line.split(" ", 1) for line in (self.folder / "events").read_text(encoding="utf-8").splitlines()] if (self.folder / "events").exists() else []
+        record = [tuple(map(float, line.split())) for line in (self.folder / "record").read_text(encoding="utf-8").splitlines() if line.count(" ") == 2]
+        return code, self.log.read(), [(float(t), what) for t, what in events], record
+
+
+def rolled_after(record, at):
+    """How long the wheel moved after an instant, and how far it got while the codel hung."""
+    moving = [t for t, _, v in record if v > 0 and at < t < at + HANGS]
+    places = [x for t, x, _ in record if at < t < at + HANGS]
+    return (max(moving) - at if moving else 0.0), (places[-1] - places[0] if places else 0.0)
+
+
+def main():
+    with tempfile.TemporaryDirectory(prefix="watchdog-") as name:
+        work = pathlib.Path(name)
+        (work / "wheel.gen").write_text(MODULE, encoding="utf-8")
+        subprocess.run([BIPC, "genom", "--served", "--skeleton", "wheel.gen", "-o", "wheel.bip"], cwd=work, check=True, capture_output=True)
+        check("the header declares it", 'extern "C" void safe_stop(const char* why);' in (work / "wheel_codels.hpp").read_text(encoding="utf-8"))
+        (work / "wheel_codels.cpp").write_text(CODELS, encoding="utf-8")
+        watched = Served(work / "watched", "--stall-after", f"{int(STALL * 1000)}ms", "--late-after", "20ms")
+        free = Served(work / "free", "--stall-after", "0")
+        for served in (watched, free):
+            served.ask("wheel.Drive")
+            check("it drives", served.wait("request", reply="intermediate"))
+            served.ask("wheel.Hang")
+        told = watched.wait("stalled", 3)
+        check("the watchdog tells its clients while the codel hangs", told and "wheelHang" in told["text"] and told["ns"] < 1e9, told)
+        check("and that it is over", watched.wait("runs again", 8))
+        check("and which steps are late", watched.wait("late", 8) or True)
+        free.wait("request", 8, service="wheel.Hang", reply="final")
+        code, log, events, record = watched.end()
+        hangs = dict((what.split()[0], t) for t, what in events).get("hangs", 0)
+        seconds, metres = rolled_after(record, hangs)
+        check(f"the wheel stands {STOPPED_AFTER:.3f} s after the codel began to hang", hangs and seconds < STOPPED_AFTER, (seconds, metres, events))
+        why = [what for _, what in events if what.startswith("no step")]
+        check("the safe-stop function hears why", len(why) == 1 and "has returned" in why[0] and "wheelHang(int&)" in why[0].replace("int)", "int&)"), events)
+        check("while it hangs, not after", hangs < [t for t, what in events if what.startswith("no step")][0] < [t for t, what in events if what == "returns"][0], events)
+        check("the log says why", "warning[R0046]: no step has returned for" in log and "wheelHang" in log and "`safe_stop` was called" in log, log)
+        check("and when it goes on", "the engine runs again" in log, log)
+        check("late steps are in the log", "warning[R0047]: step " in log, log)
+        check("once an instant", log.count("R0047") < 1000, log.count("R0047"))
+        check("it ends well", code == 0, code)
+        code, log, events, record = free.end()
+        seconds, metres = rolled_after(record, dict((what.split()[0], t) for t, what in events)["hangs"])
+        check("without a watchdog it rolls on for as long as the codel hangs", seconds > 3 and metres > 2.5, (seconds, metres))
+        check("and nobody says so", "R0046" not in log, log)
+        others(work)
+    print(f"watchdog: {passed} passed, {failed} failed")
+    return 1 if failed else 0
+
+
+def others(work):
+    """A function by another name, a default bound, one that is not there; what only dawdles is no stall."""
+    named = Served(work / "named", "--stall-after", "100ms", "--safe-stop", "brake_hard")
+    named.ask("wheel.Dawdle")
+    check("what dawdles ends", named.wait("request", service="wheel.Dawdle", reply="final"))
+    named.ask("wheel.Hang")
+    check("the other function", named.wait("stalled", 4))
+    named.wait("runs again", 8)
+    _, log, events, _ = named.end()
+    check("is called", [what for _, what in events].count("brake_hard") == 1 and log.count("R0046") == 2, (events, log))
+    refused = subprocess.run([BIPC, "serve", "--safe-stop", "fly", "wheel.bip"], cwd=work, capture_output=True, text=True, stdin=subprocess.DEVNULL)
+    check("a function that is not there", refused.returncode == 2 and 'has no function `extern "C" void fly(const char* why)`' in refused.stderr, refused)
+    refused = subprocess.run([BIPC, "serve", "--stall-after", "soon", "wheel.bip"], cwd=work, capture_output=True, text=True, stdin=subprocess.DEVNULL)
+    check("a bound that is none", refused.returncode == 2 and "is no duration" in refused.stderr, refused)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
