@@ -15,6 +15,7 @@
 #include "compiler/driver/emit_stage.hpp"
 #include "compiler/pipeline/executor.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
+#include "compiler/library/add_run.hpp"
 #include "compiler/pipeline/machine.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/driver/terminal.hpp"
@@ -70,7 +71,14 @@ struct Ways {
   rt::CounterexampleText deadlock, error;
 };
 
-void print_json(const ExploreArguments& a, const rt::ExploreReport& found, const Ways& ways) {
+nlohmann::ordered_json way_json(const rt::Image& image, rt::MaximalProgress progress, rt::CounterexampleEnd end,
+                                const rt::Path& path, const std::string& text) {
+  nlohmann::ordered_json json{{"choices", path}, {"text", text}};
+  library::add_run(json, rt::counterexample_json(image, progress, end, rt::at_once(path)));
+  return json;
+}
+
+void print_json(const ExploreArguments& a, const rt::Image& image, const rt::ExploreReport& found, const Ways& ways) {
   nlohmann::ordered_json json{{"format", "bipc-exploration"}, {"version", 1},
                               {"end", name_of(found.end)},    {"reduction", name_of(a.explore.reduction)},
                               {"states", found.states},       {"steps", found.steps},
@@ -84,9 +92,11 @@ void print_json(const ExploreArguments& a, const rt::ExploreReport& found, const
     json["threads"] = found.threads;
   }
   if (found.has_deadlock && found.are_paths_known)
-    json["deadlock"] = {{"choices", found.deadlock}, {"text", ways.deadlock.steps}};
+    json["deadlock"] =
+        way_json(image, a.explore.progress, rt::CounterexampleEnd::Deadlock, found.deadlock, ways.deadlock.steps);
   if (found.has_error && found.are_paths_known)
-    json["error"] = {{"choices", found.error}, {"text", ways.error.steps + ways.error.error}};
+    json["error"] = way_json(image, a.explore.progress, rt::CounterexampleEnd::Error, found.error,
+                             ways.error.steps + ways.error.error);
   write_now(stdout, json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n');
 }
 
@@ -177,7 +187,7 @@ int command_explore(const ExploreArguments& arguments) {
     }
   }
   if (arguments.json) {
-    print_json(arguments, found, ways);
+    print_json(arguments, image, found, ways);
   } else if (arguments.format == rt::TraceFormat::Bip2) {
     write_now(stdout, rt::published_line(found));
     write_now(stderr, ways.error.error);

@@ -1,5 +1,6 @@
 // See timed_models.hpp. Reported runs have been taken by a core; parts of the model that cannot be followed exactly are
 // named and prevent a verdict.
+#include "compiler/library/add_run.hpp"
 #include "compiler/driver/timed_models.hpp"
 
 #include <algorithm>
@@ -25,17 +26,24 @@ constexpr const char* kNotReplayed = "the core could not take the way to what wa
 
 const char* end_of(const rt::ZoneReport& found) { return found.inexact.empty() ? name_of(found.end) : "inexact"; }
 
-nlohmann::ordered_json path_json(const rt::TimedPath& path, const rt::CounterexampleText& described) {
+nlohmann::ordered_json path_json(const rt::Image& image, rt::MaximalProgress progress, rt::CounterexampleEnd end,
+                                 const rt::TimedPath& path, const rt::CounterexampleText& described) {
   nlohmann::ordered_json steps = nlohmann::ordered_json::array();
   for (const rt::TimedStep& step : path.steps) steps.push_back({{"time", step.at}, {"choice", step.choice}});
-  return {{"steps", steps}, {"end", path.end}, {"text", described.steps + described.error}};
+  nlohmann::ordered_json json{{"steps", steps}, {"end", path.end}, {"text", described.steps + described.error}};
+  library::add_run(json, rt::counterexample_json(image, progress, end, path));
+  return json;
 }
 
 struct PathTexts {
   rt::CounterexampleText deadlock, time_lock, error;
 };
 
-void print_json(const ExploreArguments& a, const rt::ZoneReport& found, const PathTexts& texts) {
+void print_json(const ExploreArguments& a, const rt::Image& image, const rt::ZoneReport& found,
+                const PathTexts& texts) {
+  const auto path = [&](rt::CounterexampleEnd end, const rt::TimedPath& taken, const rt::CounterexampleText& text) {
+    return path_json(image, a.explore.progress, end, taken, text);
+  };
   nlohmann::ordered_json json{{"format", "bipc-exploration"}, {"version", 1},
                               {"end", end_of(found)},         {"zones", found.zones},
                               {"locations", found.locations}, {"steps", found.steps},
@@ -48,9 +56,10 @@ void print_json(const ExploreArguments& a, const rt::ZoneReport& found, const Pa
     json["bytes"] = found.bytes;
   }
   if (found.are_paths_known) {
-    if (found.has_deadlock) json["deadlock"] = path_json(found.deadlock, texts.deadlock);
-    if (found.has_time_lock) json["time_lock"] = path_json(found.time_lock, texts.time_lock);
-    if (found.has_error) json["error"] = path_json(found.error, texts.error);
+    if (found.has_deadlock) json["deadlock"] = path(rt::CounterexampleEnd::Deadlock, found.deadlock, texts.deadlock);
+    if (found.has_time_lock)
+      json["time_lock"] = path(rt::CounterexampleEnd::TimeLock, found.time_lock, texts.time_lock);
+    if (found.has_error) json["error"] = path(rt::CounterexampleEnd::Error, found.error, texts.error);
   }
   write_now(stdout, json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n');
 }
@@ -96,7 +105,7 @@ int explore_timed(const ExploreArguments& arguments, Compilation& c) {
     }
   }
   if (arguments.json) {
-    print_json(arguments, found, texts);
+    print_json(arguments, image, found, texts);
     return exit_code_of(found);
   }
   std::string text;

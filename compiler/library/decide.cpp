@@ -173,6 +173,9 @@ Verdict decide(const VerifyRequest& request, Compilation& c, const verify::Quest
   const VerifyStats* shown = request.stats ? &stats : nullptr;
   verdict.exit_code = said.exit_code;
   verdict.json = verdict_json(said, question, decision, shown);
+  if (const verify::Counterexample* found = decision.counterexample())
+    verdict.json = with_run(verdict.json, rt::counterexample_json(c.lowered->image, rt::MaximalProgress::On,
+                                                                  end_of(question.what), rt::at_once(found->choices)));
   verdict.text = said.text + (shown != nullptr ? stats_text(stats) : "");
   if (const verify::Counterexample* found = decision.counterexample()) {
     FoundRun run{end_of(question.what), rt::at_once(found->choices), {}};

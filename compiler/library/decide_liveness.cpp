@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "compiler/library/decide.hpp"
+#include "compiler/library/add_run.hpp"
 #include "compiler/library/verify_text.hpp"
 #include "compiler/pipeline/executor.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
@@ -141,6 +142,8 @@ Verdict decide_liveness(const VerifyRequest& request, Compilation& c, const veri
     json["choices"] = found.choices;
     json["cycle"] = found.cycle;
     if (found.holds_under) json["holds_under"] = verify::name_of(*found.holds_under);
+    add_run(json, rt::counterexample_json(c.lowered->image, rt::MaximalProgress::On, rt::CounterexampleEnd::State,
+                                          rt::at_once(found.choices)));
     FoundRun run{rt::CounterexampleEnd::State, rt::at_once(found.choices), {}, found.cycle};
     // While the image has its code.
     if (request.wants_trace)

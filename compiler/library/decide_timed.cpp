@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "compiler/library/decide.hpp"
+#include "compiler/library/add_run.hpp"
 #include "compiler/library/verify_text.hpp"
 #include "compiler/pipeline/error_sources.hpp"
 #include "compiler/pipeline/executor.hpp"
@@ -190,6 +191,7 @@ Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify:
                       : first.end == rt::CounterexampleEnd::TimeLock ? "time lock"
                                                                      : "deadlock";
     json["steps"] = first.path->steps.size();
+    add_run(json, rt::counterexample_json(image, rt::MaximalProgress::On, first.end, *first.path));
     text = described.steps + described.error;
     exit_code = kViolated;
     run = FoundRun{first.end, *first.path, {}};

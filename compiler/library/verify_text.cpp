@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "compiler/library/add_run.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/pipeline/limits.hpp"
 #include "compiler/verify/evidence/certificate.hpp"
@@ -200,6 +201,12 @@ std::string verdict_json(const VerdictText& v, const verify::Question& question,
     }
   }
   json["text"] = v.text;
+  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
+}
+
+std::string with_run(const std::string& verdict, const std::string& run) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::parse(verdict);
+  add_run(json, run);
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
 }
 

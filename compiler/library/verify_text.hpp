@@ -39,6 +39,8 @@ struct VerifyStats {
 /// Returns the verdict as one line of JSON; `stats` may be null.
 [[nodiscard]] std::string verdict_json(const VerdictText& text, const verify::Question& question,
                                        const verify::Decision& d, const VerifyStats* stats);
+/// Adds the members of `run`, an object of counterexample_json, to a verdict, an object as well.
+[[nodiscard]] std::string with_run(const std::string& verdict, const std::string& run);
 /// Returns two lines: time and candidates, reuse of proofs.
 [[nodiscard]] std::string stats_text(const VerifyStats& stats);
 

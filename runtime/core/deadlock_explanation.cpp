@@ -32,6 +32,19 @@ class Story {
     look_at_atoms();
   }
 
+  [[nodiscard]] std::vector<DeadlockWait> waits() const {
+    std::vector<DeadlockWait> rows;
+    for (const u32 atom : waiting_) {
+      for (const Want& want : wants_[atom]) {
+        DeadlockWait& row = rows.emplace_back(DeadlockWait{.atom = atom, .port = want.port});
+        if (want.missing == kNone) continue;
+        row.missing_atom = tables_.port_atom[want.missing];
+        row.missing_port = want.missing - tables_.port_base(row.missing_atom);
+      }
+    }
+    return rows;
+  }
+
   /// Atoms, each waits for the next one: strong components, then breadth first within the smallest.
   std::vector<u32> shortest_cycle() {
     const u32 count = image_.atoms.size;
@@ -422,6 +435,8 @@ class Story {
 std::string deadlock_story(const Core& core, std::uint64_t steps, std::uint64_t seed) {
   return Story(core).text(steps, seed);
 }
+
+std::vector<DeadlockWait> deadlock_waits(const Core& core) { return Story(core).waits(); }
 
 std::vector<u32> deadlock_cycle(const Core& core) { return Story(core).shortest_cycle(); }
 

@@ -10,6 +10,15 @@ namespace bip::rt {
 /// Several lines, the last with its newline. The state must have no candidate. Linear in the system.
 [[nodiscard]] std::string deadlock_story(const Core& core, std::uint64_t steps, std::uint64_t seed);
 
+/// A port that an atom offers in a deadlock, and the port of another one that is not there: kNone and kNone if no port
+/// is missing but a guard, a priority or a connector.
+struct DeadlockWait {
+  u32 atom = 0, port = 0;
+  u32 missing_atom = kNone, missing_port = kNone;
+};
+/// Returns what each atom waits for, by atom; at most 16 rows of each.
+[[nodiscard]] std::vector<DeadlockWait> deadlock_waits(const Core& core);
+
 /// Returns the atoms of a shortest cycle of that graph, each waits for the next one; empty if there is none.
 [[nodiscard]] std::vector<u32> deadlock_cycle(const Core& core);
 

@@ -7,6 +7,7 @@
 #include "runtime/core/deadlock_explanation.hpp"
 #include "runtime/core/final_state.hpp"
 #include "runtime/core/text.hpp"
+#include "runtime/explore/follow_path.hpp"
 #include "runtime/trace/trace.hpp"
 #include "runtime/trace/trace_formats.hpp"
 
@@ -31,8 +32,6 @@ const char* beginning_of(ExploreEnd end) {
   }
   return "";
 }
-
-bool take(Core& core, u64 k) { return core.is_timed() ? core.time().take(core.position(k)) : core.fire(k); }
 
 // The published engine writes `0 error`.
 std::string published_count(u64 n, const char* what) { return n == 0 ? "0 " + std::string(what) : counted(n, what); }
@@ -103,23 +102,17 @@ CounterexampleText describe_counterexample(const Image& image, MaximalProgress p
                                            const TimedPath& path, std::size_t max_lines) {
   CounterexampleText text;
   Core core(image, {.progress = progress});
-  bool is_sound = core.initialize();
   StepWriter writer;
-  u64 taken = 0;
-  for (; is_sound && taken < path.steps.size(); ++taken) {
-    if (!let_time_pass(core, path.steps[taken].at) || path.steps[taken].choice >= core.candidate_count()) break;
-    const u64 choice = path.steps[taken].choice;
+  i64 last = 0;
+  const auto tell = [&](u64 number, u64 choice) {
     const Candidate candidate = core.candidate(choice);
     text.names += text.names.empty() ? "" : ", ";
     append_candidate(text.names, core, candidate);
-    if (taken < max_lines) writer.step(text.steps, core, candidate, taken);
-    else if (taken == max_lines) text.steps += "… and " + counted(path.steps.size() - taken, "more step") + "\n";
-    is_sound = take(core, choice);
-    if (!is_sound) break;
-  }
-  const i64 last = core.now();
-  if (is_sound) (void)let_time_pass(core, path.end);
-  if (end == CounterexampleEnd::TimeLock && is_sound && !core.fault()) (void)core.time().fail_time_lock();
+    if (number < max_lines) writer.step(text.steps, core, candidate, number);
+    else if (number == max_lines) text.steps += "… and " + counted(path.steps.size() - number, "more step") + "\n";
+    last = core.now();
+  };
+  const u64 taken = follow_path(core, end, path, tell, [] {});
   if (core.fault()) {
     text.error = without_seed(fault_text(core, 0, taken));
   } else if (end == CounterexampleEnd::Deadlock && core.candidate_count() == 0) {
@@ -145,18 +138,9 @@ std::string trace_of_counterexample(const Image& image, MaximalProgress progress
   const std::unique_ptr<TraceSink> sink = row_of(format).make();
   // A replay takes the path whatever the policy was.
   sink->begin(text, {.image = &image, .policy = "first", .maximal_progress = progress == MaximalProgress::On});
-  bool is_sound = core.initialize();
-  u64 taken = 0;
-  for (; is_sound && taken < path.steps.size(); ++taken) {
-    const u64 choice = path.steps[taken].choice;
-    if (core.is_timed()) sink->foresee(core);
-    if (!let_time_pass(core, path.steps[taken].at) || choice >= core.candidate_count()) break;
-    sink->step(text, core, core.position(choice), taken, choice);
-    is_sound = take(core, choice);
-    if (!is_sound) break;
-  }
-  if (is_sound) (void)let_time_pass(core, path.end);
-  if (end == CounterexampleEnd::TimeLock && is_sound && !core.fault()) (void)core.time().fail_time_lock();
+  const u64 taken = follow_path(
+      core, end, path, [&](u64 number, u64 choice) { sink->step(text, core, core.position(choice), number, choice); },
+      [&] { sink->foresee(core); });
   const End ended = core.fault() ? End::Fault : core.candidate_count() != 0 ? End::Limit : end_without_step(core);
   sink->end(text, core, ended, taken);
   return text;

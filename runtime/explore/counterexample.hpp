@@ -55,4 +55,10 @@ struct CounterexampleText {
 [[nodiscard]] std::string trace_of_counterexample(const Image& image, MaximalProgress progress, CounterexampleEnd end,
                                                   const TimedPath& path, TraceFormat format);
 
+/// Returns the path as one object of JSON: `{"run":[…],"state":{…}}`, the steps as in a trace (JSON lines), places and
+/// data of each component in the last state; of a deadlock also `waits` and, if there is one, `wait_cycle`, of an error
+/// `error`. O(steps and components).
+[[nodiscard]] std::string counterexample_json(const Image& image, MaximalProgress progress, CounterexampleEnd end,
+                                              const TimedPath& path);
+
 }  // namespace bip::rt

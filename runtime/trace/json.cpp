@@ -12,8 +12,6 @@
 
 namespace bip::rt {
 
-namespace {
-
 void append_json_value(std::string& out, const Image& image, CellType type, Cell value) {
   // JSON has no word for these.
   const bool quoted = is_ffi(type) || (type == CellType::Float && !std::isfinite(value.f));
@@ -21,6 +19,8 @@ void append_json_value(std::string& out, const Image& image, CellType type, Cell
   append_value(out, image, type, value);
   if (quoted) out += '"';
 }
+
+namespace {
 
 constexpr std::size_t kRoom = 2048, kHeadRoom = 192, kValueRoom = 12,
                       kNumberRoom = 20;  // of a line; before its name; of an int or bool; of any

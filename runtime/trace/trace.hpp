@@ -18,6 +18,8 @@ inline constexpr std::uint64_t kNoChoice = ~std::uint64_t{0};
 
 /// The candidate's name: the connector's path, or atom.port.
 void append_candidate(std::string& out, const Core& core, const Candidate& candidate);
+/// A value as JSON has it; what JSON has no word for, quoted.
+void append_json_value(std::string& out, const Image& image, CellType type, Cell value);
 /// `{"v":1}`: what a port shows.
 void append_json_values(std::string& out, const Core& core, u32 atom, u32 port);
 /// A fault's members at the end of an object: its code and message.
