@@ -37,6 +37,12 @@ void add_commands(CLI::App& app, Arguments& arguments);
 // Parts of it, in other files than the rest.
 void add_genom(CLI::App& app, GenomArguments& a);
 void add_rules(CLI::App& app, GenomArguments& a);
+void add_verify(CLI::App& app, VerifyArguments& a);
+void add_explore(CLI::App& app, ExploreArguments& a);
+void add_simulate(CLI::App& app, SimulateArguments& a);
+void add_export(CLI::App& app, ExportArguments& a);
+void add_graph(CLI::App& app, GraphArguments& a);
+void add_view(CLI::App& app, ViewArguments& a);
 /// The options about errors and warnings.
 void add_diagnostics(CLI::App& app, CompileOptions& options);
 /// The refusal of a value that an option does not take.

@@ -1,0 +1,274 @@
+// The options of the commands that decide, count and draw: one function per command.
+#include "compiler/base/log.hpp"
+#include "compiler/driver/option_groups.hpp"
+
+namespace bip::driver {
+
+void add_verify(CLI::App& app, VerifyArguments& a) {
+  CLI::App* command = app.add_subcommand("verify", "prove that a model never deadlocks, or show a run that does");
+  command->add_option("FILE", a.file, "model file (.bip or .bsys)")->required()->type_name("");
+  command
+      ->add_option(
+          "--property", a.property,
+          "property to decide: deadlock, errors, the name of a property of the model, 'never EXPR', 'always EXPR', or "
+          "of runs: 'eventually EXPR', 'EXPR leads to EXPR', 'EXPR until EXPR' … (default: deadlock, and each property "
+          "that the model states)")
+      ->type_name("WHAT");
+  command
+      ->add_option("--properties", a.properties_path,
+                   "read more properties of the model from PATH: `property NAME { … }` as in a compound")
+      ->type_name("PATH");
+  command
+      ->add_option_function<std::string>(
+          "--fair", [&a](const std::string& name) { a.fairness = *verify::read_fairness(name); },
+          "runs that count for a property of runs: all (none, default), those in which whatever stays possible happens "
+          "(weak), or whatever is possible again and again (strong); for each interaction, or for each component")
+      ->check(CLI::IsMember(verify::fairness_names()))
+      ->type_name("none|weak|strong|weak:atoms|strong:atoms");
+  command->add_option("--timeout", a.timeout, "give up after SECONDS of processor time (default: 60)")
+      ->check(is_number())
+      ->type_name("SECONDS");
+  command
+      ->add_option("--memory", a.megabytes,
+                   "memory limit for the states that a search stores, and for the circuit (default: 2048)")
+      ->check(is_number())
+      ->type_name("MB");
+  command
+      ->add_option("--certificate", a.certificate,
+                   "write a certificate of the proof to PATH, for the checker certcheck")
+      ->type_name("PATH");
+  command
+      ->add_flag("--partial", a.partial,
+                 "decide whether some components can wait forever while others move (local deadlock)")
+      ->excludes("--property")
+      ->excludes("--certificate");
+  command
+      ->add_option("--trace", a.trace_path,
+                   "write a trace (JSON lines) of the run that violates the property to PATH, for `bipc step`")
+      ->type_name("PATH");
+  command->add_flag("--why", a.why, "print the invariants that the proof uses");
+  command
+      ->add_option("--log",
+                   "write what the algorithms do to standard error: AREA[:LEVEL],... of affine, components, houdini, "
+                   "ic3, places, portfolio, time, traps; level 1 (default) to 3; only in a build with BIPC_LOG")
+      ->check(CLI::Validator([](std::string& list) { return set_log_levels(list); }, ""))
+      ->type_name("AREAS");
+  command->add_flag("--json", a.json, "print the verdict as JSON");
+  command->add_flag("--stats", a.stats, "print the processor time and how much was reused from earlier proofs");
+  add_choice(*command, "--backend", a.backend, kBackends, "jit|interp",
+             "executor of guards, actions and transfers during a search (default: jit if it is built in)");
+  command->add_flag_callback(
+      "--no-reuse", [&a] { a.reuses = false; }, "neither read nor write the proof cache");
+  add_cache_options(*command, a.compile.cache);
+  add_no_cpp(*command, a.compile);
+  add_compile(*command, a.compile);
+  command->footer(
+      "EXPR is a condition on stable states: a@PLACE, a.data, can connector, can a.port, and the operators of guards.\n"
+      "A property of runs has always, never, eventually, next before and leads to, until, unless, implies between its "
+      "parts,\nand happens connector, happens a.port for the step that is taken.\n"
+      "Exit code: 0 the property holds, 3 it is violated (a run is printed), 4 unknown. Ctrl-C prints what is known "
+      "and ends with 4.\n"
+      "Example:\n  bipc verify --root 'Table(1000)' --certificate table.cert model.bip\n"
+      "  bipc verify --property 'never phil[0]@EATS && phil[1]@EATS' model.bip\n"
+      "  bipc verify --property 'phil[0]@HUNGRY leads to phil[0]@EATS' --fair=weak model.bip\n"
+      "  bipc verify --property errors model.bip");
+}
+
+void add_explore(CLI::App& app, ExploreArguments& a) {
+  CLI::App* command =
+      app.add_subcommand("explore", "visit all reachable states: count them, find deadlocks and run-time errors");
+  command->add_option("FILE", a.file, "model file (.bip or .bsys)")->required()->type_name("");
+  add_choice(*command, "--reduce", a.explore.reduction, kReductions, "none|por|symmetry",
+             "visit fewer states: por (partial order reduction) keeps all deadlocks, symmetry merges states that "
+             "differ by a permutation of equal components (default: none)");
+  command->add_option("--threads", a.threads, "number of worker threads (default: one per processor)")
+      ->check(is_number())
+      ->type_name("N");
+  command
+      ->add_option("--memory", a.megabytes, "memory limit of the search (default: three quarters of the free memory)")
+      ->check(is_number())
+      ->type_name("MB");
+  command->add_option("--timeout", a.seconds, "stop after SECONDS (default: no limit)")
+      ->check(is_number())
+      ->type_name("SECONDS");
+  command->add_option("--limit", a.explore.limit, "stop after N states (default: no limit)")
+      ->check(is_number())
+      ->type_name("N");
+  command->add_flag("--json", a.json, "print the result as JSON");
+  command
+      ->add_option("--trace", a.trace_path,
+                   "write a trace that leads to the deadlock, or to the error if there is no deadlock, to PATH "
+                   "(default format: json)")
+      ->type_name("PATH");
+  add_choice(*command, "--trace-format", a.format, kTextFormats.names, kTextFormats.shown,
+             "format of the trace" + kTextFormats.help);
+  command->add_flag("--silent", a.silent, "print only the summary line");
+  command->add_flag("--stats", a.stats, "print states per second, bytes per state and the depth at the end");
+  command->add_flag("--trust-cpp", a.trusts_cpp,
+                    "assume that the model's C++ functions depend on their arguments only");
+  add_choice(*command, "--backend", a.backend, kBackends, "jit|interp",
+             "executor of guards, actions and transfers (default: jit if it is built in)");
+  add_cache_options(*command, a.compile.cache);
+  add_no_cpp(*command, a.compile);
+  add_optimisation(*command, a.optimisation, CompilerLevels::O0O2,
+                   "optimisation level of the JIT (default: 2 for at most 32 functions, else 0)");
+  command->add_flag_callback(
+      "--disable-maximal-progress", [&a] { a.explore.progress = rt::MaximalProgress::Off; },
+      "disable maximal progress: an interaction may fire although a larger one of its connector is enabled");
+  add_compile(*command, a.compile);
+  command->footer(
+      "Exit code: 0 all states visited, no error, no deadlock; 1 run-time errors; 3 deadlocks; 4 a limit was reached. "
+      "Ctrl-C prints what is known.\n"
+      "Example:\n  bipc explore --root 'Table(12)' --trace dead.txt --trace-format bip2 model.bip && bipc replay "
+      "--published dead.txt --root 'Table(12)' model.bip");
+}
+
+void add_simulate(CLI::App& app, SimulateArguments& a) {
+  CLI::App* command =
+      app.add_subcommand("simulate", "make many runs and estimate numbers: counts, times, probabilities");
+  command->add_option("FILE", a.file, "model file (.bip or .bsys)")->required()->type_name("");
+  command->add_option("--runs", a.simulate.runs, "number of runs (default: 1000)")->check(is_number())->type_name("N");
+  command
+      ->add_option("--within", a.within,
+                   "make so many runs that a probability is known within E, with confidence 95% (instead of --runs)")
+      ->check(CLI::Range(0.0001, 0.5))
+      ->type_name("E");
+  add_seed(*command, a.simulate.seed, a.has_seed,
+           "seed of the first run; each later run has the next number (default: drawn at random and printed)");
+  command->add_option("-l,--limit", a.simulate.limit, "steps of a run (default: 1000)")
+      ->check(is_number())
+      ->type_name("N");
+  command
+      ->add_option("--until", a.until, "end each run at this instant of the model, such as 1s500ms (default: no limit)")
+      ->type_name("TIME");
+  command
+      ->add_option("--observe", a.observers,
+                   "measure in each run: count NAME, reaches EXPR, time until EXPR, duration of EXPR, max EXPR, min "
+                   "EXPR, mean EXPR, last EXPR")
+      ->type_name("OBSERVER")
+      ->allow_extra_args(false);
+  command->add_option("--stop", a.stop, "end a run at the first state in which the condition EXPR holds")
+      ->type_name("EXPR");
+  add_choice(*command, "--policy", a.simulate.policy, kPolicies.names, kPolicies.shown,
+             "how the next step is chosen among the candidates (default: uniform)");
+  command->add_flag("-a,--asap", a.simulate.asap,
+                    "with time, take each step at the first instant at which one is possible");
+  command->add_option("--threads", a.threads, "number of worker threads (default: one per processor)")
+      ->check(is_number())
+      ->type_name("N");
+  command->add_flag("--histogram", a.shows_histogram, "print how often each value was observed, in 20 bins");
+  command->add_flag("--json", a.json, "print the result as JSON");
+  command->add_option("--csv", a.csv_path, "write a row for each run to PATH")->type_name("PATH");
+  add_choice(*command, "--backend", a.backend, kBackends, "jit|interp",
+             "executor of guards, actions and transfers (default: jit if it is built in)");
+  add_cache_options(*command, a.compile.cache);
+  add_no_cpp(*command, a.compile);
+  add_optimisation(*command, a.optimisation, CompilerLevels::O0O2,
+                   "optimisation level of the JIT (default: 2 for at most 32 functions or many steps, else 0)");
+  command->add_flag_callback(
+      "--disable-maximal-progress", [&a] { a.simulate.progress = rt::MaximalProgress::Off; },
+      "disable maximal progress: an interaction may fire although a larger one of its connector is enabled");
+  add_compile(*command, a.compile);
+  command->footer(
+      "EXPR is an expression over stable states: a@PLACE, a.data, can connector, can a.port, and the operators of "
+      "guards. Times are in seconds; without clocks, in steps.\n"
+      "Run k is `bipc run --seed SEED+k`. The result does not depend on the number of threads.\n"
+      "Exit code: 0, or 1 if a run ended with a run-time error, 130 after Ctrl-C.\n"
+      "Example:\n  bipc simulate --runs 10000 --limit 100 --observe 'count table.eat[0]' --observe 'reaches "
+      "phil[0]@EATS' model.bip");
+}
+
+void add_export(CLI::App& app, ExportArguments& a) {
+  CLI::App* command = app.add_subcommand(
+      "export",
+      "write a model for other tools: Promela for SPIN, PNML for Petri nets, AIGER for model checkers of circuits");
+  command->add_option("FILE", a.file, "model file (.bip or .bsys)")->required()->type_name("");
+  add_choice(
+      *command, "--format", a.format, kExportFormats, "promela|pnml|aiger|net",
+      "output format: promela (default; int, bool and string data), pnml (models without guards over data), aiger "
+      "(the prover's transition system as an and-inverter graph, with one output: bad) or net (the prover's net as "
+      "a DOT graph)");
+  command
+      ->add_option("--property", a.property,
+                   "property whose violation is bad in the format aiger (default: deadlock), as for verify")
+      ->type_name("PROPERTY");
+  command->add_option("-o,--output", a.output, "output file (default: standard output)")->type_name("FILE");
+  command->add_flag_callback(
+      "--disable-maximal-progress", [&a] { a.maximal_progress = false; },
+      "disable maximal progress: an interaction may fire although a larger one of its connector is enabled");
+  add_compile(*command, a.compile);
+  command->footer(
+      "Example:\n  bipc export --root 'Table(5)' model.bip -o m.pml && spin -a m.pml && cc -O2 -fwrapv -DSAFETY -o pan "
+      "pan.c && ./pan");
+}
+
+namespace {
+
+// What a picture shows of a large system.
+void add_folding(CLI::App& command, graph::PictureOptions& picture) {
+  command.add_option("--fold", picture.fold, "draw arrays of more than N components as one box (default: 8)")
+      ->check(is_number())
+      ->type_name("N");
+  command
+      .add_option("--depth", picture.depth, "draw compounds N levels below the root as closed boxes (default: none)")
+      ->check(is_number())
+      ->type_name("N");
+  command
+      .add_option("--bundle", picture.bundle,
+                  "in compounds with more than N connectors draw those that join the same closed boxes as one line "
+                  "(default: 60)")
+      ->check(is_number())
+      ->type_name("N");
+  command
+      .add_option("--open", picture.open,
+                  "draw the array or compound PATH open all the same, `phil` or `line.before`; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("PATH");
+}
+
+}  // namespace
+
+void add_graph(CLI::App& app, GraphArguments& a) {
+  CLI::App* command =
+      app.add_subcommand("graph", "draw a system: components, ports, connectors, automata; or print it as DOT or JSON");
+  command->add_option("FILE", a.file, "model file (.bip or .bsys)")->required()->type_name("");
+  command->add_option("-o,--output", a.output, "write the picture to FILE; its suffix says the format")
+      ->type_name("FILE");
+  add_choice(*command, "--format", a.format, kGraphFormats, "svg|png|html|dot|json",
+             "output format: svg (a picture), png (the same, by the program rsvg-convert), html (a page to look around "
+             "in), dot for Graphviz (default without -o) or json");
+  add_choice(*command, "--show", a.picture.show, kShows, "all|structure|automata",
+             "what to show: instances and connectors (structure), the automaton of each atom type (automata), or both "
+             "(all, default)");
+  add_folding(*command, a.picture);
+  add_compile(*command, a.compile);
+  command->footer("Example:\n  bipc graph model.bip -o model.svg");
+}
+
+void add_view(CLI::App& app, ViewArguments& a) {
+  CLI::App* command = app.add_subcommand(
+      "view", "write a page that shows a model and a run of it, step by step, in a browser: one file without requests");
+  command->add_option("FILE", a.file, "model file (.bip or .bsys)")->required()->type_name("");
+  command->add_option("-o,--output", a.output, "page to write (default: the model's name with .html)")
+      ->type_name("PAGE");
+  CLI::Option* trace =
+      command->add_option("--trace", a.trace_path,
+                          "show the run in TRACE: a trace in JSON lines, binary or bip2, a "
+                          "counterexample of `bipc verify --trace`, or a record of `bipc run --record`");
+  trace->type_name("TRACE");
+  command
+      ->add_option("--steps", a.steps,
+                   "show a run of at most N steps (default: 200); more than 100000 make a page too large for browsers")
+      ->check(is_number())
+      ->excludes(trace)
+      ->type_name("N");
+  add_session(*command, a, trace);
+  add_folding(*command, a.picture);
+  add_cache_options(*command, a.compile.cache);
+  add_no_cpp(*command, a.compile);
+  add_compile(*command, a.compile);
+  command->footer(
+      "Example:\n  bipc verify --trace dead.json model.bip; bipc view --trace dead.json model.bip -o model.html");
+}
+
+}  // namespace bip::driver
