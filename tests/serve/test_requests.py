@@ -12,11 +12,8 @@ import sys
 import tempfile
 import time
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-sys.path.insert(0, str(ROOT / "tools/python/bipc"))
-from serve import Client  # noqa: E402
+from checks import BIPC, Client, check, finish
 
-BIPC = os.environ.get("BIPC") or str(pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build") / "bipc")
 MODULE = """module {0} {{ number: {1}; internal_data: DATA; }};
 request Go {{ type: exec; exec_task: Motion; codel_main: {0}Go; codel_inter: {0}Brake; }};
 request Turn {{ type: exec; exec_task: Motion; codel_main: {0}Turn; codel_inter: {0}Brake; }};
@@ -43,15 +40,6 @@ int southTurn(int&) { return 2; }
 int southBrake(int&) { return 0; }
 int southMark() { return 0; }
 """
-passed = failed = 0
-
-
-def check(what, holds, got=None):
-    global passed, failed
-    passed += bool(holds)
-    failed += not holds
-    if not holds:
-        print(f"FAIL {what}: {got}")
 
 
 class Level:
@@ -121,8 +109,7 @@ def main():
         told = level.output.read()
         check("codels get inputs of what is accepted", "north.Go(99.5) gets 3 1" in told, told)
         check("and of nothing else", "gets too fast" not in told and "gets never" not in told, told)
-    print(f"requests: {passed} passed, {failed} failed")
-    return 1 if failed else 0
+    return finish("requests")
 
 
 def refusals(level):

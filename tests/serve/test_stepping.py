@@ -5,25 +5,11 @@ The five philosophers: the way into their deadlock is taken by hand, undone to t
 another way. Also what is refused: atoms, interactions, candidates and steps back that are not there, models that call C++.
 """
 import os
-import pathlib
 import subprocess
 import sys
 import tempfile
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-sys.path.insert(0, str(ROOT / "tools/python/bipc"))
-from serve import Client  # noqa: E402
-
-BIPC = os.environ.get("BIPC") or str(pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build") / "bipc")
-passed = failed = 0
-
-
-def check(what, holds, got=None):
-    global passed, failed
-    passed += bool(holds)
-    failed += not holds
-    if not holds:
-        print(f"FAIL {what}: {got}")
+from checks import BIPC, Client, ROOT, check, finish
 
 
 class Served:
@@ -136,5 +122,4 @@ with Served(ROOT / "tests/serve/counter.bip") as model:
     check("a running model takes no candidate", model.ask("fire", candidate=0).get("error") == "the model is not paused", model.ask("fire", candidate=0))
     check("a running model goes not back", model.ask("back").get("error") == "the model is not paused")
 
-print(f"serve stepping: {passed} passed, {failed} failed")
-sys.exit(failed != 0)
+sys.exit(finish("serve stepping"))

@@ -12,11 +12,8 @@ import sys
 import tempfile
 import time
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-sys.path.insert(0, str(ROOT / "tools/python/bipc"))
-from serve import Client  # noqa: E402
+from checks import BIPC, Client, check, finish
 
-BIPC = os.environ.get("BIPC") or str(pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build") / "bipc")
 STALL = 0.2
 # The bound, an eighth of it, and what a busy machine takes to let a thread run.
 STOPPED_AFTER = STALL * 9 / 8 + 0.3
@@ -64,15 +61,6 @@ int wheelBrake(int&) { speed = 0; return 0; }
 int wheelHang(int&) { note("hangs"); std::this_thread::sleep_for(std::chrono::milliseconds(4000)); note("returns"); return 0; }
 int wheelDawdle(int&) { std::this_thread::sleep_for(std::chrono::milliseconds(60)); return 0; }
 """
-passed = failed = 0
-
-
-def check(what, holds, got=None):
-    global passed, failed
-    passed += bool(holds)
-    failed += not holds
-    if not holds:
-        print(f"FAIL {what}: {got}")
 
 
 class Served:
@@ -161,8 +149,7 @@ def main():
         check("without a watchdog it rolls on for as long as the codel hangs", seconds > 3 and metres > 2.5, (seconds, metres))
         check("and nobody says so", "R0046" not in log, log)
         others(work)
-    print(f"watchdog: {passed} passed, {failed} failed")
-    return 1 if failed else 0
+    return finish("watchdog")
 
 
 def others(work):
