@@ -4,7 +4,7 @@ get_filename_component(folder ${PAGE} DIRECTORY)
 
 function(write_page command page description)
   execute_process(
-    COMMAND ${HELP2MAN} --no-info --no-discard-stderr "--version-string=${VERSION}" "--name=${description}" --output=${page} ${command}
+    COMMAND ${HELP2MAN} --no-info --no-discard-stderr ${ARGN} "--version-string=${VERSION}" "--name=${description}" --output=${page} ${command}
     RESULT_VARIABLE code ERROR_VARIABLE said)
   if(NOT code EQUAL 0)
     message(FATAL_ERROR "help2man ${command}: ${said}")
@@ -30,7 +30,7 @@ foreach(line IN LISTS commands)
     set(script ${folder}/bipc-${command})
     file(WRITE ${script} "#!/bin/sh\nexec '${PROGRAM}' ${command} \"$@\"\n")
     file(CHMOD ${script} PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
-    write_page(${script} ${folder}/bipc-${command}.1 "${about}")
+    write_page(${script} ${folder}/bipc-${command}.1 "${about}" --help-option=--help-all)
     file(REMOVE ${script})
   endif()
 endforeach()

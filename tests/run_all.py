@@ -111,7 +111,7 @@ def groups(options):
         ("golden", [script("golden", "tests/golden/test_golden.py", weight=45)]),
         ("snippets", [script("snippets", "tests/meta/test_snippets.py", weight=10)]),
         ("book", [script("book", "tests/book/test_book.py", weight=8)]),
-        ("meta", [script("meta", "tests/meta/test_meta.py", weight=5)]),
+        ("meta", [script("meta", "tests/meta/test_meta.py", weight=5), script("help_examples", "tests/meta/test_help_examples.py", weight=10)]),
         ("odd_inputs", [script("odd_inputs", "tests/meta/test_odd_inputs.py", weight=20)]),
         ("mistakes", [script("mistakes", "tests/mistakes/test_mistakes.py", weight=8)]),
         ("slips", [script("slips", "tests/slips/test_slips.py", weight=5)]),

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "compiler/driver/cli_options.hpp"
+#include "compiler/driver/help_formatter.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/pipeline/host_compiler.hpp"
@@ -131,12 +132,14 @@ int run_command_line(int argc, char** argv, const char* commit) {
   CLI::App app{"bipc: compiler and runtime for BIP models", "bipc"};
   app.require_subcommand(0, 1);
   app.set_help_flag("-h,--help", "print this help");
+  app.set_help_all_flag("--help-all", "print this help with all options");
   app.footer(
       "Example:\n  bipc run model.bip\n`bipc help COMMAND` prints the help of a command; FILE may be `-`, standard "
       "input.");
   Arguments arguments;
   arguments.version.commit = commit;
   add_commands(app, arguments);
+  hide_rare_options(app);
   for (CLI::App* command : app.get_subcommands(nullptr)) {
     // Options of -O and --color kind may be repeated: the last one counts, as compilers do.
     for (CLI::Option* option : command->get_options()) {
@@ -159,6 +162,8 @@ int run_command_line(int argc, char** argv, const char* commit) {
       app.parse(argc, argv);
     }
   } catch (const CLI::CallForHelp& e) {
+    return app.exit(e);
+  } catch (const CLI::CallForAllHelp& e) {
     return app.exit(e);
   } catch (const CLI::CallForVersion&) {
     return command_version({});

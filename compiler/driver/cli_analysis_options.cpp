@@ -23,7 +23,12 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
           "--fair", [&a](const std::string& name) { a.fairness = *verify::read_fairness(name); },
           "runs that count for a property of runs: all (none, default), those in which whatever stays possible happens "
           "(weak), or whatever is possible again and again (strong); for each interaction, or for each component")
-      ->check(CLI::IsMember(verify::fairness_names()))
+      ->check(CLI::Validator(
+          [](std::string& text) {
+            return verify::read_fairness(text) ? std::string()
+                                               : not_one_of(text, "none|weak|strong|weak:atoms|strong:atoms");
+          },
+          ""))
       ->type_name("none|weak|strong|weak:atoms|strong:atoms");
   command->add_option("--timeout", a.timeout, "give up after SECONDS of processor time (default: 60)")
       ->check(is_number())
@@ -174,7 +179,7 @@ void add_simulate(CLI::App& app, SimulateArguments& a) {
       "guards. Times are in seconds; without clocks, in steps.\n"
       "Run k is `bipc run --seed SEED+k`. The result does not depend on the number of threads.\n"
       "Exit code: 0, or 1 if a run ended with a run-time error, 130 after Ctrl-C.\n"
-      "Example:\n  bipc simulate --runs 10000 --limit 100 --observe 'count table.eat[0]' --observe 'reaches "
+      "Example:\n  bipc simulate --runs 10000 --limit 100 --observe 'count eat[0]' --observe 'reaches "
       "phil[0]@EATS' model.bip");
 }
 

@@ -43,13 +43,13 @@ def bipc():
 
 
 def help_of(*words):
-    return subprocess.run([bipc(), *words, "--help"], capture_output=True, text=True, check=True).stdout.strip("\n")
+    return subprocess.run([bipc(), *words, "--help-all" if words else "--help"], capture_output=True, text=True, check=True).stdout.strip("\n")
 
 
 def page():
     top = help_of()
     commands = re.findall(r"^  (\w+) ", top[top.index("Subcommands:"):].split("\n\n")[0], re.M)
-    text = ("# The command line\n\nGenerated from `--help` (`tests/meta/cli_docs.py --update`); a test compares them.\n\n"
+    text = ("# The command line\n\nGenerated from `--help` and each command's `--help-all` (`tests/meta/cli_docs.py --update`); a test compares them.\n\n"
             "Exit codes: 0 success, 1 errors in the model or at run time, 2 wrong command line, 3 a violated property or a deadlock that `verify` or\n"
             "`explore` found, 4 no verdict or a limit reached, 70 an error of bipc itself, 71 no memory or no thread, 74 not all of standard output, a trace or a record could be\n"
             "written (emitted programs: alike). SIGINT (Ctrl-C), SIGTERM and SIGHUP end a run as a limit does, with exit code 128 + the signal's number. [SECURITY.md](../../SECURITY.md) says what is trusted.\n"

@@ -168,10 +168,10 @@ def test_compiler_inside_another_program(at):
 
 
 def commands_and_options():
-    """Command -> the long options of its --help."""
+    """Command -> the long options of its --help-all."""
     top = run(BIPC, "--help")
     commands = re.findall(r"^  (\w+) ", top[top.index("Subcommands:"):].split("\n\n")[0], re.M)
-    options = {c: set(re.findall(r"^  (?:-\w,? *)?(?:--\w[\w-]*,)*(--\w[\w-]*)", run(BIPC, c, "--help"), re.M)) for c in commands}
+    options = {c: set(re.findall(r"^  (?:-\w,? *)?(?:--\w[\w-]*,)*(--\w[\w-]*)", run(BIPC, c, "--help-all"), re.M)) for c in commands}
     assert "run" in options and "--seed" in options["run"] and len(options) > 12, options
     return options
 
