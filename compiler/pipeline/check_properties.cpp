@@ -30,10 +30,12 @@ Problem split_column(const std::string& error) {
 }  // namespace
 
 void check_properties(const System& system, Diagnostics& diags) {
+  if (system.properties.empty()) return;
   // A property in a loop is told once.
   std::set<std::pair<std::size_t, std::uint32_t>> told;
+  const verify::PropertyReader reader(system);
   for (const StatedProperty& stated : system.properties) {
-    const Result<verify::ParsedProperty> parsed = verify::parse_any_property(stated.text, system);
+    const Result<verify::ParsedProperty> parsed = reader.read(stated.text);
     if (parsed) continue;
     const Problem problem = split_column(parsed.error());
     const std::size_t begin = std::min(problem.offset, stated.text.size());

@@ -5,8 +5,8 @@
 
 namespace bip::pipeline {
 
-/// Reports the first problem of each property of the system at its place in the source (B4030). Cost: linear in the
-/// system for each property.
+/// Reports the first problem of each property of the system at its place in the source (B4030). Cost: linear in
+/// the system and the texts.
 void check_properties(const System& system, Diagnostics& diags);
 
 }  // namespace bip::pipeline

@@ -11,6 +11,7 @@
 // operators, which is what `never a && b` always meant; what could be read in two ways is an error.
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,22 @@ struct ParsedProperty {
 /// Parses a property of states or of runs and resolves its names in `system`; errors and cost are those of
 /// parse_property. `always E` and `never E` of a condition E are properties of states.
 [[nodiscard]] Result<ParsedProperty> parse_any_property(const std::string& text, const System& system);
+
+/// Parses many properties of one system: the paths of its rows are listed once, so that each property costs what its
+/// text does. The system must outlive it.
+class PropertyReader {
+ public:
+  explicit PropertyReader(const System& system);
+  ~PropertyReader();
+  PropertyReader(const PropertyReader&) = delete;
+  PropertyReader& operator=(const PropertyReader&) = delete;
+  /// As parse_any_property.
+  [[nodiscard]] Result<ParsedProperty> read(const std::string& text) const;
+
+ private:
+  const System& system_;
+  std::unique_ptr<const struct RowsOfPaths> rows_;
+};
 
 /// Evaluates a formula on a run that is a stem and a cycle: positions 0 … states.size() - 1, after the last one comes
 /// `cycle`. `states`, `steps`: by position, bit k: condition k of the formula holds. Returns whether the run satisfies

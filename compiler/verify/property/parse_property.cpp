@@ -63,9 +63,28 @@ constexpr OtherSign kOtherPrefixes[] = {
 constexpr OtherSign kOtherConnectives[] = {
     {"->", "implies"}, {"=>", "implies"}, {"~>", "leads to"}, {"U", "until"}, {"W", "unless"}};
 
+}  // namespace
+
+using RowsByPath = std::unordered_map<std::string_view, std::uint32_t>;
+struct RowsOfPaths {
+  explicit RowsOfPaths(const System& system)
+      : atoms(rows_by_path(system.atoms)), connectors(rows_by_path(system.connectors)) {}
+  template <class Rows>
+  static RowsByPath rows_by_path(const Rows& rows) {
+    RowsByPath found;
+    std::uint32_t row = 0;
+    for (const auto& row_of_path : rows) found.try_emplace(row_of_path.path, row++);
+    return found;
+  }
+  RowsByPath atoms, connectors;
+};
+
+namespace {
+
 class PropertyParser {
  public:
-  PropertyParser(const std::string& text, const System& system) : text_(text), system_(system) {
+  PropertyParser(const std::string& text, const System& system, const RowsOfPaths& rows)
+      : text_(text), system_(system), rows_(rows) {
     property_.text = text;
   }
 
@@ -193,19 +212,11 @@ class PropertyParser {
     return static_cast<std::uint32_t>(property_.nodes.size() - 1);
   }
 
-  using RowsByPath = std::unordered_map<std::string_view, std::uint32_t>;
-  template <class Rows>
-  static RowsByPath rows_by_path(const Rows& rows) {
-    RowsByPath found;
-    std::uint32_t row = 0;
-    for (const auto& row_of_path : rows) found.try_emplace(row_of_path.path, row++);
-    return found;
-  }
   static std::uint32_t find_path(const RowsByPath& rows, const std::string& path) {
     const auto found = rows.find(rt::whole_path(path));
     return found == rows.end() ? kNotFound : found->second;
   }
-  [[nodiscard]] std::uint32_t find_atom(const std::string& path) const { return find_path(atoms_, path); }
+  [[nodiscard]] std::uint32_t find_atom(const std::string& path) const { return find_path(rows_.atoms, path); }
   template <class Rows>
   static std::uint32_t find_row(const Rows& rows, const std::string& name) {
     for (std::size_t k = 0; k < rows.size(); ++k) {
@@ -250,7 +261,7 @@ class PropertyParser {
   // `can` or `happens`.
   std::uint32_t parse_offer(std::size_t start, PropertyKind of_connector, PropertyKind of_port) {
     const std::string name = parse_path();
-    const std::uint32_t connector = find_path(connectors_, name);
+    const std::uint32_t connector = find_path(rows_.connectors, name);
     if (connector != kNotFound) {
       if (system_.is_top(ConnectorId(std::size_t{connector}))) return add({.kind = of_connector, .owner = connector});
       at_ = start;
@@ -534,7 +545,7 @@ class PropertyParser {
   static constexpr std::uint32_t kNotFound = 0xffffffffu;
   const std::string& text_;
   const System& system_;
-  const RowsByPath atoms_ = rows_by_path(system_.atoms), connectors_ = rows_by_path(system_.connectors);
+  const RowsOfPaths& rows_;
   Property property_;
   std::vector<std::uint8_t> is_temporal_;  // by node
   bool accepts_formulas_ = false;
@@ -545,19 +556,26 @@ class PropertyParser {
 }  // namespace
 
 Result<Property> parse_property(const std::string& text, const System& system) {
-  return PropertyParser(text, system).run();
+  return PropertyParser(text, system, RowsOfPaths(system)).run();
 }
 
 Result<ParsedProperty> parse_any_property(const std::string& text, const System& system) {
-  return PropertyParser(text, system).run_formula();
+  return PropertyParser(text, system, RowsOfPaths(system)).run_formula();
+}
+
+PropertyReader::PropertyReader(const System& system) : system_(system), rows_(std::make_unique<RowsOfPaths>(system)) {}
+PropertyReader::~PropertyReader() = default;
+
+Result<ParsedProperty> PropertyReader::read(const std::string& text) const {
+  return PropertyParser(text, system_, *rows_).run_formula();
 }
 
 Result<Property> parse_value(const std::string& text, const System& system) {
-  return PropertyParser(text, system).run_value();
+  return PropertyParser(text, system, RowsOfPaths(system)).run_value();
 }
 
 Result<Property> parse_expression(const std::string& text, const System& system) {
-  return PropertyParser(text, system).run_expression();
+  return PropertyParser(text, system, RowsOfPaths(system)).run_expression();
 }
 
 }  // namespace bip::verify
