@@ -42,6 +42,18 @@ class PropertyFileReader {
     while (at_ < text_.size() && (is_letter(text_[at_]) || text_[at_] == '_' || is_digit(text_[at_]))) ++at_;
     return text_.substr(first, at_ - first);
   }
+  // The brace that closes a property, outside of comments and strings.
+  [[nodiscard]] std::size_t find_brace(std::size_t at) const {
+    for (; at < text_.size() && text_[at] != '}'; ++at) {
+      const std::string_view two = text_.substr(at, 2);
+      const std::string_view close = two == "//" ? "\n" : two == "/*" ? "*/" : text_[at] == '"' ? "\"" : "";
+      if (close.empty()) continue;
+      at = text_.find(close, at + (text_[at] == '"' ? 1 : 2));
+      if (at == std::string_view::npos) return at;
+      at += close.size() - 1;
+    }
+    return at < text_.size() ? at : std::string_view::npos;
+  }
   [[nodiscard]] SourceRange range(std::size_t begin, std::size_t end) const {
     return {file_, static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end)};
   }
@@ -61,7 +73,7 @@ class PropertyFileReader {
     skip_blanks();
     if (at_ >= text_.size() || text_[at_] != '{') return fail(at_, "`{` was expected here");
     const std::size_t begin = ++at_;
-    const std::size_t end = text_.find('}', begin);
+    const std::size_t end = find_brace(begin);
     if (end == std::string_view::npos) return fail(begin - 1, "no `}` closes this property");
     at_ = end + 1;
     std::vector<StatedProperty>& properties = c_.system->properties;

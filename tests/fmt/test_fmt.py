@@ -40,6 +40,8 @@ def words(path):
             continue
         if m.group(1) == "COMMENT":
             comments.append(re.sub(r"\s+", " ", m.group(2)).strip())
+        elif m.group(1) == "PROPERTY_TEXT":  # one token, whose blanks and line breaks are free
+            tokens.update(m.group(2)[1:-1].split())
         elif m.group(2) not in FREE:
             for word in ("<", "-") if m.group(2) in ("<-", "←", ":=") else (SAME.get(m.group(2), m.group(2)),):
                 tokens[word] += 1
