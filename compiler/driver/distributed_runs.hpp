@@ -1,5 +1,5 @@
 // Distributed runs before they begin: placements are read, what cannot be distributed is refused, what it would cost is
-// told. See compiler/docs/distributed.md.
+// reported. See compiler/docs/distributed.md.
 #pragma once
 #include <string>
 

@@ -58,8 +58,8 @@ struct ServeArguments {
   bool paused = false;
   double speed = 1;
   int real_time_priority = 0;     // 0: as usual
-  std::int64_t stall_after = -1;  // ns; -1: a second if there is a safe-stop function, 0: nobody watches
-  std::int64_t late_after = 0;    // ns; 0: late steps are not told of
+  std::int64_t stall_after = -1;  // ns; -1: a second if there is a safe-stop function, 0: the watchdog is off
+  std::int64_t late_after = 0;    // ns; 0: late steps are not reported
   std::string safe_stop;          // empty: `safe_stop` if the model's C++ has it
   std::string trace_path;         // empty: none
   rt::TraceFormat trace_format = rt::TraceFormat::Json;
@@ -115,7 +115,7 @@ struct SimulateArguments {
 struct CheckArguments {
   CompileOptions compile;
   std::vector<std::string> files;
-  std::string placement_path = {};  // what a distributed run of the file would be; empty: nobody asks
+  std::string placement_path = {};  // what a distributed run of the file would be; empty: not asked for
   std::string lesson = {};          // of the book, whose exercises the file solves, or not; empty: none
 };
 struct EmitArguments {

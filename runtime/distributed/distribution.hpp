@@ -58,7 +58,7 @@ struct Distribution {
   std::vector<CrossingObject> crossing;  // not empty: such a run cannot be
 
   [[nodiscard]] u32 home(u32 atom) const { return placement.home[atom]; }
-  /// The node to which the atom is offered at this place; kNone: nobody waits for it there.
+  /// The node to which the atom is offered at this place; kNone: no interaction can take it there.
   [[nodiscard]] u32 coordinator_at(u32 atom, u32 place) const {
     const u32 set = sets.set_of(atom, place);
     return set == kNone ? kNone : coordinator[set];

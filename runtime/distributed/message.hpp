@@ -28,7 +28,7 @@ struct Begin {
   u64 step = 0;
   std::vector<Part> parts;
 };
-/// To everybody: this step ended in a run-time error; begin nothing more.
+/// To all other nodes: this step ended in a run-time error; begin nothing more.
 struct Stop {
   u64 step = 0;
 };

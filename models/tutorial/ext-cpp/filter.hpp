@@ -21,5 +21,5 @@ void push(Window& window, int reading);
 /// Called where nothing may change: in guards.
 bool const_full(const Window& window);
 double mean(const Window& window);
-/// A reading of a sensor that nobody has here: the same sequence in every run.
+/// A reading of a simulated sensor: the same sequence in every run.
 int read_sensor(int step);
