@@ -436,7 +436,10 @@ std::string deadlock_story(const Core& core, std::uint64_t steps, std::uint64_t 
   return Story(core).text(steps, seed);
 }
 
-std::vector<DeadlockWait> deadlock_waits(const Core& core) { return Story(core).waits(); }
+DeadlockWaits deadlock_waits(const Core& core) {
+  Story story(core);
+  return {story.waits(), story.shortest_cycle()};
+}
 
 std::vector<u32> deadlock_cycle(const Core& core) { return Story(core).shortest_cycle(); }
 

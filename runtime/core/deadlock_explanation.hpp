@@ -16,8 +16,12 @@ struct DeadlockWait {
   u32 atom = 0, port = 0;
   u32 missing_atom = kNone, missing_port = kNone;
 };
-/// Returns what each atom waits for, by atom; at most 16 rows of each.
-[[nodiscard]] std::vector<DeadlockWait> deadlock_waits(const Core& core);
+struct DeadlockWaits {
+  std::vector<DeadlockWait> rows;  // by atom, at most 16 of each
+  std::vector<u32> cycle;          // deadlock_cycle
+};
+/// Returns what each atom waits for.
+[[nodiscard]] DeadlockWaits deadlock_waits(const Core& core);
 
 /// Returns the atoms of a shortest cycle of that graph, each waits for the next one; empty if there is none.
 [[nodiscard]] std::vector<u32> deadlock_cycle(const Core& core);

@@ -25,22 +25,6 @@ class UnionFind {
   std::vector<u32> parent_;
 };
 
-Csr turned_round(const Csr& rows, u32 row_count, u32 item_count) {
-  std::vector<Csr::Pair> pairs;
-  for (u32 row = 0; row < row_count; ++row) {
-    for (const u32 item : rows[row]) pairs.push_back({item, row});
-  }
-  return Csr::build(item_count, pairs);
-}
-
-void make_unique(std::vector<Csr::Pair>& pairs) {
-  const auto key = [](const Csr::Pair& pair) { return u64{pair.from} << 32 | pair.to; };
-  std::sort(pairs.begin(), pairs.end(), [&](const Csr::Pair& a, const Csr::Pair& b) { return key(a) < key(b); });
-  pairs.erase(
-      std::unique(pairs.begin(), pairs.end(), [&](const Csr::Pair& a, const Csr::Pair& b) { return key(a) == key(b); }),
-      pairs.end());
-}
-
 bool has_object(const Tables& tables, u32 atom, u32 cell) {
   return is_ffi(tables.atom_type(atom).variables[cell - tables.atoms[atom].first_cell].type);
 }
@@ -86,18 +70,18 @@ Csr shown_cells(const Tables& tables) {
   for (const Priority& rule : image.priorities) {
     for (u32 i = 0; i < rule.bind_count; ++i) read(rule.binds + i);
   }
-  make_unique(shown);
+  Csr::sort_unique(shown);
   return Csr::build(atom_count, shown);
 }
 
-ConflictSets conflict_sets(const Tables& tables, const PriorityTables& rules) {
+// The same, of tables that were linked before.
+static ConflictSets conflict_sets(const Tables& tables, const PartialState& partial) {
   const u32 interaction_count = static_cast<u32>(tables.interactions.size());
   const u32 atom_count = tables.image->atoms.size;
-  const PartialState partial = link_partial(tables, rules);
-  const Csr movers = turned_round(partial.atoms_of_interaction, interaction_count, atom_count);
+  const Csr movers = partial.atoms_of_interaction.transposed(atom_count);
   const u32 group_count = static_cast<u32>(partial.busy_in_group.size());
-  const Csr atoms_of_group = turned_round(partial.groups_of_atom, atom_count, group_count);
-  const Csr dependents = turned_round(partial.groups_of_interaction, interaction_count, group_count);
+  const Csr atoms_of_group = partial.groups_of_atom.transposed(group_count);
+  const Csr dependents = partial.groups_of_interaction.transposed(group_count);
 
   // Interactions, then atoms: those in a group, with all that moves them.
   UnionFind sets(interaction_count + atom_count);
@@ -156,7 +140,7 @@ ConflictSets conflict_sets(const Tables& tables, const PriorityTables& rules) {
               set);
     atoms.push_back({set, atom});
   }
-  make_unique(atoms);
+  Csr::sort_unique(atoms);
   result.atoms = Csr::build(result.count, atoms);
   std::vector<Csr::Pair> members;
   for (u32 interaction = 0; interaction < interaction_count; ++interaction)
@@ -165,12 +149,15 @@ ConflictSets conflict_sets(const Tables& tables, const PriorityTables& rules) {
   return result;
 }
 
+ConflictSets conflict_sets(const Tables& tables, const PriorityTables& rules) {
+  return conflict_sets(tables, link_partial(tables, rules));
+}
+
 Placement place_atoms(const Tables& tables, const PriorityTables& rules, u32 nodes) {
   BIP_ASSERT(nodes != 0 && nodes <= kMostNodes, "{} nodes", nodes);
   const u32 atom_count = tables.image->atoms.size;
-  const u32 interaction_count = static_cast<u32>(tables.interactions.size());
   const PartialState partial = link_partial(tables, rules);
-  const Csr movers = turned_round(partial.atoms_of_interaction, interaction_count, atom_count);
+  const Csr movers = partial.atoms_of_interaction.transposed(atom_count);
   Placement placement;
   for (u32 node = 1; node <= nodes; ++node) placement.nodes.push_back(std::to_string(node));
   for (const std::uint8_t part : parts_of_atoms(partial.atoms_of_interaction, movers, atom_count, nodes))
@@ -181,7 +168,7 @@ Placement place_atoms(const Tables& tables, const PriorityTables& rules, u32 nod
     return std::any_of(cells[atom].begin(), cells[atom].end(),
                        [&](u32 cell) { return has_object(tables, atom, cell); });
   };
-  const ConflictSets sets = conflict_sets(tables, rules);
+  const ConflictSets sets = conflict_sets(tables, partial);
   UnionFind together(atom_count);
   for (u32 set = 0; set < sets.count; ++set) {
     u32 first = kNone;
@@ -199,9 +186,9 @@ JoinReason why_joined(const Tables& tables, const PriorityTables& rules, const C
   const u32 interaction_count = static_cast<u32>(tables.interactions.size());
   const PartialState partial = link_partial(tables, rules);
   const u32 group_count = static_cast<u32>(partial.busy_in_group.size());
-  const Csr movers = turned_round(partial.atoms_of_interaction, interaction_count, tables.image->atoms.size);
-  const Csr atoms_of_group = turned_round(partial.groups_of_atom, tables.image->atoms.size, group_count);
-  const Csr dependents = turned_round(partial.groups_of_interaction, interaction_count, group_count);
+  const Csr movers = partial.atoms_of_interaction.transposed(tables.image->atoms.size);
+  const Csr atoms_of_group = partial.groups_of_atom.transposed(group_count);
+  const Csr dependents = partial.groups_of_interaction.transposed(group_count);
   JoinReason best;
   std::vector<u32> joined;
   const auto consider = [&](JoinReason reason) {

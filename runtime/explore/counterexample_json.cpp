@@ -69,7 +69,8 @@ void append_state(std::string& out, const Core& core, u32 atom) {
 void append_waits(std::string& out, const Core& core) {
   out += ",\"waits\":[";
   const char* before = "";
-  for (const DeadlockWait& wait : deadlock_waits(core)) {
+  const DeadlockWaits waits = deadlock_waits(core);
+  for (const DeadlockWait& wait : waits.rows) {
     out += before;
     out += "{\"offers\":";
     append_port(out, core, wait.atom, wait.port);
@@ -82,13 +83,12 @@ void append_waits(std::string& out, const Core& core) {
   }
   out += ']';
   before = ",\"wait_cycle\":[";
-  const std::vector<u32> cycle = deadlock_cycle(core);
-  for (const u32 atom : cycle) {
+  for (const u32 atom : waits.cycle) {
     out += before;
     append_component(out, core, atom);
     before = ",";
   }
-  if (!cycle.empty()) out += ']';
+  if (!waits.cycle.empty()) out += ']';
 }
 
 }  // namespace

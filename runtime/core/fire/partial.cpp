@@ -32,14 +32,6 @@ bool is_plain(const Tables& tables, const InteractionInfo& info) {
                       [&](const PlanUse& use) { return can_fault(tables, use.connector); });
 }
 
-void sort_pairs(std::vector<Csr::Pair>& pairs) {
-  const auto key = [](const Csr::Pair& p) { return u64{p.from} << 32 | p.to; };
-  std::sort(pairs.begin(), pairs.end(), [&](const Csr::Pair& a, const Csr::Pair& b) { return key(a) < key(b); });
-  pairs.erase(
-      std::unique(pairs.begin(), pairs.end(), [&](const Csr::Pair& a, const Csr::Pair& b) { return key(a) == key(b); }),
-      pairs.end());
-}
-
 }  // namespace
 
 void ports_of_interaction(const Tables& tables, const InteractionInfo& info, std::vector<u32>& out) {
@@ -111,7 +103,7 @@ PartialState link_partial(const Tables& tables, const PriorityTables& rules) {
         atom_groups.push_back({atom, p.group_of_component[rules.component[item - interaction_count]]});
     }
   }
-  sort_pairs(atom_groups);
+  Csr::sort_unique(atom_groups);
   p.groups_of_atom = Csr::build(tables.image->atoms.size, atom_groups);
   for (u32 interaction = 0; interaction < interaction_count; ++interaction) {
     for (const u32 atom : p.atoms_of_interaction[interaction]) {
@@ -120,7 +112,7 @@ PartialState link_partial(const Tables& tables, const PriorityTables& rules) {
       }
     }
   }
-  sort_pairs(interaction_groups);
+  Csr::sort_unique(interaction_groups);
   p.groups_of_interaction = Csr::build(interaction_count, interaction_groups);
   p.busy_in_group.assign(is_strict.size(), 0);
   p.last_step.assign(tables.image->atoms.size, 0);

@@ -20,6 +20,22 @@ Csr Csr::build(std::size_t rows, const std::vector<Pair>& pairs) {
   return csr;
 }
 
+Csr Csr::transposed(std::size_t item_count) const {
+  std::vector<Pair> pairs;
+  pairs.reserve(items.size());
+  for (u32 row = 0; row + 1 < first.size(); ++row) {
+    for (const u32 item : (*this)[row]) pairs.push_back({item, row});
+  }
+  return build(item_count, pairs);
+}
+
+void Csr::sort_unique(std::vector<Pair>& pairs) {
+  const auto key = [](const Pair& p) { return u64{p.from} << 32 | p.to; };
+  std::sort(pairs.begin(), pairs.end(), [&](const Pair& a, const Pair& b) { return key(a) < key(b); });
+  pairs.erase(std::unique(pairs.begin(), pairs.end(), [&](const Pair& a, const Pair& b) { return key(a) == key(b); }),
+              pairs.end());
+}
+
 // Do the tables that belong together have as many rows as what they are by? For assertions. O(connectors + ports).
 static bool has_matching_sizes(const Tables& tables) {
   const Image& image = *tables.image;

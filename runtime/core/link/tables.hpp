@@ -29,6 +29,10 @@ struct Csr {
   };
   /// Keeps the order of pairs with equal `from`.
   static Csr build(std::size_t rows, const std::vector<Pair>& pairs);
+  /// Returns the rows of each item, ascending; all items are below `item_count`.
+  [[nodiscard]] Csr transposed(std::size_t item_count) const;
+  /// Sorts the pairs and keeps one of those that are equal.
+  static void sort_unique(std::vector<Pair>& pairs);
 };
 
 // ---- atoms -------------------------------------------------------------------------------------------------------

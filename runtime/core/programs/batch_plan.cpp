@@ -12,15 +12,6 @@ namespace {
 
 constexpr std::size_t kMostPairs = std::size_t{1} << 26;  // (interaction, atom) pairs that are looked at
 
-Csr turned(const Csr& interactions, std::size_t atoms) {
-  std::vector<Csr::Pair> pairs;
-  pairs.reserve(interactions.items.size());
-  for (u32 interaction = 0; interaction + 1 < interactions.first.size(); ++interaction) {
-    for (const u32 atom : interactions[interaction]) pairs.push_back({atom, interaction});
-  }
-  return Csr::build(atoms, pairs);
-}
-
 }  // namespace
 
 std::vector<std::uint8_t> parts_of_atoms(const Csr& atoms_of_interaction, const Csr& interactions_of_atom, u32 atoms,
@@ -80,7 +71,7 @@ BatchPlan plan_batch(const Tables& tables, const PriorityTables& rules, u32 part
     }
   }
   const Csr depends = Csr::build(interaction_count, all);
-  const Csr watchers = turned(depends, atom_count);
+  const Csr watchers = depends.transposed(atom_count);
   const std::vector<std::uint8_t> part_of_atom = parts_of_atoms(depends, watchers, atom_count, parts);
 
   std::vector<std::uint8_t> spans(interaction_count, 0);
