@@ -68,11 +68,6 @@ class ProofProgressLine {
 
 }  // namespace
 
-std::string remove_unread_cpp(const library::VerifyRequest& request, Compilation& c, const std::vector<DataRef>& data) {
-  const bool may_simplify = library::calls_cpp(*c.system) && !request.wants_certificate;
-  return may_simplify ? library::remove_unread_cpp(c, data) : std::string();
-}
-
 library::Verdict answer_question(const library::VerifyRequest& request, Compilation& c,
                                  const verify::Question& question, const std::string& note) {
   if (std::optional<library::Verdict> fault = library::decide_initial_fault(c, question)) return *fault;

@@ -5,11 +5,6 @@
 
 namespace bip::driver {
 
-/// Models with C++, without a certificate: takes out what decides about no state; `data` is what all questions to come
-/// read. Returns a note for the answers, empty if nothing was taken out.
-[[nodiscard]] std::string remove_unread_cpp(const library::VerifyRequest& request, pipeline::Compilation& c,
-                                            const std::vector<DataRef>& data);
-
 /// Requires an image. `note` ends the text. The verdict has no certificate and no counterexample if a first run or the
 /// initialization decided.
 [[nodiscard]] library::Verdict answer_question(const library::VerifyRequest& request, pipeline::Compilation& c,

@@ -23,6 +23,7 @@
 #include "compiler/driver/report.hpp"
 #include "compiler/driver/verdict_table.hpp"
 #include "compiler/pipeline/load_properties.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::driver {
 
@@ -54,18 +55,16 @@ struct NamedQuestion {
 // What is asked: by `--property` and `--partial`, else whether there is a deadlock, and each property of the model.
 std::optional<std::vector<NamedQuestion>> read_questions(const VerifyArguments& arguments, const System& system) {
   std::vector<NamedQuestion> questions;
-  const auto read = [&](const std::string& name, const library::VerifyRequest& request) {
-    std::optional<verify::Question> question =
-        read_question("verify", request.property, library::read_question(request, system), system);
-    if (question) questions.push_back({name, std::move(*question)});
-    return question.has_value();
-  };
-  const bool asks_all = arguments.property.empty() && !arguments.partial;
-  if (!read("deadlock", arguments)) return std::nullopt;
+  std::optional<verify::Question> asked =
+      read_question("verify", arguments.property, library::read_question(arguments, system), system);
+  if (!asked) return std::nullopt;
+  questions.push_back({"deadlock", std::move(*asked)});
+  if (!arguments.property.empty() || arguments.partial) return questions;
+  const verify::PropertyReader reader(system);
   for (const StatedProperty& stated : system.properties) {
-    library::VerifyRequest request = arguments;
-    request.property = stated.name;
-    if (asks_all && !read(stated.name, request)) return std::nullopt;
+    Result<verify::Question> question = library::read_question(stated.text, reader);
+    BIP_ENSURE(question, "property `{}` was checked: {}", stated.name, question.error());
+    questions.push_back({stated.name, std::move(*question)});
   }
   return questions;
 }
@@ -119,9 +118,10 @@ int command_verify(const VerifyArguments& arguments) {
   library::VerifyRequest request = arguments;
   request.wants_certificate = !arguments.certificate.empty();
   request.wants_trace = !arguments.trace_path.empty();
+  request.wants_run = arguments.json;
   const std::optional<std::vector<NamedQuestion>> questions = read_questions(arguments, *c.system);
   if (!questions || !may_write_files(arguments, *questions)) return kUsage;
-  const std::string note = remove_unread_cpp(request, c, data_of(*questions));
+  const std::string note = library::remove_unread_cpp(request, c, data_of(*questions));
   std::vector<NamedVerdict> verdicts;
   bool are_answered = true;
   for (const NamedQuestion& asked : *questions) {

@@ -96,7 +96,7 @@ Judgement judge_property(Compilation& c, const LessonCheck& check) {
   request.reuses = false;
   const Result<verify::Question> question = library::read_question(request, *c.system);
   if (!question) return {.found = fmt::format("this model cannot be asked that: {}\n", question.error())};
-  const std::string note = remove_unread_cpp(request, c, library::data_of(*question));
+  const std::string note = library::remove_unread_cpp(request, c, library::data_of(*question));
   const library::Verdict verdict = answer_question(request, c, *question, note);
   const int wanted = check.kind == CheckKind::Holds ? kOk : kViolated;
   return {.is_met = verdict.is_answered && verdict.exit_code == wanted, .found = verdict.text};

@@ -127,9 +127,7 @@ void add_optimisation(CLI::App& app, Optimisation& level, CompilerLevels levels,
          help)
       ->check(CLI::Validator(
           [shown, with_o1](std::string& text) {
-            return text == "0" || text == "2" || (with_o1 && text == "1")
-                       ? ""
-                       : fmt::format("`{}` is not one of {}", text, shown);
+            return text == "0" || text == "2" || (with_o1 && text == "1") ? "" : not_one_of(text, shown);
           },
           ""))
       ->type_name(shown);

@@ -270,13 +270,13 @@ Verdict Model::verify(const VerifyOptions& options) const {
   request.why = options.explains;
   request.reuses = impl_->options.uses_cache;
   request.wants_certificate = options.wants_certificate;
+  request.wants_run = true;
   const Result<verify::Question> question = library::read_question(request, *c.system);
   if (!question) {
     out.problem = question.error();
     return out;
   }
-  const bool may_simplify = library::calls_cpp(*c.system) && !request.wants_certificate;
-  const std::string note = may_simplify ? library::remove_unread_cpp(c, library::data_of(*question)) : std::string();
+  const std::string note = library::remove_unread_cpp(request, c, library::data_of(*question));
   std::optional<library::Verdict> verdict = library::decide_initial_fault(c, *question);
   if (!verdict) {
     verify::CancellationSource source;

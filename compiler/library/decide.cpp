@@ -68,6 +68,16 @@ rt::CounterexampleEnd end_of(verify::QuestionKind asked) {
 
 }  // namespace
 
+Result<verify::Question> read_question(const std::string& property, const verify::PropertyReader& reader) {
+  Result<verify::ParsedProperty> parsed = reader.read(property);
+  if (!parsed) return Failure{parsed.error()};
+  verify::Question question;
+  question.what = parsed->is_formula ? verify::QuestionKind::Runs : verify::QuestionKind::State;
+  question.property = std::move(parsed->state);
+  question.formula = std::move(parsed->formula);
+  return question;
+}
+
 Result<verify::Question> read_question(const std::string& text, const System& system) {
   verify::Question question;
   if (text.empty() || text == "deadlock") return question;
@@ -77,13 +87,7 @@ Result<verify::Question> read_question(const std::string& text, const System& sy
   }
   const auto stated = std::find_if(system.properties.begin(), system.properties.end(),
                                    [&text](const StatedProperty& property) { return property.name == text; });
-  Result<verify::ParsedProperty> parsed =
-      verify::parse_any_property(stated == system.properties.end() ? text : stated->text, system);
-  if (!parsed) return Failure{parsed.error()};
-  question.what = parsed->is_formula ? verify::QuestionKind::Runs : verify::QuestionKind::State;
-  question.property = std::move(parsed->state);
-  question.formula = std::move(parsed->formula);
-  return question;
+  return read_question(stated == system.properties.end() ? text : stated->text, verify::PropertyReader(system));
 }
 
 Result<verify::Question> read_question(const VerifyRequest& request, const System& system) {
@@ -106,7 +110,8 @@ std::vector<DataRef> data_of(const verify::Question& question) {
 
 bool calls_cpp(const System& system) { return !system.code.functions.empty() || !system.code.ffi_types.empty(); }
 
-std::string remove_unread_cpp(Compilation& c, const std::vector<DataRef>& data) {
+std::string remove_unread_cpp(const VerifyRequest& request, Compilation& c, const std::vector<DataRef>& data) {
+  if (!calls_cpp(*c.system) || request.wants_certificate) return {};
   std::optional<System> simple = verify::without_unread_cpp(*c.system, data);
   if (!simple) return {};
   c.lowered.reset();
@@ -172,10 +177,11 @@ Verdict decide(const VerifyRequest& request, Compilation& c, const verify::Quest
   const VerifyStats stats{seconds, decision.candidates(), request.reuses && cache.is_on() ? &proofs : nullptr};
   const VerifyStats* shown = request.stats ? &stats : nullptr;
   verdict.exit_code = said.exit_code;
-  verdict.json = verdict_json(said, question, decision, shown);
-  if (const verify::Counterexample* found = decision.counterexample())
-    verdict.json = with_run(verdict.json, rt::counterexample_json(c.lowered->image, rt::MaximalProgress::On,
-                                                                  end_of(question.what), rt::at_once(found->choices)));
+  std::string run_data;
+  if (const verify::Counterexample* found = decision.counterexample(); found != nullptr && request.wants_run)
+    run_data = rt::counterexample_json(c.lowered->image, rt::MaximalProgress::On, end_of(question.what),
+                                       rt::at_once(found->choices));
+  verdict.json = verdict_json(said, question, decision, shown, run_data);
   verdict.text = said.text + (shown != nullptr ? stats_text(stats) : "");
   if (const verify::Counterexample* found = decision.counterexample()) {
     FoundRun run{end_of(question.what), rt::at_once(found->choices), {}};

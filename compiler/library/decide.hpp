@@ -25,6 +25,7 @@ struct VerifyRequest {
   bool reuses = true;  // proofs from earlier runs, and leaves its own
   bool wants_certificate = false;
   bool wants_trace = false;  // of a run that breaks what was asked
+  bool wants_run = false;    // as data, in the JSON
 };
 
 /// A run that breaks what was asked; the core has taken it.
@@ -47,6 +48,8 @@ struct Verdict {
 /// model states, or a property of states or of runs; else what is wrong with it.
 [[nodiscard]] Result<verify::Question> read_question(const std::string& text, const System& system);
 [[nodiscard]] Result<verify::Question> read_question(const VerifyRequest& request, const System& system);
+/// Of a property by its text; `reader` lists a system's paths once for many properties.
+[[nodiscard]] Result<verify::Question> read_question(const std::string& property, const verify::PropertyReader& reader);
 
 /// The data that the question's property reads.
 [[nodiscard]] std::vector<DataRef> data_of(const verify::Question& question);
@@ -54,9 +57,10 @@ struct Verdict {
 /// What C++ remembers is outside of a state: then states can't be visited and steps can't be replayed.
 [[nodiscard]] bool calls_cpp(const System& system);
 
-/// Models with C++: takes out what decides about no state, so that they can be searched; `data` is what the questions
-/// read. Returns a note, empty if the system is as before.
-[[nodiscard]] std::string remove_unread_cpp(Compilation& c, const std::vector<DataRef>& data);
+/// Models with C++, without a certificate: takes out what decides about no state, so that they can be searched; `data`
+/// is what all questions to come read. Returns a note for the answers, empty if the system is as before.
+[[nodiscard]] std::string remove_unread_cpp(const VerifyRequest& request, Compilation& c,
+                                            const std::vector<DataRef>& data);
 
 /// The verdict if the initialization ends with an error, so that no run reaches a state that is asked about.
 [[nodiscard]] std::optional<Verdict> decide_initial_fault(const Compilation& c, const verify::Question& question);

@@ -142,8 +142,9 @@ Verdict decide_liveness(const VerifyRequest& request, Compilation& c, const veri
     json["choices"] = found.choices;
     json["cycle"] = found.cycle;
     if (found.holds_under) json["holds_under"] = verify::name_of(*found.holds_under);
-    add_run(json, rt::counterexample_json(c.lowered->image, rt::MaximalProgress::On, rt::CounterexampleEnd::State,
-                                          rt::at_once(found.choices)));
+    if (request.wants_run)
+      add_run(json, rt::counterexample_json(c.lowered->image, rt::MaximalProgress::On, rt::CounterexampleEnd::State,
+                                            rt::at_once(found.choices)));
     FoundRun run{rt::CounterexampleEnd::State, rt::at_once(found.choices), {}, found.cycle};
     // While the image has its code.
     if (request.wants_trace)

@@ -191,7 +191,8 @@ Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify:
                       : first.end == rt::CounterexampleEnd::TimeLock ? "time lock"
                                                                      : "deadlock";
     json["steps"] = first.path->steps.size();
-    add_run(json, rt::counterexample_json(image, rt::MaximalProgress::On, first.end, *first.path));
+    if (request.wants_run)
+      add_run(json, rt::counterexample_json(image, rt::MaximalProgress::On, first.end, *first.path));
     text = described.steps + described.error;
     exit_code = kViolated;
     run = FoundRun{first.end, *first.path, {}};

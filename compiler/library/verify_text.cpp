@@ -158,7 +158,7 @@ VerdictText verdict_text(const Compilation& c, const verify::Question& question,
 }
 
 std::string verdict_json(const VerdictText& v, const verify::Question& question, const verify::Decision& d,
-                         const VerifyStats* stats) {
+                         const VerifyStats* stats, const std::string& run) {
   nlohmann::ordered_json json{{"format", "bipc-verdict"}, {"version", 1}, {"verdict", v.name}};
   if (question.what == verify::QuestionKind::State) json["property"] = question.property.text;
   if (question.what == verify::QuestionKind::Runs) json["property"] = question.formula.text;
@@ -201,12 +201,7 @@ std::string verdict_json(const VerdictText& v, const verify::Question& question,
     }
   }
   json["text"] = v.text;
-  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
-}
-
-std::string with_run(const std::string& verdict, const std::string& run) {
-  nlohmann::ordered_json json = nlohmann::ordered_json::parse(verdict);
-  add_run(json, run);
+  if (!run.empty()) add_run(json, run);
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
 }
 

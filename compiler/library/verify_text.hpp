@@ -36,11 +36,10 @@ struct VerifyStats {
   std::uint64_t candidates = 0;
   const verify::ProofCache* cache = nullptr;
 };
-/// Returns the verdict as one line of JSON; `stats` may be null.
+/// Returns the verdict as one line of JSON; `stats` may be null; `run`: of counterexample_json, may be empty.
 [[nodiscard]] std::string verdict_json(const VerdictText& text, const verify::Question& question,
-                                       const verify::Decision& d, const VerifyStats* stats);
-/// Adds the members of `run`, an object of counterexample_json, to a verdict, an object as well.
-[[nodiscard]] std::string with_run(const std::string& verdict, const std::string& run);
+                                       const verify::Decision& d, const VerifyStats* stats,
+                                       const std::string& run = {});
 /// Returns two lines: time and candidates, reuse of proofs.
 [[nodiscard]] std::string stats_text(const VerifyStats& stats);
 
