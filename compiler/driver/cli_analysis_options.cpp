@@ -6,7 +6,7 @@ namespace bip::driver {
 
 void add_verify(CLI::App& app, VerifyArguments& a) {
   CLI::App* command = app.add_subcommand("verify", "prove that a model never deadlocks, or show a run that does");
-  command->add_option("FILE", a.file, "model file (.bip or .bsys)")->required()->type_name("");
+  add_model(*command, a.file);
   command
       ->add_option(
           "--property", a.property,
@@ -30,14 +30,9 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
           },
           ""))
       ->type_name("none|weak|strong|weak:atoms|strong:atoms");
-  command->add_option("--timeout", a.timeout, "give up after SECONDS of processor time (default: 60)")
-      ->check(is_number())
-      ->type_name("SECONDS");
-  command
-      ->add_option("--memory", a.megabytes,
-                   "memory limit for the states that a search stores, and for the circuit (default: 2048)")
-      ->check(is_number())
-      ->type_name("MB");
+  add_number(*command, "--timeout", a.timeout, "give up after SECONDS of processor time (default: 60)", "SECONDS");
+  add_number(*command, "--memory", a.megabytes,
+             "memory limit for the states that a search stores, and for the circuit (default: 2048)", "MB");
   command
       ->add_option("--certificate", a.certificate,
                    "write a certificate of the proof to PATH, for the checker certcheck")
@@ -82,23 +77,15 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
 void add_explore(CLI::App& app, ExploreArguments& a) {
   CLI::App* command =
       app.add_subcommand("explore", "visit all reachable states: count them, find deadlocks and run-time errors");
-  command->add_option("FILE", a.file, "model file (.bip or .bsys)")->required()->type_name("");
+  add_model(*command, a.file);
   add_choice(*command, "--reduce", a.explore.reduction, kReductions, "none|por|symmetry",
              "visit fewer states: por (partial order reduction) keeps all deadlocks, symmetry merges states that "
              "differ by a permutation of equal components (default: none)");
-  command->add_option("--threads", a.threads, "number of worker threads (default: one per processor)")
-      ->check(is_number())
-      ->type_name("N");
-  command
-      ->add_option("--memory", a.megabytes, "memory limit of the search (default: three quarters of the free memory)")
-      ->check(is_number())
-      ->type_name("MB");
-  command->add_option("--timeout", a.seconds, "stop after SECONDS (default: no limit)")
-      ->check(is_number())
-      ->type_name("SECONDS");
-  command->add_option("--limit", a.explore.limit, "stop after N states (default: no limit)")
-      ->check(is_number())
-      ->type_name("N");
+  add_number(*command, "--threads", a.threads, "number of worker threads (default: one per processor)");
+  add_number(*command, "--memory", a.megabytes,
+             "memory limit of the search (default: three quarters of the free memory)", "MB");
+  add_number(*command, "--timeout", a.seconds, "stop after SECONDS (default: no limit)", "SECONDS");
+  add_number(*command, "--limit", a.explore.limit, "stop after N states (default: no limit)");
   command->add_flag("--json", a.json, "print the result as JSON");
   command
       ->add_option("--trace", a.trace_path,
@@ -111,8 +98,7 @@ void add_explore(CLI::App& app, ExploreArguments& a) {
   command->add_flag("--stats", a.stats, "print states per second, bytes per state and the depth at the end");
   command->add_flag("--trust-cpp", a.trusts_cpp,
                     "assume that the model's C++ functions depend on their arguments only");
-  add_choice(*command, "--backend", a.backend, kBackends, "jit|interp",
-             "executor of guards, actions and transfers (default: jit if it is built in)");
+  add_backend(*command, a.backend);
   add_cache_options(*command, a.compile.cache);
   add_no_cpp(*command, a.compile);
   add_optimisation(*command, a.optimisation, CompilerLevels::O0O2,
@@ -131,8 +117,8 @@ void add_explore(CLI::App& app, ExploreArguments& a) {
 void add_simulate(CLI::App& app, SimulateArguments& a) {
   CLI::App* command =
       app.add_subcommand("simulate", "make many runs and estimate numbers: counts, times, probabilities");
-  command->add_option("FILE", a.file, "model file (.bip or .bsys)")->required()->type_name("");
-  command->add_option("--runs", a.simulate.runs, "number of runs (default: 1000)")->check(is_number())->type_name("N");
+  add_model(*command, a.file);
+  add_number(*command, "--runs", a.simulate.runs, "number of runs (default: 1000)");
   command
       ->add_option("--within", a.within,
                    "make so many runs that a probability is known within E, with confidence 95% (instead of --runs)")
@@ -140,9 +126,7 @@ void add_simulate(CLI::App& app, SimulateArguments& a) {
       ->type_name("E");
   add_seed(*command, a.simulate.seed, a.has_seed,
            "seed of the first run; each later run has the next number (default: drawn at random and printed)");
-  command->add_option("-l,--limit", a.simulate.limit, "steps of a run (default: 1000)")
-      ->check(is_number())
-      ->type_name("N");
+  add_number(*command, "-l,--limit", a.simulate.limit, "steps of a run (default: 1000)");
   command
       ->add_option("--until", a.until, "end each run at this instant of the model, such as 1s500ms (default: no limit)")
       ->type_name("TIME");
@@ -158,14 +142,11 @@ void add_simulate(CLI::App& app, SimulateArguments& a) {
              "how the next step is chosen among the candidates (default: uniform)");
   command->add_flag("-a,--asap", a.simulate.asap,
                     "with time, take each step at the first instant at which one is possible");
-  command->add_option("--threads", a.threads, "number of worker threads (default: one per processor)")
-      ->check(is_number())
-      ->type_name("N");
+  add_number(*command, "--threads", a.threads, "number of worker threads (default: one per processor)");
   command->add_flag("--histogram", a.shows_histogram, "print how often each value was observed, in 20 bins");
   command->add_flag("--json", a.json, "print the result as JSON");
   command->add_option("--csv", a.csv_path, "write a row for each run to PATH")->type_name("PATH");
-  add_choice(*command, "--backend", a.backend, kBackends, "jit|interp",
-             "executor of guards, actions and transfers (default: jit if it is built in)");
+  add_backend(*command, a.backend);
   add_cache_options(*command, a.compile.cache);
   add_no_cpp(*command, a.compile);
   add_optimisation(*command, a.optimisation, CompilerLevels::O0O2,
@@ -187,7 +168,7 @@ void add_export(CLI::App& app, ExportArguments& a) {
   CLI::App* command = app.add_subcommand(
       "export",
       "write a model for other tools: Promela for SPIN, PNML for Petri nets, AIGER for model checkers of circuits");
-  command->add_option("FILE", a.file, "model file (.bip or .bsys)")->required()->type_name("");
+  add_model(*command, a.file);
   add_choice(
       *command, "--format", a.format, kExportFormats, "promela|pnml|aiger|net",
       "output format: promela (default; int, bool and string data), pnml (models without guards over data), aiger "
@@ -211,19 +192,12 @@ namespace {
 
 // What a picture shows of a large system.
 void add_folding(CLI::App& command, graph::PictureOptions& picture) {
-  command.add_option("--fold", picture.fold, "draw arrays of more than N components as one box (default: 8)")
-      ->check(is_number())
-      ->type_name("N");
-  command
-      .add_option("--depth", picture.depth, "draw compounds N levels below the root as closed boxes (default: none)")
-      ->check(is_number())
-      ->type_name("N");
-  command
-      .add_option("--bundle", picture.bundle,
-                  "in compounds with more than N connectors draw those that join the same closed boxes as one line "
-                  "(default: 60)")
-      ->check(is_number())
-      ->type_name("N");
+  add_number(command, "--fold", picture.fold, "draw arrays of more than N components as one box (default: 8)");
+  add_number(command, "--depth", picture.depth,
+             "draw compounds N levels below the root as closed boxes (default: none)");
+  add_number(command, "--bundle", picture.bundle,
+             "in compounds with more than N connectors draw those that join the same closed boxes as one line "
+             "(default: 60)");
   command
       .add_option("--open", picture.open,
                   "draw the array or compound PATH open all the same, `phil` or `line.before`; may be repeated")
@@ -236,7 +210,7 @@ void add_folding(CLI::App& command, graph::PictureOptions& picture) {
 void add_graph(CLI::App& app, GraphArguments& a) {
   CLI::App* command =
       app.add_subcommand("graph", "draw a system: components, ports, connectors, automata; or print it as DOT or JSON");
-  command->add_option("FILE", a.file, "model file (.bip or .bsys)")->required()->type_name("");
+  add_model(*command, a.file);
   command->add_option("-o,--output", a.output, "write the picture to FILE; its suffix says the format")
       ->type_name("FILE");
   add_choice(*command, "--format", a.format, kGraphFormats, "svg|png|html|dot|json",
@@ -253,7 +227,7 @@ void add_graph(CLI::App& app, GraphArguments& a) {
 void add_view(CLI::App& app, ViewArguments& a) {
   CLI::App* command = app.add_subcommand(
       "view", "write a page that shows a model and a run of it, step by step, in a browser: one file without requests");
-  command->add_option("FILE", a.file, "model file (.bip or .bsys)")->required()->type_name("");
+  add_model(*command, a.file);
   command->add_option("-o,--output", a.output, "page to write (default: the model's name with .html)")
       ->type_name("PAGE");
   CLI::Option* trace =

@@ -36,13 +36,10 @@ void add_run(CLI::App& app, RunArguments& a) {
       ->required()
       ->type_name("");
   add_seed(*command, a.run.seed, a.run.has_seed, "seed of the random choices (default: drawn at random and printed)");
-  command->add_option("-l,--limit", a.run.limit, "stop the run after N steps (default: no limit)")
-      ->check(is_number())
-      ->type_name("N");
+  add_number(*command, "-l,--limit", a.run.limit, "stop the run after N steps (default: no limit)");
   add_choice(*command, "--policy", a.run.policy, kPolicies.names, kPolicies.shown,
              "how the next step is chosen among the candidates (default: uniform)");
-  add_choice(*command, "--backend", a.backend, kBackends, "jit|interp",
-             "executor of guards, actions and transfers (default: jit if it is built in)");
+  add_backend(*command, a.backend);
   add_cache_options(*command, a.compile.cache);
   add_no_cpp(*command, a.compile);
   add_optimisation(*command, a.optimisation, CompilerLevels::O0O2,
@@ -126,7 +123,7 @@ void add_run(CLI::App& app, RunArguments& a) {
 void add_step(CLI::App& app, StepArguments& a) {
   CLI::App* command = app.add_subcommand(
       "step", "step through a model, forward and back, with breakpoints: commands are read from the terminal");
-  command->add_option("FILE", a.file, "model file (.bip or .bsys)")->required()->type_name("");
+  add_model(*command, a.file);
   CLI::Option* trace = command->add_option("--trace", a.trace_path,
                                            "begin at the end of the run in TRACE: a trace in JSON lines, binary or "
                                            "bip2, or a record of `bipc run --record`");
@@ -163,7 +160,7 @@ void add_dap(CLI::App& app) {
 void add_serve(CLI::App& app, ServeArguments& a) {
   CLI::App* command =
       app.add_subcommand("serve", "run a model in real time while clients post events, observe it and control it");
-  command->add_option("FILE", a.file, "model file (.bip or .bsys)")->required()->type_name("");
+  add_model(*command, a.file);
   command
       ->add_option("--socket", a.socket,
                    "accept clients at the Unix socket PATH (default: one client, on standard input and output)")
@@ -179,11 +176,10 @@ void add_serve(CLI::App& app, ServeArguments& a) {
       ->check(is_number())
       ->type_name("N");
   command->add_flag("--paused", a.paused, "start paused, until a client sends `resume` or `step`");
-  command->add_option("--seed", a.seed, "seed of the random choices (default: 0)")->check(is_number())->type_name("N");
+  add_number(*command, "--seed", a.seed, "seed of the random choices (default: 0)");
   add_choice(*command, "--policy", a.policy, kPolicies.names, kPolicies.shown,
              "how the next step is chosen among the candidates (default: uniform)");
-  add_choice(*command, "--backend", a.backend, kBackends, "jit|interp",
-             "executor of guards, actions and transfers (default: jit if it is built in)");
+  add_backend(*command, a.backend);
   add_cache_options(*command, a.compile.cache);
   add_no_cpp(*command, a.compile);
   command->add_flag("--asap", a.asap, "take each step at the earliest instant at which it is possible");
@@ -216,7 +212,7 @@ void add_serve(CLI::App& app, ServeArguments& a) {
 
 void add_build(CLI::App& app, BuildArguments& a) {
   CLI::App* command = app.add_subcommand("build", "build a stand-alone program with the host's C++ compiler");
-  command->add_option("FILE", a.file, "model file (.bip or .bsys)")->required()->type_name("");
+  add_model(*command, a.file);
   command->add_option("-o,--output", a.output, "program to write")->required()->type_name("EXE");
   add_optimisation(*command, a.optimisation, CompilerLevels::O0O1O2,
                    "optimisation level of the C++ compiler (default: 3)");
@@ -230,7 +226,7 @@ void add_build(CLI::App& app, BuildArguments& a) {
 void add_emit(CLI::App& app, EmitArguments& a) {
   CLI::App* command =
       app.add_subcommand("emit", "write the C++ code of a model, or print the product of a compiler stage");
-  command->add_option("FILE", a.file, "model file (.bip or .bsys)")->required()->type_name("");
+  add_model(*command, a.file);
   command->add_option("-o,--output", a.directory, "write model.cpp, CMakeLists.txt and the runtime's sources to DIR")
       ->type_name("DIR");
   command
@@ -343,7 +339,7 @@ void add_published(CLI::App& app, PublishedArguments& a) {
 void add_replay(CLI::App& app, ReplayArguments& a) {
   CLI::App* command =
       app.add_subcommand("replay", "follow a recorded run and compare each of its states with the model");
-  command->add_option("FILE", a.file, "model file (.bip or .bsys)")->required()->type_name("");
+  add_model(*command, a.file);
   CLI::Option* published =
       command
           ->add_option("--published", a.published_trace,
@@ -357,8 +353,7 @@ void add_replay(CLI::App& app, ReplayArguments& a) {
   add_choice(*command, "--trace-format", a.format, kTextFormats.names, kTextFormats.shown,
              "with --recorded, format of the printed steps (default: steps)");
   command->add_flag("--silent", a.silent, "with --recorded, print no steps");
-  add_choice(*command, "--backend", a.backend, kBackends, "jit|interp",
-             "executor of guards, actions and transfers (default: jit if it is built in)");
+  add_backend(*command, a.backend);
   command->add_flag_callback(
       "--disable-maximal-progress", [&a] { a.maximal_progress = false; },
       "the recorded run had maximal progress disabled");

@@ -54,6 +54,15 @@ CLI::Validator is_number() {
       "");
 }
 
+void add_model(CLI::App& command, std::string& file) {
+  command.add_option("FILE", file, "model file (.bip or .bsys)")->required()->type_name("");
+}
+
+void add_backend(CLI::App& command, Backend& backend) {
+  add_choice(command, "--backend", backend, kBackends, "jit|interp",
+             "executor of guards, actions and transfers (default: jit if it is built in)");
+}
+
 // Identifiers with `::` between them.
 bool is_namespace(const std::string& text) {
   bool begins = true;
@@ -192,11 +201,8 @@ void add_compile(CLI::App& app, CompileOptions& options) {
          "--root", options.root,
          "root component, for example 'Ring(10)' (default: the only parameterless compound that nothing instantiates)")
       ->type_name("TYPE(ARGS)");
-  app.add_option(
-         "--max-instances", options.max_instances,
-         "refuse a system of more than N atoms, or as many compounds, connectors or priorities (default: 2000000)")
-      ->check(is_number())
-      ->type_name("N");
+  add_number(app, "--max-instances", options.max_instances,
+             "refuse a system of more than N atoms, or as many compounds, connectors or priorities (default: 2000000)");
   add_choice(app, "--emit", options.emit, kEmits, "tokens|syntax|model|system|llvm|asm|cpp|dot|json",
              "print the product of this stage of the compiler and stop");
   add_choice(app, "--print-after", options.print_after, kPrintAfter, "parse|build-model|instantiate",
@@ -224,9 +230,7 @@ void add_seed(CLI::App& command, std::uint64_t& seed, bool& is_given, const std:
 // How a debugging session's steps are chosen.
 void add_session(CLI::App& command, SessionArguments& a, CLI::Option* trace) {
   rt::SessionOptions& session = a.session;
-  command.add_option("--seed", session.seed, "seed of the random choices (default: 0)")
-      ->check(is_number())
-      ->type_name("N");
+  add_number(command, "--seed", session.seed, "seed of the random choices (default: 0)");
   add_choice(command, "--policy", session.policy, kPolicies.names, kPolicies.shown,
              "how the next step is chosen among the candidates (default: uniform)");
   command.add_flag("-a,--asap", session.asap,

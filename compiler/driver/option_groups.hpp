@@ -68,6 +68,15 @@ void add_choice(CLI::App& app, const std::string& name, T& value, const Names<T>
 
 /// A whole number from 0 to 2^64 - 1.
 [[nodiscard]] CLI::Validator is_number();
+/// An option whose value is such a number.
+template <class T>
+void add_number(CLI::App& app, const std::string& name, T& value, const std::string& help, const char* shown = "N") {
+  app.add_option(name, value, help)->check(is_number())->type_name(shown);
+}
+/// The model that a command is about, its only positional.
+void add_model(CLI::App& command, std::string& file);
+/// `--backend`, the JIT where it is built in.
+void add_backend(CLI::App& command, Backend& backend);
 /// Identifiers with `::` between them.
 [[nodiscard]] bool is_namespace(const std::string& text);
 /// A positive number, or `max`.

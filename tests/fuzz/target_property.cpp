@@ -53,7 +53,7 @@ Verdict try_property(std::string_view input) {
   const System& system = *fixed.compilation.system;
   const rt::Image& image = fixed.compilation.lowered->image;
   // The larger language first; what is a property of states there is one here.
-  Result<verify::ParsedProperty> any = verify::parse_any_property(std::string(input), system);
+  Result<verify::ParsedProperty> any = verify::PropertyReader(system).read(std::string(input));
   if (any && any->is_formula) {
     const Result<verify::Automaton> automaton = verify::make_automaton(any->formula, true);
     return {!automaton && automaton.error().empty() ? "property: no automaton, and no reason" : "", true};

@@ -48,19 +48,15 @@ struct ParsedProperty {
   Formula formula;  // is_formula
 };
 
-/// Parses a property of states or of runs and resolves its names in `system`; errors and cost are those of
-/// parse_property. `always E` and `never E` of a condition E are properties of states.
-[[nodiscard]] Result<ParsedProperty> parse_any_property(const std::string& text, const System& system);
-
-/// Parses many properties of one system: the paths of its rows are listed once, so that each property costs what its
-/// text does. The system must outlive it.
+/// Parses properties of states or of runs and resolves their names in `system`, which must outlive it. The paths of the
+/// system are listed once, so that each property costs what its text does.
 class PropertyReader {
  public:
   explicit PropertyReader(const System& system);
   ~PropertyReader();
   PropertyReader(const PropertyReader&) = delete;
   PropertyReader& operator=(const PropertyReader&) = delete;
-  /// As parse_any_property.
+  /// Errors are those of parse_property. `always E` and `never E` of a condition E are properties of states.
   [[nodiscard]] Result<ParsedProperty> read(const std::string& text) const;
 
  private:

@@ -559,10 +559,6 @@ Result<Property> parse_property(const std::string& text, const System& system) {
   return PropertyParser(text, system, RowsOfPaths(system)).run();
 }
 
-Result<ParsedProperty> parse_any_property(const std::string& text, const System& system) {
-  return PropertyParser(text, system, RowsOfPaths(system)).run_formula();
-}
-
 PropertyReader::PropertyReader(const System& system) : system_(system), rows_(std::make_unique<RowsOfPaths>(system)) {}
 PropertyReader::~PropertyReader() = default;
 
