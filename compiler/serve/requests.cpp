@@ -7,6 +7,7 @@
 
 #include "bip/assert.hpp"
 #include "bip/image_time.hpp"
+#include "runtime/core/text.hpp"
 
 namespace bip::serve {
 
@@ -202,9 +203,10 @@ std::string Requests::cancel(std::uint64_t number, std::uint64_t client) {
 }
 
 bool Requests::is_mailbox_port(const std::string& path) const {
+  const std::string whole = rt::whole_path(path);
   for (const Mailbox& box : mailboxes_) {
     for (const char* port : {".request", ".urgent", ".withdraw"}) {
-      if (path == box.path + port || "ROOT." + path == box.path + port) return true;
+      if (whole == box.path + port) return true;
     }
   }
   return false;

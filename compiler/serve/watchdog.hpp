@@ -20,7 +20,7 @@ namespace bip::serve {
 /// ns of the wall clock.
 struct WatchOptions {
   std::int64_t stall = 0;  // 0: off
-  std::int64_t late = 0;   // steps that begin so much later than they are due are told of; 0: none
+  std::int64_t late = 0;   // steps that begin so much later than they are due are reported; 0: none
   /// Stops the robot; runs beside whatever hangs. May be empty.
   void (*safe_stop)(const char* why) = nullptr;
   std::string safe_stop_name;

@@ -46,9 +46,14 @@ def help_of(*words):
     return subprocess.run([bipc(), *words, "--help-all" if words else "--help"], capture_output=True, text=True, check=True).stdout.strip("\n")
 
 
+def commands_of(help_text):
+    """The commands that `bipc --help` lists."""
+    return re.findall(r"^  (\w+) ", help_text[help_text.index("Subcommands:"):].split("\n\n")[0], re.M)
+
+
 def page():
     top = help_of()
-    commands = re.findall(r"^  (\w+) ", top[top.index("Subcommands:"):].split("\n\n")[0], re.M)
+    commands = commands_of(top)
     text = ("# The command line\n\nGenerated from `--help` and each command's `--help-all` (`tests/meta/cli_docs.py --update`); a test compares them.\n\n"
             "Exit codes: 0 success, 1 errors in the model or at run time, 2 wrong command line, 3 a violated property or a deadlock that `verify` or\n"
             "`explore` found, 4 no verdict or a limit reached, 70 an error of bipc itself, 71 no memory or no thread, 74 not all of standard output, a trace or a record could be\n"

@@ -14,8 +14,10 @@ import subprocess
 import sys
 import tempfile
 
+import cli_docs
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-BIPC = os.path.abspath(os.environ.get("BIPC") or pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build") / "bipc")
+BIPC = os.path.abspath(cli_docs.bipc())
 ANSWERS = (0, 3, 4)
 ENDS = {"bipc dap": 1}  # what its editor did not say
 SECONDS = 300
@@ -70,7 +72,7 @@ def write_files(folder):
 
 def examples(command):
     """The lines `  bipc …` behind `Example:`."""
-    text = subprocess.run([BIPC, command, "--help"], capture_output=True, text=True, check=True).stdout
+    text = cli_docs.help_of(command)
     return re.findall(r"^  (bipc .*)$", text[text.index("Example:"):], re.M)
 
 
@@ -96,9 +98,7 @@ def run(line):
 
 def main():
     global passed, failed
-    top = subprocess.run([BIPC, "--help"], capture_output=True, text=True, check=True).stdout
-    commands = re.findall(r"^  (\w+) ", top[top.index("Subcommands:"):].split("\n\n")[0], re.M)
-    for command in commands:
+    for command in cli_docs.commands_of(cli_docs.help_of()):
         if sys.argv[1:] and command not in sys.argv[1:]:
             continue
         for line in examples(command):

@@ -17,6 +17,8 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 BUILD = pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build")
 BIPC = os.environ.get("BIPC") or str(BUILD / "bipc")
+sys.path.insert(0, str(ROOT / "tests/meta"))
+import cli_docs  # noqa: E402
 PHILOSOPHERS = "share/bipc/models/classic/philosophers.bip"
 ABI = ROOT / "tests/package/bip_c.abi"
 # Nobody can make a folder there, not even root.
@@ -170,7 +172,7 @@ def test_compiler_inside_another_program(at):
 def commands_and_options():
     """Command -> the long options of its --help-all."""
     top = run(BIPC, "--help")
-    commands = re.findall(r"^  (\w+) ", top[top.index("Subcommands:"):].split("\n\n")[0], re.M)
+    commands = cli_docs.commands_of(top)
     options = {c: set(re.findall(r"^  (?:-\w,? *)?(?:--\w[\w-]*,)*(--\w[\w-]*)", run(BIPC, c, "--help-all"), re.M)) for c in commands}
     assert "run" in options and "--seed" in options["run"] and len(options) > 12, options
     return options
