@@ -122,7 +122,7 @@ void add_simulate(CLI::App& app, SimulateArguments& a) {
   command
       ->add_option("--within", a.within,
                    "make so many runs that a probability is known within E, with confidence 95% (instead of --runs)")
-      ->check(CLI::Range(0.0001, 0.5))
+      ->check(is_real(0.0001, 0.5))
       ->type_name("E");
   add_seed(*command, a.simulate.seed, a.has_seed,
            "seed of the first run; each later run has the next number (default: drawn at random and printed)");

@@ -40,7 +40,7 @@ void add_generation(CLI::App* command, GenomArguments& a) {
       ->add_option("--instances", a.instances,
                    "activities of a service that may run at the same time (default: 1; one more for a service that "
                    "interrupts itself)")
-      ->check(CLI::Range(1, 16))
+      ->check(is_number(1, 16))
       ->type_name("N");
   command
       ->add_option("--lock", a.lock,
@@ -51,16 +51,16 @@ void add_generation(CLI::App* command, GenomArguments& a) {
           ""))
       ->type_name("module|codel");
   command->add_option("--tick", a.tick_ms, "length of a tick in milliseconds (default: clock period of the module)")
-      ->check(CLI::PositiveNumber)
+      ->check(is_real(1e-6, 1e6))
       ->type_name("MS");
   command->add_option("--control-period", a.control_period, "ticks between two reads of the message box (default: 1)")
-      ->check(CLI::Range(1, 1000))
+      ->check(is_number(1, 1000))
       ->type_name("TICKS");
   command->add_option("--poster-period", a.poster_period, "ticks between two increments of PosterAge (default: 1)")
-      ->check(CLI::Range(1, 1000))
+      ->check(is_number(1, 1000))
       ->type_name("TICKS");
   command->add_option("--oldest", a.oldest, "greatest value of PosterAge (default: 100)")
-      ->check(CLI::Range(1, 1000000))
+      ->check(is_number(1, 1000000))
       ->type_name("N");
   command->add_option("-I", a.compile.folders, "search DIR for headers, after the folder of the file; may be repeated")
       ->allow_extra_args(false)
@@ -92,7 +92,7 @@ void add_rules(CLI::App& app, GenomArguments& a) {
   command->add_flag("--prove", a.prove,
                     "first search for services that the rules never admit, and name the rules responsible");
   command->add_option("--timeout", a.timeout, "time limit of --prove in seconds (default: 60)")
-      ->check(CLI::Range(1, 100000000))
+      ->check(is_number(1, 100000000))
       ->type_name("S");
   add_generation(command, a);
   command->footer("Example:\n  bipc rules --prove rover.rules -o rover.bip && bipc verify rover.bip");

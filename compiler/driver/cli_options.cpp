@@ -55,10 +55,10 @@ void add_run(CLI::App& app, RunArguments& a) {
   command
       ->add_option("--threads", a.run.threads,
                    "worker threads of --engine=threads and --engine=batch (default: one per processor)")
-      ->check(CLI::Range(1, 256))
+      ->check(is_number(1, 256))
       ->type_name("N");
   command->add_option("--nodes", a.run.nodes, "number of nodes of --engine=simulated (default: 4)")
-      ->check(CLI::Range(1u, rt::kMostNodes))
+      ->check(is_number(1, rt::kMostNodes))
       ->type_name("N");
   command
       ->add_option("--placement", a.placement_path,
@@ -78,7 +78,7 @@ void add_run(CLI::App& app, RunArguments& a) {
       "--real-time", [&a] { a.run.speed = a.run.speed > 0 ? a.run.speed : 1; },
       "run in real time (default: logical time, which passes without waiting)");
   command->add_option("--speed", a.run.speed, "run in real time, with F seconds of model time per second")
-      ->check(is_speed())
+      ->check(is_real(1e-6, 1e6))
       ->type_name("F");
   command->add_flag("--relaxed", a.run.relaxed,
                     "in real time, report a step that starts too late as a warning instead of an error");
@@ -184,7 +184,7 @@ void add_serve(CLI::App& app, ServeArguments& a) {
   add_no_cpp(*command, a.compile);
   command->add_flag("--asap", a.asap, "take each step at the earliest instant at which it is possible");
   command->add_option("--speed", a.speed, "seconds of model time per second (default: 1)")
-      ->check(is_speed())
+      ->check(is_real(1e-6, 1e6))
       ->type_name("F");
   add_real_time_priority(*command, a.real_time_priority);
   add_duration(*command, "--stall-after", a.stall_after,

@@ -1,6 +1,9 @@
 // See option_groups.hpp.
 #include "compiler/driver/option_groups.hpp"
 
+#include <charconv>
+#include <optional>
+
 namespace bip::driver {
 
 std::string not_one_of(const std::string& text, const std::string& shown) {
@@ -42,14 +45,40 @@ const Names<ExportFormat> kExportFormats{{"promela", ExportFormat::Promela},
 const Names<rt::StateReduction> kReductions{
     {"none", rt::StateReduction::None}, {"por", rt::StateReduction::Por}, {"symmetry", rt::StateReduction::Symmetry}};
 
+namespace {
+
+std::optional<std::uint64_t> whole_number(const std::string& text) {
+  std::uint64_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (text.empty() || error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+// Without an exponent and without zeros behind.
+std::string decimal(double number) {
+  std::string text = fmt::format("{:.6f}", number);
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.back() == '.') text.pop_back();
+  return text;
+}
+
+}  // namespace
+
 // CLI11 alone would take "5x" and "-1" for a number, or call them inconvertible.
 CLI::Validator is_number() {
   return CLI::Validator(
       [](std::string& text) {
-        const bool digits = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
-        // 19 digits always fit 64 bits; 20 need a look.
-        const bool fits = text.size() < 20 || (text.size() == 20 && text <= "18446744073709551615");
-        return digits && fits ? std::string() : fmt::format("`{}` is not a whole number from 0 to 2^64 - 1", text);
+        return whole_number(text) ? std::string() : fmt::format("`{}` is not a whole number from 0 to 2^64 - 1", text);
+      },
+      "");
+}
+
+CLI::Validator is_number(std::uint64_t least, std::uint64_t greatest) {
+  return CLI::Validator(
+      [least, greatest](std::string& text) {
+        const std::optional<std::uint64_t> number = whole_number(text);
+        const bool is_good = number && *number >= least && *number <= greatest;
+        return is_good ? std::string() : fmt::format("`{}` is not a whole number from {} to {}", text, least, greatest);
       },
       "");
 }
@@ -81,13 +110,14 @@ bool is_namespace(const std::string& text) {
   return !begins;
 }
 
-// CLI11's ranges let NaN pass.
-CLI::Validator is_speed() {
+// CLI11's ranges let NaN pass, and are worded otherwise in each of its versions.
+CLI::Validator is_real(double least, double greatest) {
   return CLI::Validator(
-      [](std::string& text) {
-        double speed = 0;
-        const bool is_good = CLI::detail::lexical_cast(text, speed) && speed >= 1e-6 && speed <= 1e6;
-        return is_good ? std::string() : fmt::format("`{}` is not a number from 0.000001 to 1000000", text);
+      [least, greatest](std::string& text) {
+        double number = 0;
+        const bool is_good = CLI::detail::lexical_cast(text, number) && number >= least && number <= greatest;
+        return is_good ? std::string()
+                       : fmt::format("`{}` is not a number from {} to {}", text, decimal(least), decimal(greatest));
       },
       "");
 }
@@ -115,7 +145,7 @@ void add_cache_options(CLI::App& command, CacheOptions& cache) {
   command
       .add_option("--cache-size", cache.megabytes,
                   "size limit of the cache; the least recently used entries are removed (default: 256)")
-      ->check(CLI::Range(1, 1 << 20))
+      ->check(is_number(1, 1 << 20))
       ->type_name("MB");
 }
 
@@ -162,7 +192,7 @@ void add_real_time_priority(CLI::App& command, int& priority) {
       .add_option("--real-time-priority", priority,
                   "in real time, run with scheduling priority N (SCHED_FIFO, 1 to 99) and locked memory; a refusal is "
                   "a warning")
-      ->check(CLI::Range(1, 99))
+      ->check(is_number(1, 99))
       ->type_name("N");
 }
 

@@ -68,6 +68,8 @@ void add_choice(CLI::App& app, const std::string& name, T& value, const Names<T>
 
 /// A whole number from 0 to 2^64 - 1.
 [[nodiscard]] CLI::Validator is_number();
+/// A whole number of a range.
+[[nodiscard]] CLI::Validator is_number(std::uint64_t least, std::uint64_t greatest);
 /// An option whose value is such a number.
 template <class T>
 void add_number(CLI::App& app, const std::string& name, T& value, const std::string& help, const char* shown = "N") {
@@ -79,8 +81,8 @@ void add_model(CLI::App& command, std::string& file);
 void add_backend(CLI::App& command, Backend& backend);
 /// Identifiers with `::` between them.
 [[nodiscard]] bool is_namespace(const std::string& text);
-/// A positive number, or `max`.
-[[nodiscard]] CLI::Validator is_speed();
+/// A number of a range.
+[[nodiscard]] CLI::Validator is_real(double least, double greatest);
 /// An option whose value is a time, "10ms"; `ns` gets it in ns.
 CLI::Option* add_duration(CLI::App& command, const char* name, std::int64_t& ns, const char* help);
 /// Where machine code and proofs are kept, and how much of them.
