@@ -35,7 +35,8 @@ void add_generation(CLI::App* command, GenomArguments& a) {
                  "use the execution flavour in real time and take requests from clients of `bipc serve`")
       ->excludes(executive);
   command->add_flag("--skeleton", a.skeleton,
-                    "use the execution flavour and write empty C++ codels beside the output; existing files are kept");
+                    "use the execution flavour and write empty C++ codels and their header beside the output; existing "
+                    "codels are kept");
   command
       ->add_option("--instances", a.instances,
                    "activities of a service that may run at the same time (default: 1; one more for a service that "

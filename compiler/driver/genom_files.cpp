@@ -20,7 +20,7 @@ void write(Compilation& c, const std::string& path, const std::string& text) {
   if (!written) c.diags.report(Diag::kB5004, {}, path, written.error());
 }
 
-// What somebody may have filled in already is never written over.
+// What somebody may have filled in already is never written over; the header is the generator's.
 void write_skeleton(Compilation& c, const GenomArguments& a, const genom::Translation& result,
                     const std::string& package) {
   const fs::path folder = fs::path(a.output).parent_path();
@@ -28,7 +28,7 @@ void write_skeleton(Compilation& c, const GenomArguments& a, const genom::Transl
   for (const auto& [suffix, text] :
        {std::pair("_codels.hpp", &result.codel_header), std::pair("_codels.cpp", &result.codel_source)}) {
     const std::string path = (folder / (package + suffix)).string();
-    if (fs::exists(path, ignored)) {
+    if (text == &result.codel_source && fs::exists(path, ignored)) {
       std::printf("%s is there already and stays as it is\n", path.c_str());
     } else {
       write(c, path, *text);

@@ -91,6 +91,28 @@ bool has_text_values(const GenerateOptions& options) {
                      [](const ValueRow& v) { return v.type == ValueType::Text; });
 }
 
+// "inline int codel_goMain(int owner, int& report) { return bip::guarded_step(...); }"
+std::string guarded_text(const Function& f) {
+  return fmt::format(
+      "inline int {}(int owner{}) {{ return bip::guarded_{}(\"{}\", kCodelOwners[owner], [&] {{ return {}({}); }}); "
+      "}}\n",
+      codel_function(f.name), f.has_report ? ", int& report" : "", f.has_report ? "step" : "control", f.name, f.name,
+      f.has_report ? "report" : "");
+}
+
+// By their numbers.
+std::string owners_text(const std::vector<Plan>& plans) {
+  std::string rows;
+  for (const Plan& p : plans) {
+    for (std::size_t k = 0; k < p.activities.size(); ++k)
+      rows += fmt::format("    {{\"{}.{}\", \"{}.{}\"}},\n", p.component, p.activities[k].component,
+                          p.module->name.text, p.service_of(k).name.text);
+    for (const Task& t : p.module->tasks)
+      rows += fmt::format("    {{\"task {}.{}\", \"\"}},\n", p.component, t.name.text);
+  }
+  return rows;
+}
+
 std::string joined(const std::vector<std::string>& parts) {
   std::string text;
   for (const std::string& p : parts) text += (text.empty() ? "" : ", ") + p;
@@ -116,7 +138,7 @@ std::string codel_prototypes(const std::vector<Module>& modules, const Constrain
                        value_function(modules, v));
   }
   for (const Function& f : functions_of(modules))
-    out += fmt::format("  extern function int {}({})\n", f.name, f.has_report ? "int" : "");
+    out += fmt::format("  extern function int {}(const int{})\n", codel_function(f.name), f.has_report ? ", int" : "");
   return out;
 }
 
@@ -131,7 +153,9 @@ std::string codel_header(const std::vector<Module>& modules, const GenerateOptio
   out +=
       "// A codel of an activity returns what is next, and sets `report` (0: OK) if it ends the activity with a report "
       "of its service.\n";
-  out += "// The others return 0 (OK) or the number of a report. Anything else suspends the task.\n#pragma once\n";
+  out +=
+      "// The others return 0 (OK) or the number of a report. Anything else suspends the task.\n#pragma once\n#include "
+      "\"bip/codels.hpp\"\n";
   if (options.executive != Executive::Anybody)
     out +=
         "#include \"bip/service_requests.hpp\"\n\nusing bip::request_known;\nusing bip::request_number;\n"
@@ -163,6 +187,15 @@ std::string codel_header(const std::vector<Module>& modules, const GenerateOptio
     out +=
         fmt::format("// {}: {}\nint {}({});\n", f.says, joined(f.answers), f.name, f.has_report ? "int& report" : "");
   }
+  out += fmt::format(
+      "\n// ---- What {}.bip calls: an exception ends what its codel belongs to, and nothing else.\n"
+      "inline constexpr bip::CodelOwner kCodelOwners[] = {{\n{}}};\n",
+      options.package, owners_text(make_plans(modules, options)));
+  for (const Function& f : functions_of(modules)) out += guarded_text(f);
+  if (options.executive == Executive::Served)
+    out +=
+        "extern \"C\" __attribute__((used)) inline const char* bip_reply_result(const char* whose, int is_activity) {\n"
+        "  return bip::reply_result(whose, is_activity != 0);\n}\n";
   return out;
 }
 

@@ -17,19 +17,6 @@
 namespace bip::genom {
 namespace {
 
-// Of stdlib/genom, and the root: a type of the package would hide them.
-constexpr const char* kOwnTypes[] = {"Signal",          "Report",         "Status",    "Age",
-                                     "ControlState",    "MasterTimer",    "Timer",     "WakeUp",
-                                     "IdsLock",         "Semaphore",      "Poster",    "ServiceController",
-                                     "ControlService",  "TaskController", "Permanent", "ControlIds",
-                                     "FunctionalLevel", "Answer",         "Running",   "Elapsed",
-                                     "Number",          "Text",           "Order",     "Stopwatch",
-                                     "NumberParameter", "TextParameter",  "Pair",      "FractionParameter",
-                                     "Fraction",        "Recovery",       "Asks",      "Executive",
-                                     "MasterClock",     "Posts",          "Told",      "Accepted",
-                                     "Numbered",        "Target",         "Outcome",   "Countdown",
-                                     "CodelWatch",      "Counts",         "Success"};
-
 // The greatest unit that divides all periods; 10 ms if there are none. GenoM 2 counts in its own clock.
 std::int64_t tick_of(const std::vector<Module>& modules) {
   std::int64_t tick = 0;
@@ -96,9 +83,10 @@ void write_types(std::string& out, const Plan& plan, std::int64_t tick_us) {
     const Task& t = m.tasks[i];
     if (!t.activity.states.empty())
       write_activity(out, plan, t.activity, plan.tasks[i].permanent, nullptr,
-                     fmt::format("The codels of task {} itself.", t.name.text));
+                     fmt::format("The codels of task {} itself.", t.name.text), plan.owner_of_task(i));
     if (plan.tasks[i].permanent.has_async)
-      write_work(out, plan, t.activity, plan.tasks[i].permanent, plan.tasks[i].work_type, "task " + t.name.text);
+      write_work(out, plan, t.activity, plan.tasks[i].permanent, plan.tasks[i].work_type, "task " + t.name.text,
+                 plan.owner_of_task(i));
     write_scheduler(out, plan, i);
     write_task(out, plan, i, tick_us);
   }
@@ -115,15 +103,10 @@ std::string generate(const std::vector<Module>& modules, const GenerateOptions& 
   std::string out = header(modules, options, tick_us);
   if (options.flavour == Flavour::Execution) out += codel_prototypes(modules, options.constraints);
   const std::size_t executive_at = out.size();
-  std::vector<Plan> plans;
-  Scope types;
-  for (const char* own : kOwnTypes) types.claim(own, "");
+  const std::vector<Plan> plans = make_plans(modules, options);
   std::set<std::size_t> lock_sizes;
-  Scope parts = level_scope();
-  for (std::size_t i = 0; i < modules.size(); ++i) {
-    plans.push_back(make_plan(modules[i], i, options, types));
-    plans.back().component = parts.claim(plans.back().component, "module");
-    for (const LockPlan& lock : plans.back().locks) lock_sizes.insert(lock.threads.size());
+  for (const Plan& p : plans) {
+    for (const LockPlan& lock : p.locks) lock_sizes.insert(lock.threads.size());
   }
   for (const std::size_t size : lock_sizes) write_data_lock(out, size);
   for (const Plan& p : plans) {

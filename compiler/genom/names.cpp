@@ -39,6 +39,8 @@ std::string type_name(std::string_view name) {
   return bip_name(result);
 }
 
+std::string codel_function(std::string_view codel) { return "codel_" + bip_name(codel); }
+
 std::string upper(std::string_view name) {
   std::string result = bip_name(name);
   std::transform(result.begin(), result.end(), result.begin(),

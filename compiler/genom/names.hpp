@@ -10,6 +10,8 @@ namespace bip::genom {
 [[nodiscard]] std::string bip_name(std::string_view name);
 /// "laser-rf" -> "LaserRf": the beginning of type names of a module.
 [[nodiscard]] std::string type_name(std::string_view name);
+/// The function that BIP calls for a codel, with its owner's number: it contains the codel's exceptions.
+[[nodiscard]] std::string codel_function(std::string_view codel);
 [[nodiscard]] std::string upper(std::string_view name);
 
 /// Names of one scope.

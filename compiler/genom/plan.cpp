@@ -7,11 +7,25 @@
 #include <map>
 #include <set>
 
+#include "compiler/genom/level.hpp"
 #include "compiler/genom/names.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::genom {
 namespace {
+
+// Of stdlib/genom, and the root: a type of the package would hide them.
+constexpr const char* kOwnTypes[] = {"Signal",          "Report",         "Status",    "Age",
+                                     "ControlState",    "MasterTimer",    "Timer",     "WakeUp",
+                                     "IdsLock",         "Semaphore",      "Poster",    "ServiceController",
+                                     "ControlService",  "TaskController", "Permanent", "ControlIds",
+                                     "FunctionalLevel", "Answer",         "Running",   "Elapsed",
+                                     "Number",          "Text",           "Order",     "Stopwatch",
+                                     "NumberParameter", "TextParameter",  "Pair",      "FractionParameter",
+                                     "Fraction",        "Recovery",       "Asks",      "Executive",
+                                     "MasterClock",     "Posts",          "Told",      "Accepted",
+                                     "Numbered",        "Target",         "Outcome",   "Countdown",
+                                     "CodelWatch",      "Counts",         "Success"};
 
 bool yields(const Activity& activity, const ActivityPlan& a, std::size_t to, Next next) {
   for (std::size_t i = 0; i < activity.states.size(); ++i) {
@@ -23,7 +37,7 @@ bool yields(const Activity& activity, const ActivityPlan& a, std::size_t to, Nex
   return false;
 }
 
-ActivityPlan plan_activity(const Activity& activity, bool can_be_stopped, const std::vector<Name>& reports,
+ActivityPlan plan_activity(const Activity& activity, bool can_be_stopped, const std::vector<std::string>& reports,
                            int generation) {
   const bool has_reports = !reports.empty();
   ActivityPlan a;
@@ -52,7 +66,8 @@ ActivityPlan plan_activity(const Activity& activity, bool can_be_stopped, const 
       a.pauses = a.pauses || y.next == Next::Pause;
       a.has_sleep = a.has_sleep || y.next == Next::Sleep;
       a.has_zombie = a.has_zombie || y.next == Next::Zombie;
-      a.has_bad = a.has_bad || y.next == Next::Other;
+      // GenoM 3: an activity ends with `bad_transition`.
+      a.has_bad = a.has_bad || (y.next == Next::Other && !(can_be_stopped && generation == 3));
       ends = ends || y.next == Next::Ether;
     }
     a.ends = a.ends || (ends && !is_stop);
@@ -66,7 +81,7 @@ ActivityPlan plan_activity(const Activity& activity, bool can_be_stopped, const 
     if (yields(activity, a, i, Next::Pause)) a.pause.push_back("pause_" + a.places[i]);
   }
   if (a.has_sleep) a.to.emplace_back("to_SLEEP");
-  for (const Name& r : reports) a.report.push_back("report_" + bip_name(r.text));
+  for (const std::string& r : reports) a.report.push_back("report_" + bip_name(r));
   BIP_ASSERT(a.places.size() == activity.states.size() && a.async.size() == a.used.size(), "{} places of {} states",
              a.places.size(), activity.states.size());
   a.rests = can_be_stopped || a.ends || a.pauses || a.has_sleep || a.has_zombie;
@@ -113,7 +128,7 @@ class Planner {
     plan.type = "ControlService";
     if (is_execution) {
       plan.type = types_.claim(plan_.type + type_name(s.name.text), "Service");
-      plan.activity = plan_activity(s.activity, true, s.reports, module_.generation);
+      plan.activity = plan_activity(s.activity, true, activity_reports(plan_, s), module_.generation);
       plan.activity.type = types_.claim(plan.type + "Activity", "Atom");
       if (plan.activity.has_async) plan.work_type = types_.claim(plan.type + "Work", "Atom");
     }
@@ -250,11 +265,38 @@ Plan make_plan(const Module& module, std::size_t index, const GenerateOptions& o
   return p;
 }
 
+std::vector<Plan> make_plans(const std::vector<Module>& modules, const GenerateOptions& options) {
+  std::vector<Plan> plans;
+  Scope types;
+  for (const char* own : kOwnTypes) types.claim(own, "");
+  Scope parts = level_scope();
+  std::size_t owners = 0;
+  for (std::size_t i = 0; i < modules.size(); ++i) {
+    plans.push_back(make_plan(modules[i], i, options, types));
+    Plan& plan = plans.back();
+    plan.component = parts.claim(plan.component, "module");
+    plan.first_owner = owners;
+    owners += plan.owners();
+  }
+  return plans;
+}
+
 bool Plan::may_suspend(std::size_t task) const {
   const Task& t = module->tasks[task];
   if ((t.permanent.is_set() && t.permanent_fails) || tasks[task].permanent.has_bad) return true;
   return std::any_of(tasks[task].activities.begin(), tasks[task].activities.end(),
                      [&](std::size_t activity) { return services[activities[activity].service].activity.has_bad; });
+}
+
+std::vector<std::string> activity_reports(const Plan& plan, const Service& service) {
+  std::vector<std::string> reports;
+  for (const Name& r : service.reports) reports.push_back(r.text);
+  if (plan.calls && plan.module->generation == 3) {
+    for (const char* own : {"bad_transition", "codel_exception"}) {
+      if (std::find(reports.begin(), reports.end(), own) == reports.end()) reports.emplace_back(own);
+    }
+  }
+  return reports;
 }
 
 std::vector<DataUse> uses_of(const Module& module, const Codel& codel) {

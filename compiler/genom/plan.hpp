@@ -1,6 +1,7 @@
 // Shared by the parts of the generator: the names of everything that is generated for a module, and which parts are
 // needed. Internal to compiler/genom.
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -90,6 +91,7 @@ struct Plan {
   std::vector<PosterPlan> poster_types;  // by poster
   std::vector<LockPlan> locks;
   std::size_t execution_activities = 0;
+  std::size_t first_owner = 0;  // in the list of owners of codels: activities, then tasks, of all modules
   std::string control, ids, lock, poster_timer;  // components
   std::string control_type, box_type, mailbox_type;
 
@@ -99,6 +101,10 @@ struct Plan {
   /// GenoM 2 refuses requests by the state of the whole module.
   [[nodiscard]] bool has_checks() const { return module->generation == 2; }
   [[nodiscard]] bool may_suspend(std::size_t task) const;
+  /// The number that C++ gets with each call of a codel.
+  [[nodiscard]] std::size_t owner_of_activity(std::size_t activity) const { return first_owner + activity; }
+  [[nodiscard]] std::size_t owner_of_task(std::size_t task) const { return first_owner + activities.size() + task; }
+  [[nodiscard]] std::size_t owners() const { return activities.size() + tasks.size(); }
   /// Threads of LockPlan: 0 the control task, then the tasks, then for what runs beside them the activities, then the
   /// tasks again.
   [[nodiscard]] static std::size_t thread_of_task(std::size_t task) { return 1 + task; }
@@ -113,14 +119,17 @@ struct Plan {
 /// `types`: names of types that the package has already; those of the module are added.
 /// `index`: of the module, in constraints.
 [[nodiscard]] Plan make_plan(const Module& module, std::size_t index, const GenerateOptions& options, Scope& types);
+/// Of all modules of a package. They point to `modules` and to the constraints of `options`.
+[[nodiscard]] std::vector<Plan> make_plans(const std::vector<Module>& modules, const GenerateOptions& options);
 
-/// The atom of a service's or (GenoM 3) a task's codels. `has_reports`: it is a service's.
+/// The atom of a service's or (GenoM 3) a task's codels. `service`: it is a service's. `owner`: of a task; that of an
+/// activity is the atom's parameter.
 void write_activity(std::string& out, const Plan& plan, const Activity& activity, const ActivityPlan& a,
-                    const Service* service, const std::string& comment);
+                    const Service* service, const std::string& comment, std::optional<std::size_t> owner = {});
 void write_service(std::string& out, const Plan& plan, std::size_t service, std::int64_t tick_us);
-/// The atom in which codels run beside the task, of a service or of a task (`owner` as in "Goto" or "task motion").
+/// The atom in which codels run beside the task, of a service or of a task (`says` as in "Goto" or "task motion").
 void write_work(std::string& out, const Plan& plan, const Activity& activity, const ActivityPlan& a,
-                const std::string& type, const std::string& owner);
+                const std::string& type, const std::string& says, std::optional<std::size_t> owner = {});
 /// What binds it to activity and controller inside the service's compound.
 void write_work_wires(std::string& out, const Plan& plan, std::size_t service, std::int64_t tick_us);
 void write_work_exports(std::string& out, const ServicePlan& p);
@@ -138,6 +147,10 @@ void write_module(std::string& out, const Plan& plan, const GenerateOptions& opt
 
 /// GenoM 2 does not say what a codel touches: everything.
 [[nodiscard]] std::vector<DataUse> uses_of(const Module& module, const Codel& codel);
+/// The reports with which an activity may end: its service's, and those of codels in C++ that do what they may not.
+[[nodiscard]] std::vector<std::string> activity_reports(const Plan& plan, const Service& service);
+/// What BIP hears of a codel that threw an exception.
+inline constexpr int kThrew = 203;
 /// What a C++ codel returns for an answer: 0 ether, 1 + k the k-th state, 101 + k that after a pause, 201 zombie, 202
 /// sleep.
 [[nodiscard]] int answer_code(const Yield& answer);

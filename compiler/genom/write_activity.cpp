@@ -27,11 +27,14 @@ class ActivityWriter {
         activity_(activity),
         activity_plan_(a),
         service_(service),
+        reports_(service == nullptr ? std::vector<std::string>() : activity_reports(plan, *service)),
         is_3_(plan.module->generation == 3),
         places_(a.places) {}
 
-  void run(const std::string& comment) {
-    out_ += fmt::format("\n  // {}\n  atom type {}()\n", comment, activity_plan_.type);
+  void run(const std::string& comment, std::optional<std::size_t> owner) {
+    owner_ = owner ? std::to_string(*owner) : "owner";
+    out_ += fmt::format("\n  // {}\n  atom type {}({})\n", comment, activity_plan_.type,
+                        plan_.calls && service_ != nullptr ? "int owner" : "");
     data();
     ports();
     place_line();
@@ -58,8 +61,7 @@ class ActivityWriter {
 
   void data() {
     if (activity_plan_.ends_not_ok) {
-      for (const Name& r : service_->reports)
-        out_ += fmt::format("    data string rep_{} = \"{}\"\n", bip_name(r.text), r.text);
+      for (const std::string& r : reports_) out_ += fmt::format("    data string rep_{} = \"{}\"\n", bip_name(r), r);
     }
     if (remembers()) out_ += "    data bool stopping = false\n";
     if (plan_.calls) out_ += "    data int next = 0, report = 0\n";
@@ -193,7 +195,7 @@ class ActivityWriter {
       const Codel& codel = activity_.states[i].codel;
       const bool calls = plan_.calls && codel.name.is_set() && !activity_plan_.async[i];
       on("run_" + places_[i], places_[i], places_[i] + "_RUNS",
-         calls ? fmt::format("report = 0; next = {}(report)", bip_name(codel.name.text)) : "");
+         calls ? fmt::format("report = 0; next = {}({}, report)", codel_function(codel.name.text), owner_) : "");
       if (leaves(i))
         on((activity_plan_.async[i] ? "back_" : "done_") + places_[i], places_[i] + "_RUNS", places_[i] + "_ENDS");
       if (!activity_plan_.async[i]) continue;
@@ -219,13 +221,15 @@ class ActivityWriter {
       const bool ends =
           std::any_of(s.yields.begin(), s.yields.end(), [](const Yield& y) { return y.next == Next::Ether; });
       const bool may_report =
-          service_ != nullptr && s.codel.name.is_set() && !service_->reports.empty() && (is_3_ || (ends && !is_stop));
+          service_ != nullptr && s.codel.name.is_set() && !reports_.empty() && (is_3_ || (ends && !is_stop));
       const bool calls = plan_.calls && s.codel.name.is_set();
       std::string known;
       const auto when = [&](const Yield& y) {
         if (!calls) return std::string();
         if (y.next == Next::Other) return "!(" + (known.empty() ? "false" : known) + ")";
         std::string guard = fmt::format("next == {}", answer_code(y));
+        // GenoM 2: what threw fails, after its codel for that if the state permits it.
+        if (!is_3_ && service_ != nullptr && is_failure(s, y)) guard = fmt::format("({} || next == {})", guard, kThrew);
         // GenoM 3: an exception goes before any state.
         if (may_report && (is_3_ || y.next == Next::Ether)) guard += " && report == 0";
         known += (known.empty() ? "" : " || ") + (guard.find('&') == std::string::npos ? guard : "(" + guard + ")");
@@ -238,19 +242,31 @@ class ActivityWriter {
         if (y.next == Next::Zombie) on("zombie", from, "ZOMBIE", clear, when(y));
         if (y.next == Next::Ether) on(is_stop ? "intr" : "ok", from, "ETHER", clear, when(y));
       }
-      for (std::size_t k = 0; may_report && k < service_->reports.size(); ++k) {
+      for (std::size_t k = 0; may_report && k < reports_.size(); ++k) {
+        // Below: it is for what nothing else is.
+        if (is_3_ && calls && reports_[k] == "bad_transition") continue;
         std::string guard;
         if (calls) {
-          guard = is_3_ ? fmt::format("report == {}", k + 1)
-                        : fmt::format("next == {} && report == {}", answer_code({Next::Ether, {}, 0}), k + 1);
+          guard = is_3_ && reports_[k] == "codel_exception" ? fmt::format("next == {}", kThrew)
+                  : is_3_                                   ? fmt::format("report == {}", k + 1)
+                          : fmt::format("next == {} && report == {}", answer_code({Next::Ether, {}, 0}), k + 1);
           known += (known.empty() ? "" : " || ") + (is_3_ ? guard : "(" + guard + ")");
         }
-        on("report_" + bip_name(service_->reports[k].text), from, "ETHER", clear, guard);
+        on("report_" + bip_name(reports_[k]), from, "ETHER", clear, guard);
       }
       for (const Yield& y : s.yields) {
-        if (y.next == Next::Other) on("bad", from, places_[i], {}, when(y));
+        if (y.next != Next::Other) continue;
+        if (is_3_ && may_report) on("report_bad_transition", from, "ETHER", clear, when(y));
+        else on("bad", from, places_[i], {}, when(y));
       }
     }
+  }
+
+  [[nodiscard]] bool is_failure(const State& s, const Yield& y) const {
+    const auto fails = [&](const Yield& other) {
+      return other.next == Next::State && activity_.states[other.state].name.text == "FAIL";
+    };
+    return fails(y) || (y.next == Next::Zombie && std::none_of(s.yields.begin(), s.yields.end(), fails));
   }
 
   // Nothing to do for it in this turn.
@@ -277,6 +293,8 @@ class ActivityWriter {
   const Activity& activity_;
   const ActivityPlan& activity_plan_;
   const Service* service_;
+  std::string owner_;
+  std::vector<std::string> reports_;
   bool is_3_;
   const std::vector<std::string>& places_;
 };
@@ -284,8 +302,8 @@ class ActivityWriter {
 }  // namespace
 
 void write_activity(std::string& out, const Plan& plan, const Activity& activity, const ActivityPlan& a,
-                    const Service* service, const std::string& comment) {
-  ActivityWriter(out, plan, activity, a, service).run(comment);
+                    const Service* service, const std::string& comment, std::optional<std::size_t> owner) {
+  ActivityWriter(out, plan, activity, a, service).run(comment, owner);
 }
 
 }  // namespace bip::genom

@@ -15,10 +15,12 @@ std::vector<const Codel*> bodies(const Service& s) {
   return codels;
 }
 
-std::vector<std::string> reports_of(const Service& s) {
+// The last one stands for exceptions of C++, and for answers that there are not.
+std::vector<std::string> control_reports(const Plan& plan, const Service& s) {
   std::vector<std::string> reports;
   for (const Name& r : s.reports) reports.push_back(r.text);
-  if (reports.empty()) reports.emplace_back("CONTROL_CODEL_ERROR");
+  if (plan.calls || reports.empty())
+    reports.emplace_back(plan.calls && plan.module->generation == 3 ? "codel_exception" : "CONTROL_CODEL_ERROR");
   return reports;
 }
 
@@ -105,9 +107,12 @@ void ModuleWriter::parts(const GenerateOptions& options) {
     out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component DataLock{} {}()\n",
                         lock.threads.size(), lock.component);
   for (const TaskPlan& t : plan_.tasks) out_ += fmt::format("    component {} {}()\n", t.type, t.component);
-  for (const ServiceInstance& activity : plan_.activities) {
-    out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component {} {}()\n",
-                        plan_.services[activity.service].type, activity.component);
+  for (std::size_t k = 0; k < plan_.activities.size(); ++k) {
+    const ServiceInstance& activity = plan_.activities[k];
+    const bool is_execution = plan_.service_of(k).kind == ServiceKind::Execution;
+    out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component {} {}({})\n",
+                        plan_.services[activity.service].type, activity.component,
+                        plan_.calls && is_execution ? std::to_string(plan_.owner_of_activity(k)) : "");
   }
   if (!plan_.poster_timer.empty())
     out_ += fmt::format("    component Timer {}({}, 0)\n", plan_.poster_timer, options.poster_period);
@@ -117,11 +122,14 @@ void ModuleWriter::parts(const GenerateOptions& options) {
 }
 
 // Execution flavour: the codels one after the other, until one does not answer OK.
-std::string ModuleWriter::called(const std::vector<Codel>& codels, const std::string& answer) const {
+std::string ModuleWriter::called(const std::vector<Codel>& codels, std::size_t activity,
+                                 const std::string& port) const {
+  const std::string answer = of_activity(activity, port);
   std::string action;
   for (const Codel& c : codels) {
     if (!plan_.calls || !c.name.is_set()) continue;
-    const std::string call = fmt::format("{} <- {}()", answer, bip_name(c.name.text));
+    const std::string call =
+        fmt::format("{} <- {}({})", answer, codel_function(c.name.text), plan_.owner_of_activity(activity));
     action += action.empty()
                   ? call
                   : fmt::format("{} if ({} == 0) then {}; fi", action.ends_with("fi") ? "" : ";", answer, call);
@@ -190,10 +198,7 @@ void ModuleWriter::request(std::size_t i) {
     const std::string& name = plan_.activities[activity].component;
     std::vector<std::string> trig{control("trig_" + p.id), of_activity(activity, "trig")};
     if (!is_execution) add_locks(trig, bodies(s), 0, "take");
-    wire({.name = "trig_" + name,
-          .ports = trig,
-          .action = called(s.body, of_activity(activity, "trig.answer")),
-          .exported = true});
+    wire({.name = "trig_" + name, .ports = trig, .action = called(s.body, activity, "trig.answer"), .exported = true});
     const std::string rejected = control("rej_" + p.id);
     wire({.name = "rej_" + name,
           .ports = {rejected, of_activity(activity, "rej")},
@@ -221,7 +226,7 @@ void ModuleWriter::admissions(std::size_t i) {
     wire({.name = "admit_" + plan_.activities[activity].component,
           .ports = admit,
           .guard = guard,
-          .action = called({s.validate}, of_activity(activity, "ctrl.answer"))});
+          .action = called({s.validate}, activity, "ctrl.answer")});
     if (s.validate.name.is_set()) validated(s, activity);
     busy.push_back(of_activity(activity, "busy"));
   }
@@ -253,7 +258,7 @@ void ModuleWriter::validated(const Service& s, std::size_t activity) {
         .ports = valid,
         .guard = plan_.calls ? of_activity(activity, "valid.answer == 0") : ""});
   if (!s.validate_fails) return;
-  const std::vector<std::string> reports = reports_of(s);
+  const std::vector<std::string> reports = control_reports(plan_, s);
   for (std::size_t k = 0; k < reports.size(); ++k) {
     const std::string& report = reports[k];
     std::vector<std::string> bad{control("invalid"), of_activity(activity, "invalid")};
@@ -291,7 +296,7 @@ void ModuleWriter::finals(const Service& s, const ServicePlan& p) {
         .action = control("final") + ".rep <- \"OK\"",
         .exported = p.is_heard});
   if (!has_codel || !s.body_fails) return;
-  const std::vector<std::string> reports = reports_of(s);
+  const std::vector<std::string> reports = control_reports(plan_, s);
   for (std::size_t k = 0; k < reports.size(); ++k) {
     const std::string& report = reports[k];
     std::vector<std::string> bad{control("final"), of_activity(activity, "nofin")};

@@ -153,7 +153,9 @@ void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64
   const bool calls = plan.calls && t.permanent.is_set();
   write_wire(out, {.name = "begin",
                    .ports = begin,
-                   .action = calls ? fmt::format("permanent.exec.answer <- {}()", bip_name(t.permanent.text)) : "",
+                   .action = calls ? fmt::format("permanent.exec.answer <- {}({})", codel_function(t.permanent.text),
+                                                 plan.owner_of_task(task))
+                                   : "",
                    .exported = true});
   if (t.permanent.is_set()) {
     write_wire(out, {.name = "permanent_done",
@@ -222,10 +224,13 @@ void write_service(std::string& out, const Plan& plan, std::size_t service, std:
   const Service& s = plan.module->services[service];
   const ServicePlan& p = plan.services[service];
   const ActivityPlan& a = p.activity;
-  out += fmt::format("\n  // Execution service {}.\n  compound type {}()\n", s.name.text, p.type);
+  const char* const owner = plan.calls ? "owner" : "";
+  out += fmt::format("\n  // Execution service {}.\n  compound type {}({})\n", s.name.text, p.type,
+                     plan.calls ? "int owner" : "");
   out += "    @SuppressWarning(unboundcomponentport)\n    component ServiceController controller()\n";
-  out += fmt::format("    component {} activity()\n", a.type);
-  if (a.has_async) out += fmt::format("    component {} work()\n    component CodelWatch watch()\n", p.work_type);
+  out += fmt::format("    component {} activity({})\n", a.type, owner);
+  if (a.has_async)
+    out += fmt::format("    component {} work({})\n    component CodelWatch watch()\n", p.work_type, owner);
   const std::string interrupted = plan.module->generation == 2 ? "ACTIVITY_INTERRUPTED" : "interrupted";
   write_wire(out, {.name = "start", .ports = {"controller.start", "activity.start"}, .exported = true});
   write_wire(out, {.name = "cancel",

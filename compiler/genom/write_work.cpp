@@ -52,9 +52,9 @@ void write_back(std::string& out, const Plan& plan, const std::string& back, con
 }  // namespace
 
 void write_work(std::string& out, const Plan& plan, const Activity& activity, const ActivityPlan& a,
-                const std::string& type, const std::string& owner) {
-  out += fmt::format("\n  // Codels of {} that run beside {} task.\n  atom type {}()\n", owner,
-                     owner.starts_with("task ") ? "the" : "their", type);
+                const std::string& type, const std::string& says, std::optional<std::size_t> owner) {
+  out += fmt::format("\n  // Codels of {} that run beside {} task.\n  atom type {}({})\n", says,
+                     owner ? "the" : "their", type, plan.calls && !owner ? "int owner" : "");
   if (plan.calls) out += "    data int next = 0, report = 0\n";
   std::string places = "HERE";
   if (returns_plainly(a)) places += ", AWAY";
@@ -74,9 +74,11 @@ void write_work(std::string& out, const Plan& plan, const Activity& activity, co
     if (plan.calls)
       out += codel.budget_us == 0 ? std::string("    @async\n")
                                   : fmt::format("    @async(budget=\"{}\")\n", budget_text(codel.budget_us));
-    out += fmt::format(
-        "    on begin_{0} from HERE to AWAY{1}{2}\n", a.places[i], a.holds[i] ? "_" + a.places[i] : "",
-        plan.calls ? fmt::format(" do {{ report = 0; next = {}(report); }}", bip_name(codel.name.text)) : "");
+    out +=
+        fmt::format("    on begin_{0} from HERE to AWAY{1}{2}\n", a.places[i], a.holds[i] ? "_" + a.places[i] : "",
+                    plan.calls ? fmt::format(" do {{ report = 0; next = {}({}, report); }}",
+                                             codel_function(codel.name.text), owner ? std::to_string(*owner) : "owner")
+                               : "");
   }
   if (returns_plainly(a)) out += "    on returned from AWAY to BACK\n";
   for (std::size_t i = 0; i < a.places.size(); ++i) {

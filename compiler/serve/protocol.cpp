@@ -384,12 +384,15 @@ std::string step_line(const Step& step, std::int64_t now, const char* note) {
 }
 
 std::string request_line(const RequestReply& reply, std::int64_t now) {
-  return line_of({{"note", "request"},
-                  {"request", reply.request},
-                  {"service", reply.service},
-                  {"time", now},
-                  {"reply", reply.is_final ? "final" : "intermediate"},
-                  {"report", reply.report}});
+  Json line{{"note", "request"},
+            {"request", reply.request},
+            {"service", reply.service},
+            {"time", now},
+            {"reply", reply.is_final ? "final" : "intermediate"},
+            {"report", reply.report}};
+  const Json more = Json::parse(reply.result, nullptr, false);
+  if (more.is_object()) line.update(more);
+  return line_of(line);
 }
 
 std::string alarm_line(const Alarm& alarm) {

@@ -307,7 +307,8 @@ void Requests::hear(Mailbox& box, Heard what, const Step& step, std::uint32_t po
       box.asked.clear();
       const std::string report = report_of(step);
       const ServiceText* const service = box.find(request.service);
-      return reply(request, report != "OK" || service == nullptr || service->is_control, report);
+      const bool is_final = report != "OK" || service == nullptr || service->is_control;
+      return reply(request, is_final, report, is_final ? result(request.service, false) : "");
     }
   }
 }
@@ -319,13 +320,19 @@ void Requests::hear_end(const Step& step, std::uint32_t port) {
   Mailbox& box = mailboxes_[found->second];
   const EventValue* const value = value_at(step, port, "rep");
   const auto* const text = value == nullptr ? nullptr : std::get_if<std::string>(value);
-  reply(box.running.at(activity), true, text == nullptr ? "" : *text);
+  const std::size_t root = activity.starts_with("ROOT.") ? 5 : 0;
+  reply(box.running.at(activity), true, text == nullptr ? "" : *text, result(activity.substr(root), true));
   box.running.erase(activity);
   activities_.erase(found);
 }
 
-void Requests::reply(const Request& request, bool is_final, const std::string& report) {
-  replies_.push_back({request.number, request.client, request.service, is_final, report});
+void Requests::reply(const Request& request, bool is_final, const std::string& report, std::string result) {
+  replies_.push_back({request.number, request.client, request.service, is_final, report, std::move(result)});
+}
+
+std::string Requests::result(const std::string& whose, bool is_activity) const {
+  const char* const text = result_of == nullptr ? nullptr : result_of(whose.c_str(), is_activity ? 1 : 0);
+  return text == nullptr ? "" : text;
 }
 
 }  // namespace bip::serve

@@ -27,6 +27,7 @@ struct RequestReply {
   std::string service;
   bool is_final = false;
   std::string report;
+  std::string result = {};  // a JSON object of the model's C++: what else there is to tell; or empty
 };
 
 class Requests {
@@ -38,6 +39,8 @@ class Requests {
   [[nodiscard]] bool any() const { return !mailboxes_.empty(); }
   /// Called on the engine's thread; set before it begins.
   std::function<void(const RequestReply&)> on_reply;
+  /// Of the model's C++ (bip/codels.hpp): what an activity, or a service, tells with its final reply. May be null.
+  const char* (*result_of)(const char* whose, int is_activity) = nullptr;
 
   // ---- any thread
   /// "NDD.GoTo(3)" with what its codels get. Returns an empty text, and its number; or why it is refused.
@@ -91,7 +94,8 @@ class Requests {
   void hand_over(Mailbox& box);
   void hear(Mailbox& box, Heard what, const Step& step, std::uint32_t port);
   void hear_end(const Step& step, std::uint32_t port);
-  void reply(const Request& request, bool is_final, const std::string& report);
+  void reply(const Request& request, bool is_final, const std::string& report, std::string result = {});
+  [[nodiscard]] std::string result(const std::string& whose, bool is_activity) const;
 
   Execution& system_;
   std::vector<Mailbox> mailboxes_;

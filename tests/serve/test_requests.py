@@ -17,6 +17,7 @@ from checks import BIPC, Client, check, finish
 MODULE = """module {0} {{ number: {1}; internal_data: DATA; }};
 request Go {{ type: exec; exec_task: Motion; codel_main: {0}Go; codel_inter: {0}Brake; }};
 request Turn {{ type: exec; exec_task: Motion; codel_main: {0}Turn; codel_inter: {0}Brake; }};
+request Burst {{ type: exec; exec_task: Motion; codel_control: {0}Check; codel_main: {0}Burst; }};
 request Mark {{ type: control; codel_control: {0}Mark; }};
 request Stop {{ type: control; interrupt_activity: Go; }};
 exec_task Motion {{ period: 2; }};
@@ -29,12 +30,19 @@ north.Go requires request.speed <= 100 report "TOO-FAST";
 # An activity goes on until it is told to stop. Times are counted in ticks of 10 ms.
 CODELS = """#include "level_codels.hpp"
 #include <cstdio>
-void request_asked(const char*, const char*) {}
+#include <stdexcept>
+#include <string>
+static std::string asked;
+void request_asked(const char*, const char* input) { asked = input; }
 void request_input(const char* service, const char* input) { std::printf("%s gets %s\\n", service, input); std::fflush(stdout); }
 int northGo(int&) { return 2; }
 int northTurn(int&) { return 2; }
 int northBrake(int&) { return 0; }
 int northMark() { return 0; }
+int northCheck() { return asked == "refuse" ? throw std::runtime_error("a \\"map\\"\\nis missing") : 0; }
+int northBurst(int&) { throw std::runtime_error("no map"); }
+int southCheck() { return 0; }
+int southBurst(int&) { throw 3; }
 int southGo(int&) { return 2; }
 int southTurn(int&) { return 2; }
 int southBrake(int&) { return 0; }
@@ -54,6 +62,7 @@ class Level:
         assert "listening" in line, line + self.server.stderr.read()
         self.client = Client(self.path, 20)
         self.replies = {}  # number: [(what, report), ...]
+        self.thrown = {}   # number: what its final reply tells of an exception
         self.order = []    # numbers by their final replies
 
     def ask(self, service, input=""):
@@ -76,6 +85,7 @@ class Level:
             if note["note"] == "request":
                 self.replies.setdefault(note["request"], []).append((note["reply"], note["report"]))
                 if note["reply"] == "final":
+                    self.thrown[note["request"]] = note.get("exception")
                     self.order.append(note["request"])
         return True
 
@@ -103,6 +113,7 @@ def main():
             stops_first(level)
             taken_back(level)
             set_back(level)
+            exceptions(level)
             level.client.ask("shutdown")
         check("it ends with 0", level.server.wait(20) == 0)
         level.output.seek(0)
@@ -114,7 +125,7 @@ def main():
 
 def refusals(level):
     """Before anything of it comes to the model."""
-    for service, part in (("north.Stpo", "did you mean `north.Stop`?"), ("Mark", "did you mean `north.Mark` or `south.Mark`?"), ("north.Fly", "`north` has Go, Turn, Mark, Stop, Abort"),
+    for service, part in (("north.Stpo", "did you mean `north.Stop`?"), ("Mark", "did you mean `north.Mark` or `south.Mark`?"), ("north.Fly", "`north` has Go, Turn, Burst, Mark, Stop, Abort"),
                           ("battery.Use", "there are the modules north, south"), ("north.Go", "`north.Go(speed)`"), ("north.Go(1, 2)", "`north.Go(speed)`"),
                           ("north.Go(fast)", "`speed` is a number, not `fast`"), ("north.Go(nan)", "a number"), ("north.Go(3", "`north.Go(speed)`"), ("north.Stop(3)", "`north.Stop`"), ("", "there is no service")):
         said = level.refusal(service=service)
@@ -192,6 +203,27 @@ def set_back(level):
     level.final(level.ask("north.Mark"))
     check("it is set back", level.client.ask("restore", snapshot=saved)["ok"])
     check("and takes requests", level.final(level.ask("north.Mark")) == "OK")
+
+
+def exceptions(level):
+    """Of one codel: its activity fails, and whoever asked hears why; all others go on."""
+    turn = level.ask("south.Turn")
+    level.accepted(turn)
+    burst = level.ask("north.Burst")
+    check("an activity whose codel throws fails", level.final(burst) == "ACTIVITY_FAILED", level.replies.get(burst))
+    check("its reply tells what was thrown", level.thrown.get(burst) == {"codel": "northBurst", "what": "no map"}, level.thrown)
+    check("the other module's activity runs on", {"request": turn, "service": "south.Turn", "running": True} in level.client.ask("requests")["requests"])
+    check("and takes requests", level.final(level.ask("south.Mark")) == "OK")
+    check("its own module waits for the zombie to go", level.final(level.ask("north.Turn")) == "WAIT_ABORT_ZOMBIE_ACTIVITY")
+    check("Abort removes it", level.final(level.ask("north.Abort(Burst)")) == "OK")
+    again = level.ask("north.Turn")
+    check("then it goes on as before", level.accepted(again) == ("intermediate", "OK"), level.replies.get(again))
+    refused = level.ask("north.Burst", "refuse")
+    check("a control codel that throws refuses", level.final(refused) == "CONTROL_CODEL_ERROR", level.replies.get(refused))
+    check("and says why", level.thrown.get(refused) == {"codel": "northCheck", "what": 'a "map"\nis missing'}, level.thrown)
+    other = level.ask("south.Burst")
+    check("what is thrown need not be std::exception", level.final(other) == "ACTIVITY_FAILED" and level.thrown[other] == {"codel": "southBurst", "what": ""}, level.thrown)
+    check("replies without one do not mention it", level.final(level.ask("north.Mark")) == "OK" and level.thrown[max(level.thrown)] is None)
 
 
 if __name__ == "__main__":
