@@ -13,12 +13,12 @@
 #include "compiler/driver/check_outputs.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/emit_stage.hpp"
-#include "compiler/driver/estimate.hpp"
+#include "compiler/library/observer_estimate.hpp"
+#include "compiler/library/read_observer.hpp"
 #include "compiler/pipeline/executor.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/pipeline/ffi_build.hpp"
 #include "compiler/pipeline/machine.hpp"
-#include "compiler/driver/read_observer.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/driver/terminal.hpp"
 #include "compiler/system/uses_time.hpp"
@@ -30,8 +30,9 @@
 namespace bip::driver {
 namespace {
 
-constexpr double kLevel = 0.95;
-const std::vector<double> kShares{0.05, 0.5, 0.95};
+using library::Estimate;
+using library::kConfidence;
+
 constexpr std::size_t kBins = 20;
 constexpr std::uint32_t kMostThreads = 256;
 
@@ -54,14 +55,6 @@ Histogram histogram_of(const std::vector<double>& values, const Estimate& of) {
     ++made.counts[std::min(static_cast<std::size_t>(bin), made.counts.size() - 1)];
   }
   return made;
-}
-
-bool is_probability(const rt::Observer& observer) { return observer.kind == rt::ObserverKind::Reaches; }
-
-Interval interval_of(const rt::Observer& observer, const Estimate& of) {
-  if (!is_probability(observer)) return of.mean_interval;
-  const auto successes = static_cast<std::uint64_t>(std::llround(of.mean * static_cast<double>(of.count)));
-  return clopper_pearson(successes, of.count, kLevel);
 }
 
 std::string number(double value) { return std::isnan(value) ? "-" : fmt::format("{:.6g}", value); }
@@ -103,8 +96,7 @@ std::string text_of(const rt::SimulateReport& report, const rt::SimulateOptions&
         fmt::format("{:<{}}  {:>8}  {:>10}  {:>10}  {:>10}  {:>10}  {:>10}  {:>10}  {:>10}  95% interval of the mean\n",
                     "observer", width, "runs", "mean", "deviation", "least", "5%", "median", "95%", "greatest");
   for (std::size_t k = 0; k < options.observers.size(); ++k) {
-    const Estimate of = estimate(report.values[k], kShares, kLevel);
-    const Interval interval = interval_of(options.observers[k], of);
+    const auto [of, interval] = library::estimate_of(options.observers[k], report.values[k]);
     text += fmt::format("{:<{}}  {:>8}", options.observers[k].text, width, of.count);
     if (of.count == 0) {
       text += "  in no run\n";
@@ -142,10 +134,9 @@ Json json_of(const rt::SimulateReport& report, const rt::SimulateOptions& option
   json["runs"] = runs;
   json["observers"] = Json::array();
   for (std::size_t k = 0; k < options.observers.size(); ++k) {
-    const Estimate of = estimate(report.values[k], kShares, kLevel);
+    const auto [of, interval] = library::estimate_of(options.observers[k], report.values[k]);
     Json row{{"observer", options.observers[k].text}, {"runs", of.count}};
     if (of.count != 0) {
-      const Interval interval = interval_of(options.observers[k], of);
       const Histogram bins = histogram_of(report.values[k], of);
       row.update({{"mean", of.mean},
                   {"deviation", of.deviation},
@@ -154,7 +145,7 @@ Json json_of(const rt::SimulateReport& report, const rt::SimulateOptions& option
                   {"median", of.quantiles[1]},
                   {"q95", of.quantiles[2]},
                   {"greatest", of.greatest},
-                  {"confidence", kLevel},
+                  {"confidence", kConfidence},
                   {"interval", {interval.low, interval.high}},
                   {"histogram", {{"first", bins.first}, {"width", bins.width}, {"counts", bins.counts}}}});
     }
@@ -218,12 +209,12 @@ bool refuse(const char* option, const std::string& why) {
 // printed an error.
 bool read_questions(const SimulateArguments& a, const System& system, rt::SimulateOptions& options) {
   for (const std::string& text : a.observers) {
-    Result<rt::Observer> observer = read_observer(text, system);
+    Result<rt::Observer> observer = library::read_observer(text, system);
     if (!observer) return refuse("--observe", observer.error());
     options.observers.push_back(std::move(*observer));
   }
   if (a.stop.empty()) return true;
-  Result<std::function<bool(const rt::Core&)>> stop = read_condition(a.stop, system);
+  Result<std::function<bool(const rt::Core&)>> stop = library::read_condition(a.stop, system);
   if (!stop) return refuse("--stop", stop.error());
   options.stop = std::move(*stop);
   return true;
@@ -238,7 +229,7 @@ Optimisation optimisation_of(const SimulateArguments& a, const rt::SimulateOptio
 
 // False: the values of all runs do not fit into half of what is free.
 bool fits_memory(const rt::SimulateOptions& options) {
-  const std::uint64_t bytes = (options.observers.size() + 4) * sizeof(double);
+  const std::uint64_t bytes = library::bytes_of_run(options);
   if (options.runs <= available_memory() / 2 / bytes) return true;
   return refuse("--runs", fmt::format("{} runs of {} bytes each are more than the free memory", options.runs, bytes));
 }
@@ -249,7 +240,7 @@ int command_simulate(const SimulateArguments& arguments) {
   Compilation c(arguments.compile);
   if (!compile(c, arguments.file, Stage::Image) || !check_outputs(c, {arguments.csv_path})) return report(c);
   rt::SimulateOptions options = arguments.simulate;
-  if (arguments.within > 0) options.runs = runs_for(arguments.within, kLevel);
+  if (arguments.within > 0) options.runs = library::runs_for(arguments.within, kConfidence);
   if (!read_questions(arguments, *c.system, options)) return kUsage;
   if (!arguments.until.empty()) {
     if (!system::is_timed(*c.system)) return refuse("--until", "the model has no clocks"), kUsage;

@@ -10,13 +10,17 @@
 #include "compiler/graph/graph.hpp"
 #include "compiler/interp/interp.hpp"
 #include "compiler/library/decide.hpp"
+#include "compiler/library/observer_estimate.hpp"
+#include "compiler/library/read_observer.hpp"
 #include "compiler/pipeline/executor.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
+#include "compiler/pipeline/ffi_build.hpp"
 #include "compiler/pipeline/limits.hpp"
 #include "compiler/pipeline/machine.hpp"
 #include "compiler/system/bsys.hpp"
 #include "compiler/system/uses_time.hpp"
 #include "compiler/verify/net/unread_data.hpp"
+#include "runtime/engine/simulate.hpp"
 #include "runtime/explore/counterexample.hpp"
 #include "runtime/trace/trace.hpp"
 
@@ -105,12 +109,26 @@ Counterexample replayed(const rt::Image& image, rt::MaximalProgress maximal, rt:
   return out;
 }
 
+Estimate plain(const library::ObserverEstimate& of) {
+  return {.count = of.values.count,
+          .mean = of.values.mean,
+          .deviation = of.values.deviation,
+          .least = of.values.least,
+          .greatest = of.values.greatest,
+          .q05 = of.values.quantiles[0],
+          .median = of.values.quantiles[1],
+          .q95 = of.values.quantiles[2],
+          .low = of.interval.low,
+          .high = of.interval.high};
+}
+
 // What the two kinds of reports have in common.
 template <class Report>
 void fill(Exploration& out, const Report& found) {
   out.end = rt::name_of(found.end);
   out.steps = found.steps;
   out.deadlocks = found.deadlocks;
+  out.finals = found.finals;
   out.errors = found.errors;
   out.depth = found.depth;
   out.seconds = found.seconds;
@@ -239,6 +257,61 @@ Exploration Model::explore(const ExploreOptions& options) {
   if (!found.are_paths_known) return out;
   if (found.has_deadlock) out.deadlock = found_run(Deadlock, rt::at_once(found.deadlock));
   if (found.has_error) out.error = found_run(Error, rt::at_once(found.error));
+  return out;
+}
+
+Simulation Model::simulate(const SimulateOptions& options) {
+  Simulation out;
+  pipeline::Compilation& c = impl_->compilation;
+  rt::SimulateOptions wanted;
+  wanted.runs = options.runs;
+  wanted.seed = options.seed;
+  wanted.limit = options.steps;
+  wanted.policy = options.policy;
+  wanted.asap = options.asap;
+  wanted.is_stopped = [&options] { return options.stop.stop_requested(); };
+  for (const std::string& text : options.observers) {
+    Result<rt::Observer> observer = library::read_observer(text, *c.system);
+    if (!observer) {
+      out.problem = observer.error();
+      return out;
+    }
+    wanted.observers.push_back(std::move(*observer));
+  }
+  if (!options.stop_condition.empty()) {
+    Result<std::function<bool(const rt::Core&)>> stop = library::read_condition(options.stop_condition, *c.system);
+    if (!stop) {
+      out.problem = stop.error();
+      return out;
+    }
+    wanted.stop = std::move(*stop);
+  }
+  if (options.until >= 0) {
+    if (!system::is_timed(*c.system)) {
+      out.problem = "a run ends at an instant, and the model has no clocks";
+      return out;
+    }
+    wanted.until = options.until;
+  }
+  const std::uint64_t bytes = library::bytes_of_run(wanted);
+  if (options.runs > pipeline::available_memory() / 2 / bytes) {
+    out.problem = fmt::format("{} runs of {} bytes each are more than the free memory", options.runs, bytes);
+    return out;
+  }
+  out.diagnostics = prepare();
+  if (!out.diagnostics.empty()) return out;
+  const std::uint32_t threads = options.threads == 0 ? pipeline::processors() : std::min(options.threads, 256u);
+  wanted.threads = pipeline::uses_ffi(c) ? 1 : threads;
+  rt::SimulateReport found = rt::simulate(c.lowered->image, wanted);
+  out.is_answered = true;
+  out.is_complete = found.is_complete;
+  for (const rt::SimulatedEnd end : found.ends) out.ends.emplace_back(rt::name_of(end));
+  for (std::size_t k = 0; k < wanted.observers.size(); ++k)
+    out.estimates.push_back(plain(library::estimate_of(wanted.observers[k], found.values[k])));
+  out.steps = std::move(found.steps);
+  out.times = std::move(found.times);
+  out.values = std::move(found.values);
+  out.first_error = std::move(found.first_fault);
   return out;
 }
 

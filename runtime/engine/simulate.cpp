@@ -21,8 +21,13 @@ namespace bip::rt {
 namespace {
 
 constexpr std::uint64_t kRunsPerPiece = 16;
+constexpr std::uint64_t kStepsPerPiece = 1 << 20;
 constexpr double kNanoseconds = 1e9;
 constexpr double kUndefined = std::numeric_limits<double>::quiet_NaN();
+
+bool must_stop(const SimulateOptions& options) {
+  return is_interrupted() || (options.is_stopped && options.is_stopped());
+}
 
 /// What one observer has seen of the run that is under way.
 struct Seen {
@@ -107,7 +112,7 @@ class Simulator {
     while (true) {
       if (options_.stop && options_.stop(core_)) return SimulatedEnd::Stop;
       if (steps >= options_.limit) return SimulatedEnd::Limit;
-      if ((steps & 1023u) == 0 && is_interrupted()) return SimulatedEnd::NotRun;
+      if ((steps & 1023u) == 0 && must_stop(options_)) return SimulatedEnd::NotRun;
       switch (scheduler_.wait(core_, feed_)) {
         case Due::Event: continue;
         case Due::Stopped: return SimulatedEnd::NotRun;
@@ -127,11 +132,16 @@ class Simulator {
   }
   SimulatedEnd go_compiled(std::uint64_t& steps) {
     bool is_sound = true;
-    steps_ = steps = scheduler_.untimed().run_steps(
-        core_, options_.limit, [] { return is_interrupted(); }, is_sound);
-    if (!is_sound) return SimulatedEnd::Fault;
-    if (steps >= options_.limit) return SimulatedEnd::Limit;
-    return is_interrupted() ? SimulatedEnd::NotRun : end_without_candidates();
+    while (steps < options_.limit) {
+      const std::uint64_t wanted = std::min(options_.limit - steps, kStepsPerPiece);
+      const std::uint64_t taken = scheduler_.untimed().run_steps(
+          core_, wanted, [] { return is_interrupted(); }, is_sound);
+      steps_ = steps += taken;
+      if (!is_sound) return SimulatedEnd::Fault;
+      if (must_stop(options_)) return SimulatedEnd::NotRun;
+      if (taken < wanted) return end_without_candidates();
+    }
+    return SimulatedEnd::Limit;
   }
   [[nodiscard]] SimulatedEnd end_without_candidates() const {
     return is_final_state(core_) ? SimulatedEnd::Final : SimulatedEnd::Deadlock;
@@ -252,7 +262,7 @@ SimulateReport simulate(const Image& image, const SimulateOptions& options) {
       if (from >= options.runs) return;
       const std::uint64_t to = std::min(from + kRunsPerPiece, options.runs);
       for (std::uint64_t run = from; run < to; ++run) {
-        if (is_interrupted() || !simulator.run(run)) return;
+        if (must_stop(options) || !simulator.run(run)) return;
         if (report.ends[run] != SimulatedEnd::Fault) continue;
         const std::lock_guard<std::mutex> hold(lock);
         if (run > first_fault) continue;
@@ -270,7 +280,7 @@ SimulateReport simulate(const Image& image, const SimulateOptions& options) {
   work(true);
   for (std::thread& other : others) other.join();
   report.is_complete = done.load() == options.runs;
-  BIP_ASSERT(report.is_complete || is_interrupted(), "{} of {} runs", done.load(), options.runs);
+  BIP_ASSERT(report.is_complete || must_stop(options), "{} of {} runs", done.load(), options.runs);
   return report;
 }
 

@@ -45,6 +45,7 @@ struct SimulateOptions {
   std::vector<Observer> observers;
   std::function<bool(const Core&)> stop;                // a run ends at the first state in which it holds
   std::function<void(std::uint64_t runs)> on_progress;  // runs that are done; called by one thread
+  std::function<bool()> is_stopped;                     // ends all runs early; called by any thread
 };
 /// How a run ended. Time: at `until`. Stop: in a state in which `stop` holds.
 enum class SimulatedEnd : std::uint8_t { Limit, Deadlock, Fault, Final, Time, Stop, NotRun };

@@ -3,6 +3,8 @@
 
 Run by the Python that the module was built for (Debian's); says so if the build has no module.
 """
+import json
+import math
 import os
 import pathlib
 import re
@@ -15,6 +17,7 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 BUILD = pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build")
+BIPC = os.environ.get("BIPC") or BUILD / "bipc"
 PYTHON = "/usr/bin/python3"
 PHILOSOPHERS = ROOT / "models/classic/philosophers.bip"
 SAFE = ROOT / "models/classic/philosophers_safe.bip"
@@ -81,10 +84,37 @@ def test_step_candidates_fire_snapshot():
 
 def test_many_seeds():
     model = bipc.load(SAFE, "Table(5)")
-    runs = model.simulate(20, 500)
-    assert len(runs) == 20 and runs.steps == [500] * 20 and set(runs.outcomes) == {"stepped"}, runs
-    single = [model.start(seed=seed) for seed in range(20)]
-    assert [s.run(500) for s in single] == runs.steps
+    runs = model.simulate(20, 500, seed=3)
+    assert len(runs) == 20 and runs.steps == [500] * 20 and set(runs.ends) == {"limit"} and list(runs.seeds) == list(range(3, 23)), runs
+    deadlocks = bipc.load(PHILOSOPHERS).simulate(20, 500)
+    single = [bipc.load(PHILOSOPHERS).start(seed=seed) for seed in range(20)]
+    assert [s.run(500) for s in single] == deadlocks.steps and set(deadlocks.ends) == {"deadlock"}, deadlocks.ends
+
+
+def test_simulate_as_the_command():
+    observers = ["count put[0]", "time until phil[0]@EATS", "reaches phil[0]@EATS && phil[2]@EATS", "mean fork[0]@FREE", "last fork[1]@FREE"]
+    runs = bipc.load(SAFE, "Table(5)").simulate(300, 10, seed=7, observe=observers, stop="phil[3]@EATS", threads=2)
+    with tempfile.TemporaryDirectory() as folder:
+        csv = pathlib.Path(folder) / "runs.csv"
+        words = [word for o in observers for word in ("--observe", o)]
+        said = json.loads(subprocess.run([BIPC, "simulate", SAFE, "--root", "Table(5)", "--runs", "300", "--limit", "10", "--seed", "7", "--stop", "phil[3]@EATS",
+                                          "--json", "--csv", csv, *words], capture_output=True, text=True, check=True).stdout)
+        rows = [line.split(",") for line in csv.read_text().splitlines()[1:]]
+    assert [int(row[0]) for row in rows] == list(runs.seeds) and [row[1] for row in rows] == runs.ends and [int(row[2]) for row in rows] == runs.steps
+    assert {"limit", "stop"} == set(runs.ends), set(runs.ends)
+    for k, (observer, row) in enumerate(zip(observers, said["observers"])):
+        assert [float(r[3 + k]) for r in rows if r[3 + k]] == [v for v in runs.values[observer] if not math.isnan(v)], observer
+        assert ["" == r[3 + k] for r in rows] == [math.isnan(v) for v in runs.values[observer]], observer
+        e = runs.estimates[observer]
+        assert (e.count, e.mean, e.median, [e.low, e.high]) == (row["runs"], row["mean"], row["median"], row["interval"]), (e, row)
+    assert "95% interval" in runs._repr_html_() and observers[0] in runs._repr_html_()
+    for wrong in ({"observe": ["time until nobody@EATS"]}, {"observe": ["sometimes phil[0]@EATS"]}, {"stop": "phil[0].x"}, {"until": 5}):
+        try:
+            bipc.load(SAFE, "Table(5)").simulate(1, 1, **wrong)
+        except ValueError as error:
+            assert str(error), wrong
+        else:
+            raise AssertionError(wrong)
 
 
 def test_traces_as_tables():
@@ -111,6 +141,8 @@ def test_explore_and_verify():
     model = bipc.load(PHILOSOPHERS, "Table(4)")
     found = model.explore()
     assert found.end == "complete" and found.deadlocks == 1 and len(found.deadlock) == 4, found
+    ends = bipc.explore(ROOT / "models/liveness/leader_election.bip")
+    assert ends.finals > 0 and ends.deadlocks == 0, ends.text
     verdict = model.verify()
     assert verdict.violated and verdict.name == "deadlock" and verdict.counterexample.end == "deadlock"
     system = model.start()

@@ -148,48 +148,6 @@ py::object read_variable(PySystem& system, const std::string& path) {
   throw py::key_error(path);
 }
 
-// One run a seed, the code compiled once. Outcomes are numbers of bip::Outcome.
-py::tuple simulate(PyModel& model, const std::vector<std::uint64_t>& seeds, std::uint64_t steps,
-                   const std::vector<std::string>& paths, bip::rt::Policy policy) {
-  model.prepare();
-  struct Runs {
-    std::vector<std::uint64_t> steps;
-    std::vector<std::string> outcomes;
-    std::vector<std::vector<double>> values;
-    std::string missing;
-  };
-  const Runs runs = interruptible([&](const std::stop_token& stop) {
-    const std::scoped_lock lock(model.mutex);
-    Runs all;
-    all.values.resize(paths.size());
-    for (const std::uint64_t seed : seeds) {
-      bip::Execution execution = model.model->start({.seed = seed, .policy = policy});
-      std::uint64_t done = 0;
-      while (done < steps && !stop.stop_requested()) {
-        const std::uint64_t wanted = std::min(steps - done, kStepsAtOnce);
-        const std::uint64_t taken = execution.run(wanted);
-        done += taken;
-        if (taken < wanted) break;
-      }
-      if (stop.stop_requested()) break;
-      all.steps.push_back(done);
-      all.outcomes.emplace_back(name_of(execution.outcome()));
-      for (std::size_t k = 0; k < paths.size(); ++k) {
-        std::int32_t whole = 0;
-        bool truth = false;
-        double real = 0;
-        if (execution.read(paths[k], whole)) real = whole;
-        else if (execution.read(paths[k], truth)) real = truth ? 1 : 0;
-        else if (!execution.read(paths[k], real)) all.missing = paths[k];
-        all.values[k].push_back(real);
-      }
-    }
-    return all;
-  });
-  if (!runs.missing.empty()) throw py::key_error(runs.missing);
-  return py::make_tuple(runs.steps, runs.outcomes, runs.values);
-}
-
 bc::CompileOptions compile_options(const std::string& root, const std::vector<std::string>& folders,
                                    const std::string& backend, bool allows_cpp, bool uses_cache,
                                    std::uint64_t max_instances) {
@@ -261,6 +219,7 @@ PYBIND11_MODULE(_bipc, m) {
       .def_readonly("states", &bc::Exploration::states)
       .def_readonly("steps", &bc::Exploration::steps)
       .def_readonly("deadlocks", &bc::Exploration::deadlocks)
+      .def_readonly("finals", &bc::Exploration::finals)
       .def_readonly("time_locks", &bc::Exploration::time_locks)
       .def_readonly("errors", &bc::Exploration::errors)
       .def_readonly("depth", &bc::Exploration::depth)
@@ -340,6 +299,22 @@ PYBIND11_MODULE(_bipc, m) {
       .def_property_readonly("fault", [](PySystem& s) { return s.execution.fault(); })
       .def_property_readonly("story", [](PySystem& s) { return s.execution.story(); });
 
+  py::class_<bc::Estimate>(m, "Estimate")
+      .def_readonly("count", &bc::Estimate::count)
+      .def_readonly("mean", &bc::Estimate::mean)
+      .def_readonly("deviation", &bc::Estimate::deviation)
+      .def_readonly("least", &bc::Estimate::least)
+      .def_readonly("greatest", &bc::Estimate::greatest)
+      .def_readonly("q05", &bc::Estimate::q05)
+      .def_readonly("median", &bc::Estimate::median)
+      .def_readonly("q95", &bc::Estimate::q95)
+      .def_readonly("low", &bc::Estimate::low)
+      .def_readonly("high", &bc::Estimate::high)
+      .def("__repr__", [](const bc::Estimate& e) {
+        return "<bipc.Estimate: " + std::to_string(e.mean) + " in [" + std::to_string(e.low) + ", " +
+               std::to_string(e.high) + "], " + std::to_string(e.count) + " runs>";
+      });
+
   py::class_<PyModel>(m, "Model")
       .def_property_readonly("root", [](PyModel& p) { return p.model->root(); })
       .def_property_readonly("path", [](PyModel& p) { return p.model->path(); })
@@ -362,9 +337,30 @@ PYBIND11_MODULE(_bipc, m) {
             return std::make_unique<PySystem>(p, options);
           },
           py::keep_alive<0, 1>())
-      .def("_simulate", [](PyModel& p, const std::vector<std::uint64_t>& seeds, std::uint64_t steps,
-                           const std::vector<std::string>& paths,
-                           const std::string& policy) { return simulate(p, seeds, steps, paths, policy_of(policy)); })
+      .def("_simulate",
+           [](PyModel& p, std::uint64_t runs, std::uint64_t seed, std::uint64_t steps, std::int64_t until,
+              const std::string& stop, const std::vector<std::string>& observers, const std::string& policy, bool asap,
+              std::uint32_t threads) {
+             bc::SimulateOptions options{.runs = runs,
+                                         .seed = seed,
+                                         .steps = steps,
+                                         .until = until,
+                                         .stop_condition = stop,
+                                         .observers = observers,
+                                         .policy = policy_of(policy),
+                                         .asap = asap,
+                                         .threads = threads,
+                                         .stop = {}};
+             bc::Simulation made = interruptible([&](const std::stop_token& token) {
+               const std::scoped_lock lock(p.mutex);
+               options.stop = token;
+               return p.model->simulate(options);
+             });
+             if (!made.problem.empty()) throw py::value_error(made.problem);
+             if (!made.is_answered) py::module_::import("bipc").attr("_raise_compile_error")(made.diagnostics, "");
+             return py::make_tuple(std::move(made.ends), std::move(made.steps), std::move(made.times),
+                                   std::move(made.values), std::move(made.estimates), std::move(made.first_error));
+           })
       .def("_explore",
            [](PyModel& p, std::uint64_t max_states, double seconds, std::uint64_t megabytes, std::uint32_t threads,
               const std::string& reduction, bool maximal_progress, bool trusts_cpp) {

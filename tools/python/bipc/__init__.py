@@ -13,9 +13,9 @@ import html
 import os
 
 from . import _bipc
-from ._bipc import Counterexample, CounterexampleStep, Diagnostic, Exploration, Snapshot, Verdict, __version__
+from ._bipc import Counterexample, CounterexampleStep, Diagnostic, Estimate, Exploration, Snapshot, Verdict, __version__
 
-__all__ = ["BipError", "CompileError", "Counterexample", "CounterexampleStep", "Diagnostic", "Exploration", "Model", "Runs", "Snapshot", "Step",
+__all__ = ["BipError", "CompileError", "Counterexample", "CounterexampleStep", "Diagnostic", "Estimate", "Exploration", "Model", "Runs", "Snapshot", "Step",
            "System", "Trace", "Verdict", "check", "explore", "graph", "load", "simulate", "verify", "__version__"]
 
 _SHOWN = 200  # rows of a table, interactions of a timeline
@@ -91,9 +91,9 @@ def graph(model, root="", format="dot", part="all"):
     return _as_model(model, root).graph(format, part)
 
 
-def simulate(model, seeds, steps, root="", **options):
+def simulate(model, runs=1000, steps=1000, root="", **options):
     """`Model.simulate` of a model, a path or a text."""
-    return _as_model(model, root).simulate(seeds, steps, **options)
+    return _as_model(model, root).simulate(runs, steps, **options)
 
 
 class Model:
@@ -119,11 +119,16 @@ class Model:
         """
         return System(self, self._model._start(seed, policy, maximal_progress, asap, speed, strict))
 
-    def simulate(self, seeds, steps, *, read=(), policy="uniform"):
-        """Runs up to `steps` steps for each seed, a number or an iterable of them, and returns `Runs`. read: paths of variables whose last values are kept."""
-        seeds = list(range(seeds)) if isinstance(seeds, int) else [int(seed) for seed in seeds]
-        taken, outcomes, values = self._model._simulate(seeds, steps, list(read), policy)
-        return Runs(seeds, taken, outcomes, dict(zip(read, values)))
+    def simulate(self, runs=1000, steps=1000, *, seed=0, observe=(), until=None, stop="", policy="uniform", asap=False, threads=0):
+        """Makes runs of at most `steps` steps as `bipc simulate` does, the first with `seed`, each later one with the next, and returns `Runs`.
+
+        observe: what is measured of each run, "count NAME", "reaches EXPR", "time until EXPR", "duration of EXPR", "max EXPR", "min EXPR", "mean EXPR" or
+        "last EXPR". until: instant in ns at which a run ends, in a model with clocks. stop: a run ends in the first state in which this condition holds.
+        threads: 0 means all processors; the results are the same. Raises ValueError for an observer or a condition that says nothing of this model.
+        """
+        ends, taken, times, values, estimates, error = self._model._simulate(runs, seed, steps, -1 if until is None else until, stop, list(observe), policy,
+                                                                             asap, threads)
+        return Runs(range(seed, seed + runs), taken, ends, times, dict(zip(observe, values)), dict(zip(observe, estimates)), error)
 
     def explore(self, *, max_states=2**64 - 1, seconds=0.0, megabytes=0, threads=0, reduction="none", maximal_progress=True, trust_cpp=False):
         """Visits all reachable states, of a model with clocks all zones, and returns an `Exploration`."""
@@ -282,10 +287,13 @@ class Timeline:
 
 
 class Runs:
-    """What `Model.simulate` returns, by column: `seeds`, `steps` taken, `outcomes`, and the last `values` by path."""
+    """What `Model.simulate` returns, by run: `seeds`, `steps` taken, `ends` ("limit", "deadlock", "final", "error", "time" or "stop"), `times` of the ends in
+    seconds (in a model with clocks), `values` by observer (NaN: undefined in this run). `estimates` by observer: mean, deviation, quantiles and the 95%
+    interval of the mean. `first_error`: the text of the first run that ended with one."""
 
-    def __init__(self, seeds, steps, outcomes, values):
-        self.seeds, self.steps, self.outcomes, self.values = seeds, steps, outcomes, values
+    def __init__(self, seeds, steps, ends, times, values, estimates, first_error):
+        self.seeds, self.steps, self.ends, self.times, self.values = seeds, steps, ends, times, values
+        self.estimates, self.first_error = estimates, first_error
 
     def __len__(self):
         return len(self.seeds)
@@ -293,12 +301,21 @@ class Runs:
     def to_pandas(self):
         """A DataFrame with a row a run. Needs pandas."""
         import pandas
-        return pandas.DataFrame({"seed": self.seeds, "steps": self.steps, "outcome": self.outcomes, **self.values})
+        times = {"time": self.times} if self.times else {}
+        return pandas.DataFrame({"seed": self.seeds, "end": self.ends, "steps": self.steps, **times, **self.values})
 
     def to_numpy(self):
-        """The values as an array with a row a run and a column a path. Needs numpy."""
+        """The values as an array with a row a run and a column an observer. Needs numpy."""
         import numpy
-        return numpy.array(list(self.values.values()), dtype=float).T
+        return numpy.array(list(self.values.values()), dtype=float).reshape(len(self.values), len(self)).T
+
+    def _repr_html_(self):
+        rows = "".join(f"<tr><td><code>{html.escape(name)}</code></td>" + "".join(f"<td>{value:.6g}</td>" for value in (
+            e.count, e.mean, e.deviation, e.least, e.q05, e.median, e.q95, e.greatest)) + f"<td>[{e.low:.6g}, {e.high:.6g}]</td></tr>"
+            for name, e in self.estimates.items())
+        head = "".join(f"<th>{name}</th>" for name in ("observer", "runs", "mean", "deviation", "least", "5%", "median", "95%", "greatest", "95% interval"))
+        ends = ", ".join(f"{self.ends.count(end)} {end}" for end in dict.fromkeys(self.ends))
+        return f"<p>{len(self)} runs, {sum(self.steps)} steps; ends: {html.escape(ends)}</p><table><tr>{head}</tr>{rows}</table>"
 
     def __repr__(self):
         return f"<bipc.Runs: {len(self)} runs of up to {max(self.steps, default=0)} steps>"

@@ -29,6 +29,7 @@ class Exploration:
     states: int
     steps: int
     deadlocks: int
+    finals: int
     time_locks: int
     errors: int
     depth: int
@@ -55,5 +56,17 @@ class Verdict:
     text: str
     json: str
     diagnostics: list[Diagnostic]
+
+class Estimate:
+    count: int
+    mean: float
+    deviation: float
+    least: float
+    greatest: float
+    q05: float
+    median: float
+    q95: float
+    low: float
+    high: float
 
 class Snapshot: ...

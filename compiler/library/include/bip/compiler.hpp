@@ -78,7 +78,8 @@ struct Exploration {
   std::string end;           // "complete", or what ended it: "limit", "memory", "time", "interrupted", "inexact"
   std::uint64_t states = 0;  // in a model with clocks: zones
   std::uint64_t steps = 0, deadlocks = 0, time_locks = 0, errors = 0;
-  std::uint32_t depth = 0;  // steps to the state that is farthest
+  std::uint64_t finals = 0;  // final states: no step, and no deadlock
+  std::uint32_t depth = 0;   // steps to the state that is farthest
   double seconds = 0;
   std::uint64_t bytes = 0;  // of the states
   std::optional<Counterexample> deadlock, time_lock, error;
@@ -115,6 +116,42 @@ struct Verdict {
   std::vector<Diagnostic> diagnostics;
 };
 
+/// Many runs, each with a seed of its own, and what is observed in each. Results depend on the seeds alone, not on the
+/// number of threads.
+struct SimulateOptions {
+  std::uint64_t runs = 1000;
+  std::uint64_t seed = 0;      // of the first run; the next one has the next
+  std::uint64_t steps = 1000;  // of a run, at most
+  std::int64_t until = -1;     // instant in ns at which a run ends, in a model with clocks; below 0: none
+  std::string stop_condition;  // a run ends in the first state in which it holds; empty: none
+  // "count NAME", "reaches EXPR", "time until EXPR", "duration of EXPR", "max EXPR", "min EXPR", "mean EXPR", "last
+  // EXPR"
+  std::vector<std::string> observers;
+  rt::Policy policy = rt::Policy::Uniform;
+  bool asap = false;          // each step at the earliest instant at which it is possible
+  std::uint32_t threads = 0;  // 0: all processors; models that call C++ have one
+  std::stop_token stop;       // ends the simulation early
+};
+/// Of the runs in which the observer is defined. Durations are in seconds, in a model without clocks in steps.
+struct Estimate {
+  std::uint64_t count = 0;
+  double mean = 0, deviation = 0, least = 0, greatest = 0;
+  double q05 = 0, median = 0, q95 = 0;  // quantiles
+  double low = 0, high = 0;             // 95% interval of the mean; for `reaches` that of Clopper and Pearson
+};
+struct Simulation {
+  bool is_answered = false;                 // false: `problem` or `diagnostics` say why
+  bool is_complete = false;                 // false: stopped, and the runs that were not made have no values
+  std::vector<std::string> ends;            // by run: "limit", "deadlock", "final", "error", "time", "stop", "not run"
+  std::vector<std::uint64_t> steps;         // by run
+  std::vector<double> times;                // by run: the instant of its end in seconds; empty without clocks
+  std::vector<std::vector<double>> values;  // by observer, by run; NaN: undefined
+  std::vector<Estimate> estimates;          // by observer
+  std::string first_error;                  // of the first run that ended with an error
+  std::string problem;                      // what is wrong with an observer or an option
+  std::vector<Diagnostic> diagnostics;
+};
+
 enum class GraphFormat : std::uint8_t { Dot, Json, Svg };
 enum class GraphPart : std::uint8_t { All, Structure, Automata };
 
@@ -145,6 +182,8 @@ class Model {
   [[nodiscard]] Exploration explore(const ExploreOptions& options = {});
   /// Decides a property. Compiles the same texts anew, so that the model stays as it is.
   [[nodiscard]] Verdict verify(const VerifyOptions& options = {}) const;
+  /// Makes runs and estimates what the observers measure. Memory: a number an observer and a run.
+  [[nodiscard]] Simulation simulate(const SimulateOptions& options = {});
   /// Returns the system as text for Graphviz, as JSON, or as a picture.
   [[nodiscard]] std::string graph(GraphFormat format = GraphFormat::Dot, GraphPart part = GraphPart::All) const;
   /// Returns the system in its text form, .bsys, which certcheck reads beside a certificate.

@@ -1,12 +1,12 @@
 // See estimate.hpp. Inverses by bisection: 200 halvings reach the last bit of a double.
-#include "compiler/driver/estimate.hpp"
+#include "compiler/library/estimate.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "runtime/include/bip/assert.hpp"
 
-namespace bip::driver {
+namespace bip::library {
 namespace {
 
 constexpr int kHalvings = 200;
@@ -106,4 +106,4 @@ Estimate estimate(const std::vector<double>& values, const std::vector<double>& 
   return out;
 }
 
-}  // namespace bip::driver
+}  // namespace bip::library

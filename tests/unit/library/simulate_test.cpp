@@ -5,13 +5,13 @@
 #include <memory>
 #include <string>
 
-#include "compiler/driver/estimate.hpp"
-#include "compiler/driver/read_observer.hpp"
+#include "compiler/library/estimate.hpp"
+#include "compiler/library/read_observer.hpp"
 #include "compiler/interp/interp.hpp"
 #include "compiler/pipeline/pipeline.hpp"
 #include "runtime/engine/simulate.hpp"
 
-namespace bip::driver {
+namespace bip::library {
 namespace {
 
 constexpr std::uint64_t kEstimates = 1000, kRuns = 200;
@@ -97,4 +97,4 @@ TEST_CASE("intervals hold closed forms as often as they say") {
   }
 }
 
-}  // namespace bip::driver
+}  // namespace bip::library

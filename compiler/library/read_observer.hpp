@@ -12,7 +12,7 @@
 #include "compiler/system/system.hpp"
 #include "runtime/engine/simulate.hpp"
 
-namespace bip::driver {
+namespace bip::library {
 
 /// The error says what is wrong, with a column for an expression.
 [[nodiscard]] Result<rt::Observer> read_observer(const std::string& text, const System& system);
@@ -20,4 +20,4 @@ namespace bip::driver {
 [[nodiscard]] Result<std::function<bool(const rt::Core&)>> read_condition(const std::string& text,
                                                                           const System& system);
 
-}  // namespace bip::driver
+}  // namespace bip::library

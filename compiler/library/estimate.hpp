@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace bip::driver {
+namespace bip::library {
 
 struct Interval {
   double low = 0, high = 0;
@@ -33,4 +33,4 @@ struct Estimate {
 /// The regularized incomplete beta function I_x(a, b), 0 <= x <= 1, a, b > 0.
 [[nodiscard]] double incomplete_beta(double a, double b, double x);
 
-}  // namespace bip::driver
+}  // namespace bip::library

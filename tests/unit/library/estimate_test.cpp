@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "compiler/driver/estimate.hpp"
+#include "compiler/library/estimate.hpp"
 
-namespace bip::driver {
+namespace bip::library {
 namespace {
 
 bool is_near(double a, double b, double within) { return std::fabs(a - b) <= within; }
@@ -76,4 +76,4 @@ TEST_CASE("Okamoto's number of runs") {
   CHECK(runs_for(0.1, 0.99) == 265);
 }
 
-}  // namespace bip::driver
+}  // namespace bip::library

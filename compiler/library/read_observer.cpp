@@ -1,5 +1,5 @@
 // See read_observer.hpp.
-#include "compiler/driver/read_observer.hpp"
+#include "compiler/library/read_observer.hpp"
 
 #include <memory>
 #include <optional>
@@ -7,7 +7,7 @@
 
 #include "compiler/verify/property/property.hpp"
 
-namespace bip::driver {
+namespace bip::library {
 namespace {
 
 constexpr std::string_view kForms =
@@ -102,4 +102,4 @@ Result<std::function<bool(const rt::Core&)>> read_condition(const std::string& t
       });
 }
 
-}  // namespace bip::driver
+}  // namespace bip::library

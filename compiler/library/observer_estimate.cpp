@@ -1,0 +1,24 @@
+// See observer_estimate.hpp.
+#include "compiler/library/observer_estimate.hpp"
+
+#include <cmath>
+
+namespace bip::library {
+
+ObserverEstimate estimate_of(const rt::Observer& observer, const std::vector<double>& values) {
+  ObserverEstimate made;
+  made.values = estimate(values, {0.05, 0.5, 0.95}, kConfidence);
+  made.interval = made.values.mean_interval;
+  if (observer.kind == rt::ObserverKind::Reaches) {
+    const auto trials = static_cast<double>(made.values.count);
+    const auto successes = static_cast<std::uint64_t>(std::llround(made.values.mean * trials));
+    made.interval = clopper_pearson(successes, made.values.count, kConfidence);
+  }
+  return made;
+}
+
+std::uint64_t bytes_of_run(const rt::SimulateOptions& options) {
+  return (options.observers.size() + 4) * sizeof(double);
+}
+
+}  // namespace bip::library
