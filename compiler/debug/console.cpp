@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "compiler/debug/back_refusal.hpp"
+#include "compiler/debug/event_values.hpp"
 #include "runtime/core/final_state.hpp"
 #include "runtime/core/text.hpp"
 #include "runtime/core/why_not.hpp"
@@ -274,27 +275,8 @@ void Console::post_event(std::string_view rest) {
   const std::size_t end = std::min(rest.find(' '), rest.size());
   const std::string port(rest.substr(0, end));
   if (port.empty()) return refuse("`v` needs an external port");
-  std::vector<EventValue> values;
-  std::string_view words = without_blanks(rest.substr(end));
-  while (!words.empty()) {
-    const std::size_t length = std::min(words.find(' '), words.size());
-    const std::string word(words.substr(0, length));
-    words = without_blanks(words.substr(length));
-    std::int32_t whole = 0;
-    double real = 0;
-    const char* const last = word.data() + word.size();
-    if (word == "true" || word == "false") values.emplace_back(word == "true");
-    else if (const auto read = std::from_chars(word.data(), last, whole); read.ec == std::errc() && read.ptr == last)
-      values.emplace_back(whole);
-    else if (const auto as_real = std::from_chars(word.data(), last, real);
-             as_real.ec == std::errc() && as_real.ptr == last)
-      values.emplace_back(real);
-    else
-      values.emplace_back(
-          word.size() >= 2 && word.front() == '"' && word.back() == '"' ? word.substr(1, word.size() - 2) : word);
-  }
   session_.mark();
-  tell(session_.post(port, std::move(values)), Lines::Last);
+  tell(session_.post(port, event_values(rest.substr(end))), Lines::Last);
 }
 
 void Console::assign(std::string_view rest) {

@@ -225,11 +225,23 @@ void add_graph(CLI::App& app, GraphArguments& a) {
 }
 
 void add_view(CLI::App& app, ViewArguments& a) {
-  CLI::App* command = app.add_subcommand(
-      "view", "write a page that shows a model and a run of it, step by step, in a browser: one file without requests");
+  CLI::App* command = app.add_subcommand("view",
+                                         "write a page that shows a model and a run of it, step by step, in a browser: "
+                                         "one file without requests; or serve "
+                                         "a live page");
   add_model(*command, a.file);
-  command->add_option("-o,--output", a.output, "page to write (default: the model's name with .html)")
-      ->type_name("PAGE");
+  CLI::Option* output =
+      command->add_option("-o,--output", a.output, "page to write (default: the model's name with .html)");
+  output->type_name("PAGE");
+  CLI::Option* port = command->add_option_function<std::uint16_t>(
+      "--port",
+      [&a](const std::uint16_t& number) {
+        a.port = number;
+        a.is_live = true;
+      },
+      "write no page but serve a live one at port N of 127.0.0.1 (0: a free one), in which a person chooses the steps; "
+      "prints its address, which nobody else knows");
+  port->check(is_number())->excludes(output)->type_name("N");
   CLI::Option* trace =
       command->add_option("--trace", a.trace_path,
                           "show the run in TRACE: a trace in JSON lines, binary or bip2, a "
@@ -240,6 +252,7 @@ void add_view(CLI::App& app, ViewArguments& a) {
                    "show a run of at most N steps (default: 200); more than 100000 make a page too large for browsers")
       ->check(is_number())
       ->excludes(trace)
+      ->excludes(port)
       ->type_name("N");
   add_session(*command, a, trace);
   add_folding(*command, a.picture);

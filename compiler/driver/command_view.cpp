@@ -9,6 +9,7 @@
 #include "compiler/driver/open_session.hpp"
 #include "compiler/driver/page_title.hpp"
 #include "compiler/driver/report.hpp"
+#include "compiler/live/page_server.hpp"
 #include "compiler/pipeline/executor.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/view/page.hpp"
@@ -17,12 +18,38 @@
 
 namespace bip::driver {
 
+namespace {
+
+// The session is in its initial state, with the moves of a trace ahead.
+int serve_live(const Compilation& c, rt::DebugSession& session, const ViewArguments& arguments, std::uint64_t seed) {
+  const debug::DebugModel model(*c.system, c.lowered->image);
+  live::LiveSession pages(*c.system, session, model, seed);
+  live::PageServerOptions options;
+  options.port = arguments.port;
+  const auto page = [&](const std::string& connects_to) {
+    return view::page(*c.system, page_title(*c.system, arguments.file), arguments.picture, pages.initial(),
+                      connects_to);
+  };
+  const auto announce = [](const std::string& address) {
+    std::printf("%s\n", address.c_str());
+    std::fflush(stdout);
+  };
+  std::string error;
+  if (live::serve_page(pages, options, page, announce, error)) return kOk;
+  std::fprintf(stderr, "error: %s\n", error.c_str());
+  return kUsage;
+}
+
+}  // namespace
+
 int command_view(const ViewArguments& arguments) {
   Compilation c(arguments.compile);
   Executor executor;
   rt::SessionOptions options = arguments.session;
-  const std::string output =
-      arguments.output.empty() ? std::filesystem::path(arguments.file).stem().string() + ".html" : arguments.output;
+  const std::string output = arguments.is_live ? std::string()
+                             : arguments.output.empty()
+                                 ? std::filesystem::path(arguments.file).stem().string() + ".html"
+                                 : arguments.output;
   if (!compile(c, arguments.file, Stage::Image) || !check_outputs(c, {output})) return report(c);
   const OpenSession opened = open_session(c, executor, arguments, options);
   if (opened.session == nullptr) return opened.exit_code;
@@ -36,6 +63,7 @@ int command_view(const ViewArguments& arguments) {
       return kUsage;
     }
   }
+  if (arguments.is_live) return serve_live(c, session, arguments, options.seed);
   const std::string page = view::page(*c.system, page_title(*c.system, arguments.file), arguments.picture,
                                       view::record_run(*c.system, session, steps, options.seed));
   if (const auto written = write_file(output, page); !written) {

@@ -45,6 +45,8 @@ struct StepArguments : SessionArguments {
 struct ViewArguments : SessionArguments {
   std::string output;
   std::uint64_t steps = 200;  // without a trace
+  bool is_live = false;
+  std::uint16_t port = 0;  // of a live page; 0: a free one
   graph::PictureOptions picture;
 };
 /// A model that clients talk to.

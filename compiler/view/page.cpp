@@ -55,10 +55,12 @@ std::string script_json(const Json& json) {
 
 }  // namespace
 
-std::string page(const System& system, const std::string& title, const graph::PictureOptions& options,
-                 const Json& run) {
+std::string page(const System& system, const std::string& title, const graph::PictureOptions& options, const Json& run,
+                 const std::string& connects_to) {
+  const bool is_live = !connects_to.empty();
   Json data = model_json(system);
   data["title"] = title;
+  if (is_live) data["live"] = true;
   data["run"] = run;
   std::string templates;
   std::size_t count = 0, first = 0;
@@ -84,16 +86,20 @@ std::string page(const System& system, const std::string& title, const graph::Pi
       fmt::format("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{}</title>\n",
                   graph::escaped_markup(title));
   out += "<meta name=\"viewport\" content=\"width=device-width\">\n";
-  // No request leaves the page, whatever is in it.
+  // No request leaves the page, whatever is in it; a live one has its session. Browsers ask for an icon if there is
+  // none.
   out +=
       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; "
-      "script-src "
-      "'unsafe-inline'; img-src data:\">\n";
+      "script-src 'unsafe-inline'; img-src data:";
+  if (is_live) out += "; connect-src " + graph::escaped_markup(connects_to);
+  out += "\">\n";
+  if (is_live) out += "<link rel=\"icon\" href=\"data:,\">\n";
   out += fmt::format("<style>\n{}{}</style>\n</head>\n<body>\n{}", graph::picture_styles(), k_page_css, k_page_html);
   out += templates;
   out += "<script id=\"data\" type=\"application/json\">" + script_json(data) + "</script>\n";
-  for (const std::string_view script : {k_run_js, k_picture_js, k_charts_js, k_page_js})
-    out += fmt::format("<script>\n{}</script>\n", script);
+  for (const std::string_view script :
+       {k_run_js, k_picture_js, k_charts_js, is_live ? k_live_js : std::string_view(), k_page_js})
+    if (!script.empty()) out += fmt::format("<script>\n{}</script>\n", script);
   return out + "</body>\n</html>\n";
 }
 

@@ -1,5 +1,5 @@
 // One HTML page with the pictures of a model and a run of it. It makes no request: pictures, data, style and scripts
-// are in it. Equal models and runs give equal pages.
+// are in it. Equal models and runs give equal pages. A live page (compiler/live) connects to the session that it shows.
 #pragma once
 #include <string>
 
@@ -11,9 +11,10 @@
 namespace bip::view {
 
 /// Returns the page. `run`: of record_run, or null. Structures of systems with nested compounds are in it several
-/// times, one for each depth, up to kMostPicture bytes each.
+/// times, one for each depth, up to kMostPicture bytes each. `connects_to`: of a live page, the source that it connects
+/// to, `ws://127.0.0.1:1234`.
 [[nodiscard]] std::string page(const System& system, const std::string& title, const graph::PictureOptions& options,
-                               const nlohmann::ordered_json& run = nullptr);
+                               const nlohmann::ordered_json& run = nullptr, const std::string& connects_to = {});
 
 inline constexpr std::size_t kMostPicture = std::size_t{6} << 20, kMostFirstPicture = std::size_t{1} << 20;
 

@@ -1,146 +1,158 @@
 // See run_record.hpp.
 #include "compiler/view/run_record.hpp"
 
-#include <map>
-
 #include "runtime/core/deadlock_explanation.hpp"
 #include "runtime/core/final_state.hpp"
 #include "runtime/core/text.hpp"
+#include "runtime/trace/future.hpp"
 #include "runtime/trace/trace.hpp"
 
 namespace bip::view {
-namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = RunRecorder::Json;
 
-class RunRecorder {
- public:
-  RunRecorder(const System& system, rt::DebugSession& session) : system_(system), session_(session) {
-    for (std::size_t k = 0; k < system.connectors.size(); ++k) connectors_[system.connectors[ConnectorId(k)].path] = k;
+RunRecorder::RunRecorder(const System& system, rt::DebugSession& session) : system_(system), session_(session) {
+  for (std::size_t k = 0; k < system.connectors.size(); ++k) connectors_[system.connectors[ConnectorId(k)].path] = k;
+}
+
+Json RunRecorder::state() {
+  const rt::Core& core = session_.core();
+  Json out{{"timed", core.is_timed()}, {"places", Json::array()}, {"data", Json::array()}};
+  for (rt::u32 atom = 0; atom < core.image().atoms.size; ++atom) {
+    out["places"].push_back(rt::places_of(core, atom));
+    Json values = Json::array();
+    for (std::uint32_t k = 0; k < shown_variables(atom); ++k) values.push_back(value(atom, k));
+    out["data"].push_back(std::move(values));
   }
+  return out;
+}
 
-  Json run(std::uint64_t steps, std::uint64_t seed) {
-    session_.track(rt::Tracking::Every);
-    rt::Core& core = session_.core();
-    Json out{{"timed", core.is_timed()}, {"places", Json::array()}, {"data", Json::array()}};
-    for (rt::u32 atom = 0; atom < core.image().atoms.size; ++atom) {
-      out["places"].push_back(rt::places_of(core, atom));
-      Json values = Json::array();
-      for (std::uint32_t k = 0; k < shown_variables(atom); ++k) values.push_back(value(atom, k));
-      out["data"].push_back(std::move(values));
+// Without the hidden variables of time.
+std::uint32_t RunRecorder::shown_variables(rt::u32 atom) const {
+  return static_cast<std::uint32_t>(system_.atom_types[system_.atoms[AtomId(atom)].type].visible_variables());
+}
+
+std::string RunRecorder::value(rt::u32 atom, std::uint32_t variable) const {
+  const rt::Core& core = session_.core();
+  std::string out;
+  rt::append_value(out, core.image(), core.tables().atom_type(atom).variables[variable].type,
+                   core.cell(core.image().atoms[atom].first_cell + variable));
+  return out;
+}
+
+Json RunRecorder::candidates() {
+  rt::Core& core = session_.core();
+  const std::uint64_t count = core.candidate_count();
+  Json rows = Json::array();
+  if (count <= kMostCandidates) {
+    std::string text;
+    rt::StepWriter().state(text, core);
+    for (std::size_t at = 0; at < text.size();) {
+      const std::size_t end = text.find('\n', at);
+      // "    [3] ROOT.k  p.put(v=1)"
+      const std::size_t begin = text.find("] ", at) + 2;
+      rows.push_back(row_of(text.substr(begin, end - begin)));
+      at = end + 1;
     }
-    out["candidates"] = Json::array();
-    out["steps"] = Json::array();
-    rt::Halt halt = session_.is_at_fault() ? rt::Halt::Fault : rt::Halt::Done;
-    while (halt == rt::Halt::Done) {
-      out["candidates"].push_back(candidates());
-      if (session_.position() >= steps) break;
-      const std::uint64_t before = session_.position();
-      halt = session_.step();
-      if (session_.position() == before) break;
-      if (const rt::LastMove* const move = session_.last_move(); move != nullptr) out["steps"].push_back(step(*move));
+  } else {
+    for (std::uint64_t k = 0; k < kMostCandidates; ++k) {
+      std::string name;
+      rt::append_candidate(name, core, core.candidate(k));
+      rows.push_back(row_of(name));
     }
-    out["end"] = end(halt, seed);
-    out["names"] = Json(names_);
-    return out;
   }
+  Json out{{"rows", std::move(rows)}, {"count", count}};
+  return out;
+}
 
- private:
-  /// Without the hidden variables of time.
-  [[nodiscard]] std::uint32_t shown_variables(rt::u32 atom) const {
-    return static_cast<std::uint32_t>(system_.atom_types[system_.atoms[AtomId(atom)].type].visible_variables());
-  }
-  [[nodiscard]] std::string value(rt::u32 atom, std::uint32_t variable) const {
-    const rt::Core& core = session_.core();
-    std::string out;
-    rt::append_value(out, core.image(), core.tables().atom_type(atom).variables[variable].type,
-                     core.cell(core.image().atoms[atom].first_cell + variable));
-    return out;
-  }
-
-  Json candidates() {
-    rt::Core& core = session_.core();
-    const std::uint64_t count = core.candidate_count();
-    Json rows = Json::array();
-    if (count <= kMostCandidates) {
-      std::string text;
-      rt::StepWriter().state(text, core);
-      for (std::size_t at = 0; at < text.size();) {
-        const std::size_t end = text.find('\n', at);
-        // "    [3] ROOT.k  p.put(v=1)"
-        const std::size_t begin = text.find("] ", at) + 2;
-        rows.push_back(row_of(text.substr(begin, end - begin)));
-        at = end + 1;
-      }
-    } else {
-      for (std::uint64_t k = 0; k < kMostCandidates; ++k) {
-        std::string name;
-        rt::append_candidate(name, core, core.candidate(k));
-        rows.push_back(row_of(name));
-      }
+Json RunRecorder::later() {
+  rt::Core& core = session_.core();
+  Json out = Json::array();
+  if (!core.is_timed() || session_.is_at_fault()) return out;
+  const auto tell = [](std::string& text, rt::Core& of, const rt::Candidate& candidate) {
+    rt::append_candidate(text, of, candidate);
+  };
+  for (const rt::FutureCandidate& later : rt::future_candidates(core, tell)) {
+    if (later.intervals.empty() || later.intervals.front().has(core.now())) continue;
+    std::string instants;
+    for (const rt::Interval& interval : later.intervals) {
+      if (!instants.empty()) instants += ' ';
+      rt::append_interval(instants, interval);
     }
-    return {{"rows", std::move(rows)}, {"count", count}};
+    out.push_back({later.text, instants, later.intervals.front().low});
   }
-  std::size_t row_of(const std::string& name) {
-    const auto [found, is_new] = rows_.try_emplace(name, names_.size());
-    if (is_new) names_.push_back(name);
-    return found->second;
-  }
+  return out;
+}
 
-  Json step(const rt::LastMove& move) {
-    const rt::Core& core = session_.core();
-    // "#3  @1s500ms  ROOT.k  p.put(v=1)"
-    std::string text = move.text;
-    for (const char sign : {'#', '@'})
-      if (text.starts_with(sign)) text.erase(0, std::min(text.find_first_not_of(' ', text.find(' ')), text.size()));
-    std::int64_t connector = -1;
-    if (const auto found = connectors_.find(text.substr(0, text.find(' '))); found != connectors_.end())
-      connector = static_cast<std::int64_t>(found->second);
-    Json parts = Json::array(), changes = Json::array();
-    for (const rt::MovePart& part : move.parts) parts.push_back({part.atom, part.port, transition(part)});
-    for (const rt::AtomChange& change : move.changes) {
-      Json values = Json::array();
-      for (const rt::u32 variable : change.variables)
-        if (variable < shown_variables(change.atom)) values.push_back({variable, value(change.atom, variable)});
-      Json places(nullptr);
-      if (!change.places.empty()) places = rt::places_of(core, change.atom);
-      changes.push_back({change.atom, std::move(places), std::move(values)});
-    }
-    std::string line;
-    rt::append_line(line, core.image(), move.loc);
-    return {connector, text, std::move(parts), std::move(changes), core.now(), line};
-  }
-  /// The row of the transition at the part's line.
-  [[nodiscard]] std::int64_t transition(const rt::MovePart& part) const {
-    const std::vector<Transition>& rows = system_.atom_types[system_.atoms[AtomId(part.atom)].type].transitions;
-    for (std::size_t t = 0; t < rows.size(); ++t)
-      if (rows[t].port == part.port && rows[t].loc.line == part.loc.line && rows[t].loc.file == part.loc.file)
-        return static_cast<std::int64_t>(t);
-    return -1;
-  }
+std::size_t RunRecorder::row_of(const std::string& name) {
+  const auto [found, is_new] = rows_.try_emplace(name, names_.size());
+  if (is_new) names_.push_back(name);
+  return found->second;
+}
 
-  /// How the run ended, if it did.
-  Json end(rt::Halt halt, std::uint64_t seed) {
-    Json cycle = Json::array();
-    rt::Core& core = session_.core();
-    if (session_.is_at_fault()) return {{"story", session_.fault()}, {"cycle", cycle}};
-    // A trace may end where nothing is possible; with time, something may be possible later.
-    const bool is_stuck = halt == rt::Halt::Deadlock || (!core.is_timed() && core.candidate_count() == 0);
-    if (!is_stuck) return nullptr;
-    for (const rt::u32 atom : rt::deadlock_cycle(core)) cycle.push_back(atom);
-    return {{"story", rt::end_story(core, session_.position(), seed)}, {"cycle", std::move(cycle)}};
+Json RunRecorder::step(const rt::LastMove& move) {
+  const rt::Core& core = session_.core();
+  // "#3  @1s500ms  ROOT.k  p.put(v=1)"
+  std::string text = move.text;
+  for (const char sign : {'#', '@'})
+    if (text.starts_with(sign)) text.erase(0, std::min(text.find_first_not_of(' ', text.find(' ')), text.size()));
+  std::int64_t connector = -1;
+  if (const auto found = connectors_.find(text.substr(0, text.find(' '))); found != connectors_.end())
+    connector = static_cast<std::int64_t>(found->second);
+  Json parts = Json::array(), changes = Json::array();
+  for (const rt::MovePart& part : move.parts) parts.push_back({part.atom, part.port, transition(part)});
+  for (const rt::AtomChange& change : move.changes) {
+    Json values = Json::array();
+    for (const rt::u32 variable : change.variables)
+      if (variable < shown_variables(change.atom)) values.push_back({variable, value(change.atom, variable)});
+    Json places(nullptr);
+    if (!change.places.empty()) places = rt::places_of(core, change.atom);
+    changes.push_back({change.atom, std::move(places), std::move(values)});
   }
+  std::string line;
+  rt::append_line(line, core.image(), move.loc);
+  return {connector, text, std::move(parts), std::move(changes), core.now(), line};
+}
 
-  const System& system_;
-  rt::DebugSession& session_;
-  std::map<std::string, std::size_t> connectors_, rows_;
-  std::vector<std::string> names_;
-};
+// The row of the transition at the part's line.
+std::int64_t RunRecorder::transition(const rt::MovePart& part) const {
+  const std::vector<Transition>& rows = system_.atom_types[system_.atoms[AtomId(part.atom)].type].transitions;
+  for (std::size_t t = 0; t < rows.size(); ++t)
+    if (rows[t].port == part.port && rows[t].loc.line == part.loc.line && rows[t].loc.file == part.loc.file)
+      return static_cast<std::int64_t>(t);
+  return -1;
+}
 
-}  // namespace
+Json RunRecorder::end(rt::Halt halt, std::uint64_t seed) {
+  Json cycle = Json::array();
+  rt::Core& core = session_.core();
+  if (session_.is_at_fault()) return {{"story", session_.fault()}, {"cycle", cycle}};
+  // A trace may end where nothing is possible; with time, something may be possible later.
+  const bool is_stuck = halt == rt::Halt::Deadlock || (!core.is_timed() && core.candidate_count() == 0);
+  if (!is_stuck) return nullptr;
+  for (const rt::u32 atom : rt::deadlock_cycle(core)) cycle.push_back(atom);
+  return {{"story", rt::end_story(core, session_.position(), seed)}, {"cycle", std::move(cycle)}};
+}
 
 Json record_run(const System& system, rt::DebugSession& session, std::uint64_t steps, std::uint64_t seed) {
-  return RunRecorder(system, session).run(steps, seed);
+  RunRecorder recorder(system, session);
+  session.track(rt::Tracking::Every);
+  Json out = recorder.state();
+  out["candidates"] = Json::array();
+  out["steps"] = Json::array();
+  rt::Halt halt = session.is_at_fault() ? rt::Halt::Fault : rt::Halt::Done;
+  while (halt == rt::Halt::Done) {
+    out["candidates"].push_back(recorder.candidates());
+    if (session.position() >= steps) break;
+    const std::uint64_t before = session.position();
+    halt = session.step();
+    if (session.position() == before) break;
+    if (const rt::LastMove* const move = session.last_move(); move != nullptr)
+      out["steps"].push_back(recorder.step(*move));
+  }
+  out["end"] = recorder.end(halt, seed);
+  out["names"] = Json(recorder.names());
+  return out;
 }
 
 }  // namespace bip::view

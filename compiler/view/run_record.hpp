@@ -7,6 +7,9 @@
 //  "end": {"story": text, "cycle": [atom]}}
 #pragma once
 #include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -14,6 +17,37 @@
 #include "runtime/debug/session.hpp"
 
 namespace bip::view {
+
+/// The parts of the record, for a run that is made while it is watched. Refers to both, which must outlive it.
+class RunRecorder {
+ public:
+  using Json = nlohmann::ordered_json;
+  RunRecorder(const System& system, rt::DebugSession& session);
+
+  /// Whether the model has time, places and data of the session's state.
+  [[nodiscard]] Json state();
+  /// The candidates of the session's state.
+  [[nodiscard]] Json candidates();
+  /// What becomes a candidate when time passes: [[text, instants, the first of them in ns]].
+  [[nodiscard]] Json later();
+  /// What the last move did.
+  [[nodiscard]] Json step(const rt::LastMove& move);
+  /// How the run ended in the session's state, which `halt` led to; null: it did not.
+  [[nodiscard]] Json end(rt::Halt halt, std::uint64_t seed);
+  /// What the rows of candidates() mean; it grows only.
+  [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
+
+ private:
+  [[nodiscard]] std::uint32_t shown_variables(rt::u32 atom) const;
+  [[nodiscard]] std::string value(rt::u32 atom, std::uint32_t variable) const;
+  [[nodiscard]] std::size_t row_of(const std::string& name);
+  [[nodiscard]] std::int64_t transition(const rt::MovePart& part) const;
+
+  const System& system_;
+  rt::DebugSession& session_;
+  std::map<std::string, std::size_t> connectors_, rows_;
+  std::vector<std::string> names_;
+};
 
 /// Takes the session from where it is, which is the initial state, to `steps` moves or to the end of the run, and
 /// returns what happened. Cost: the steps, the candidates of each state (at most kMostCandidates of them), and what

@@ -39,7 +39,8 @@ MAY_INCLUDE = {
     "exchange": ANALYSIS | {"exchange", "verify"},
     "library": LOWER | {"graph", "interp", "verify", "pipeline", "library"},
     "pipeline": LOWER | {"parse", "steps", "interp", "jit", "emit_cpp", "verify", "pipeline"},
-    "debug": LOWER | {"analysis", "verify", "debug"}, "view": LOWER | {"graph", "view"}, "index": SYNTAX | {"index"}, "serve": {"runtime", "serve"},
+    "debug": LOWER | {"analysis", "verify", "debug"}, "view": LOWER | {"graph", "view"},
+    "live": LOWER | {"analysis", "verify", "debug", "graph", "view", "serve", "live"}, "index": SYNTAX | {"index"}, "serve": {"runtime", "serve"},
     "runtime": {"runtime"},
 }
 VENDORS = {
@@ -47,6 +48,7 @@ VENDORS = {
     "LLVM": (re.compile(r"^llvm(-c)?/"), ("compiler/jit/",)),
     "solvers": (re.compile(r"^(cadical|z3)"), ("compiler/verify/solver/", "tools/certcheck/")),
     "asio": (re.compile(r"^asio"), ("compiler/serve/",)),
+    "Boost": (re.compile(r"^boost/"), ("compiler/live/",)),
     "libedit": (re.compile(r"^(editline/|histedit)"), ("compiler/debug/",)),
     "CLI11": (re.compile(r"^CLI/"), ("compiler/driver/", "tools/")),
 }

@@ -37,7 +37,7 @@ async function walk(page) {
   });
   expect(forward === -1, "state " + forward + " is another one on the way back");
   await page.keyboard.press("2");
-  const taken = page.locator("#panel button:not(:disabled)");
+  const taken = page.locator("#panel button.changed");
   if ((await taken.count()) > 0) {
     await taken.first().click();
     expect((await position(page)) === 1, "a click on the candidate that the run takes does not take it");
@@ -91,6 +91,83 @@ const actions = {
     expect((await page.locator("#panel .row-link:not(:disabled)").count()) === 1, "the choice of the run is not the only one to click");
     expect((await page.locator("#waits path.waits").count()) === 0, "the cycle is still drawn");
   },
+  /** The deadlock in a live page: back to the first wrong decision, another choice, and the run goes on. */
+  async anotherChoice(page) {
+    const length = await page.evaluate(() => window.page.run.length);
+    expect((await page.locator("#waits path.waits").count()) > 2, "the cycle is not drawn");
+    await page.keyboard.press("c");
+    const here = await position(page);
+    expect(here > 0 && here < length, "c does not go back to a decision");
+    const other = page.locator("#panel .row-link:not(.changed)").first();
+    expect(await other.isEnabled(), "another choice cannot be taken");
+    const wanted = (await other.textContent()).replace(/^\[\d+\] /, "");
+    await other.click();
+    await page.waitForFunction((k) => window.page.position === k && window.page.run.length === k, here + 1);
+    expect((await page.evaluate(() => window.page.step.text.replace(/\bROOT\./g, ""))) === wanted, "another step was taken than the one clicked");
+    expect((await page.locator("#waits path.waits").count()) === 0, "the cycle is still drawn");
+    expect((await page.locator("#canvas .fired").count()) > 0, "the connector of the step is not marked");
+    for (let k = 0; k < 3; ++k) {
+      const before = await position(page);
+      await page.keyboard.press("ArrowRight");
+      await page.waitForFunction((k) => window.page.position === k + 1, before);
+    }
+    const now = await page.evaluate(() => window.page.run.length);
+    expect(now === here + 4, "the run does not go on: " + now + " steps instead of " + (here + 4));
+  },
+  /** Keyboard only: a breakpoint, a run to it, a watched expression, a reason, back, a random step, a trace. */
+  async drive(page) {
+    await page.keyboard.press("Home");
+    await page.keyboard.press("w");
+    await page.waitForFunction(() => window.page.position === 1 && window.page.run.length === 1);
+    await page.keyboard.press("8");
+    const enter = async (id, text) => {
+      await page.focus(id);
+      await page.keyboard.type(text);
+      await page.keyboard.press("Enter");
+    };
+    const at = await position(page);
+    await enter("#watch", "table.phil[2]@EATS");
+    await page.waitForFunction(() => /= (true|false)/.test(document.querySelector("#watches").textContent));
+    await enter("#breakpoint", "nobody@EATS");
+    await page.waitForFunction(() => document.querySelector("#said").textContent.includes("nobody"));
+    await page.fill("#breakpoint", "");
+    await enter("#breakpoint", "table.phil[2]@EATS");
+    await page.waitForFunction(() => document.querySelector("#breakpoints").textContent.includes("phil[2]"));
+    await enter("#until", "");
+    await page.waitForFunction(() => document.querySelector("#said").textContent.includes("breakpoint table.phil[2]@EATS") || window.page.run.end);
+    await page.waitForFunction(() => !window.page.live.isMoving);
+    if (!(await page.evaluate(() => window.page.run.end)))
+      await page.waitForFunction(() => document.querySelector("#watches").textContent.includes("= true"));
+    expect((await position(page)) > at, "the run does not reach the breakpoint");
+    await enter("#why", "table.right[2]");
+    await page.waitForFunction(() => document.querySelector("#why-text").textContent.includes("possible"));
+    await page.evaluate(() => document.activeElement.blur());
+    await page.keyboard.press("Home");
+    await page.keyboard.press("w");
+    await page.waitForFunction(() => window.page.position === 1 && window.page.run.length === 1);
+    const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save")]);
+    const trace = readFileSync(await download.path(), "utf8");
+    expect(trace.split("\n").length > 2 && trace.includes("ROOT."), "the trace is not saved");
+    await page.keyboard.press("1");
+  },
+  /** Time passes to where a step becomes possible, and that one is taken. */
+  async timed(page) {
+    await page.keyboard.press("2");
+    for (let k = 0; k < 12; ++k) {
+      const here = await position(page);
+      await page.waitForFunction(() => document.querySelector("#panel button:not(:disabled)"));
+      await page.locator("#panel button:not(:disabled)").last().click();
+      await page.waitForFunction((k) => window.page.position === k + 1, here);
+    }
+    expect((await page.evaluate(() => window.page.run.instant(window.page.run.length))) > 0, "no time has passed");
+  },
+  async steps(page) {
+    for (const key of ["w", "w", "ArrowRight", "ArrowRight"]) {
+      const here = await position(page);
+      await page.keyboard.press(key);
+      await page.waitForFunction((k) => window.page.position === k + 1, here);
+    }
+  },
   async search(page, wanted) {
     await page.keyboard.press("/");
     await page.keyboard.type(wanted);
@@ -120,15 +197,34 @@ const actions = {
 };
 
 let failed = 0;
-for (const { name, file, dark, steps, most } of cases) {
+/** A page of another origin: it opens no socket, and reads nothing. */
+async function foreign(context, address) {
+  const page = await context.newPage();
+  await page.goto("data:text/html,<p>another page</p>");
+  const heard = await page.evaluate(async (address) => {
+    const socket = new WebSocket(address.replace(/^http/, "ws") + "live");
+    const opened = await new Promise((done) => {
+      socket.addEventListener("open", () => done(true));
+      socket.addEventListener("error", () => done(false));
+    });
+    const read = await fetch(address).then((answer) => answer.text(), () => "");
+    return [opened, read];
+  }, address);
+  expect(!heard[0], "a page of another origin opens the socket");
+  expect(heard[1] === "", "a page of another origin reads the page");
+  await page.close();
+}
+
+for (const { name, file, address, dark, steps, most } of cases) {
   const context = await browser.newContext({ viewport: { width: 1400, height: 900 }, colorScheme: dark ? "dark" : "light" });
   const page = await context.newPage();
   const complaints = [];
   page.on("console", (message) => ["error", "warning"].includes(message.type()) && complaints.push(message.text()));
   page.on("pageerror", (error) => complaints.push(String(error)));
-  page.on("request", (request) => request.url().startsWith("file:") || complaints.push("asks for " + request.url()));
+  page.on("request", (request) => request.url().startsWith("file:") || (address && (request.url() === address || /^(data|blob):/.test(request.url()))) || complaints.push("asks for " + request.url()));
   try {
-    await page.goto(pathToFileURL(file).href);
+    if (address) await foreign(context, address);
+    await page.goto(address || pathToFileURL(file).href);
     const paint = await page.evaluate(() => new Promise((done) => {
       const wait = () => {
         const paints = performance.getEntriesByName("first-contentful-paint");
@@ -137,13 +233,14 @@ for (const { name, file, dark, steps, most } of cases) {
       wait();
     }));
     expect(paint < most, "the first paint takes " + Math.round(paint) + " ms");
+    if (address) await page.waitForFunction(() => window.page.live.greeted);
     for (const [action, argument] of steps) await actions[action](page, argument);
     await page.screenshot({ path: screenshots + "/" + name + ".png" });
     expect(complaints.length === 0, complaints.join("; "));
     console.log("ok " + name + " (first paint " + Math.round(paint) + " ms)");
   } catch (error) {
     ++failed;
-    console.log("FAILED " + name + ": " + String(error.message).split("\n").slice(0, 3).join(" "));
+    console.log("FAILED " + name + ": " + String(error.message).split("\n").slice(0, 3).join(" ") + (String(error.stack).match(/drive\.mjs:\d+/) || [""])[0]);
     await page.screenshot({ path: screenshots + "/" + name + ".png" });
   }
   await context.close();

@@ -17,6 +17,8 @@ import sys
 import tempfile
 from html.parser import HTMLParser
 
+from web_client import Served
+
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 BUILD = pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build")
@@ -34,6 +36,15 @@ CASES = [
     ("tutorial_compounds", ["view --steps 50 {models}/tutorial/factory.bip -o {page}"], [["walk"], ["search", "worker"], ["levels"], ["measure"], ["key", "1"]], 2000),
     ("structure_alone", ["graph {models}/tutorial/factory.bip -o {page}"], [["search", "worker"], ["measure"]], 2000),
     ("dala", ["rules {rules}", "view --steps 300 {dir}/dala.bip -o {page}"], [["walk"], ["search", "ndd"], ["levels"], ["key", "5"]], 2000),
+]
+
+
+# The same of live pages: (name, commands before, arguments of `view --port 0`, what is done with it, ms)
+LIVE = [
+    ("live_philosophers", ["verify --trace {dir}/live.json {models}/classic/philosophers.bip"], "--trace {dir}/live.json {models}/classic/philosophers.bip",
+     [["walk"], ["key", "End"], ["anotherChoice"], ["measure"], ["drive"], ["key", "8"]], 2000),
+    ("live_train_gate", [], "{models}/timed/train_gate.bip", [["timed"], ["key", "5"]], 2000),
+    ("live_dala", ["rules {rules}"], "{dir}/dala.bip", [["steps"], ["search", "ndd"], ["key", "2"]], 2000),
 ]
 
 
@@ -130,6 +141,14 @@ def main():
                 print(f"FAILED {name}: {problem}")
             cases.append({"name": name, "file": str(page), "dark": name.endswith("_dark"), "steps": steps, "most": most})
         program, environment = browser()
+        served = []
+        for name, commands, arguments, steps, most in LIVE if program else []:
+            if wanted and not any(part in name for part in wanted):
+                continue
+            for command in commands:
+                run(command, dir=folder, models=MODELS, page=None, rules=DALA)
+            served.append(Served(BIPC, *arguments.format(dir=folder, models=MODELS).split(" ")))
+            cases.append({"name": name, "address": served[-1].address, "dark": False, "steps": steps, "most": most})
         if program is None:
             print(f"skipped: {environment}")
         elif cases and not failed:
@@ -140,6 +159,9 @@ def main():
             bad = sum(line == "FAILED" for line in lines) + (len(lines) != len(cases))
             print(done.stdout.rstrip() + done.stderr[-2000:])
             passed, failed = passed + sum(line == "ok" for line in lines), failed + bad
+        for one in served:
+            one.__exit__()
+            passed, failed = (passed + 1, failed) if one.code == 0 else (passed, failed + 1)
     print(f"view: {passed} passed, {failed} failed")
     return 1 if failed else 0
 

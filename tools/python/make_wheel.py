@@ -23,7 +23,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 OF_THE_SYSTEM = re.compile(r"(linux-vdso|ld-linux.*|libc|libm|libdl|librt|libpthread|libstdc\+\+|libgcc_s)\.so")
 
 # Debian packages whose code is compiled into ours: their terms go with it.
-COMPILED_IN = ("llvm-19-dev", "libcadical-dev", "libantlr4-runtime-dev", "libcli11-dev", "libasio-dev", "nlohmann-json3-dev", "pybind11-dev")
+COMPILED_IN = ("llvm-19-dev", "libcadical-dev", "libantlr4-runtime-dev", "libcli11-dev", "libasio-dev", "libboost-dev", "nlohmann-json3-dev", "pybind11-dev")
 
 METADATA = """Metadata-Version: 2.1
 Name: bipc

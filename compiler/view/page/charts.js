@@ -63,13 +63,14 @@ class Timeline {
     return this.left + (whole === 0 ? 0 : (at / whole) * (this.width - this.left - 10));
   }
   show(panel, position, atoms) {
-    if (this.panel !== panel || !panel.contains(this.canvas) || this.width !== panel.clientWidth - 20 || this.atoms !== atoms.join()) this.draw(panel, atoms);
+    if (this.panel !== panel || !panel.contains(this.canvas) || this.width !== panel.clientWidth - 20 || this.atoms !== atoms.join() || this.version !== this.run.version) this.draw(panel, atoms);
     const line = this.cursor;
     line.style.left = this.x(position) + 8 + "px";
     line.setAttribute("aria-label", "position " + position);
   }
   draw(panel, atoms) {
     this.panel = panel;
+    this.version = this.run.version;
     this.atoms = atoms.join();
     this.width = Math.max(300, panel.clientWidth - 20);
     const height = this.row * atoms.length + 22, ratio = devicePixelRatio || 1;

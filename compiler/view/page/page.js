@@ -9,7 +9,7 @@ class Page {
     this.run = new Run(data);
     this.position = 0;
     this.atom = 0;
-    this.picture = new StructurePicture($("canvas"), this.run, (atom) => this.choose(atom));
+    this.picture = new StructurePicture($("canvas"), this.run, (atom) => this.choose(atom), (connector) => this.chooseConnector(connector));
     this.timeline = new Timeline(this.run, (position) => this.go(position));
     this.plot = new Plot(this.run);
     this.filter = [];
@@ -21,6 +21,11 @@ class Page {
          ["Plot", (p) => this.plot.show(p, this.position)], ["End", (p) => this.showEnd(p)]]
       : [["Components", (p) => this.showState(p)]];
     this.open = 0;
+    if (data.live) {
+      this.live = new Live(this);
+      this.panels.push(["Drive", (p) => this.live.show(p)]);
+      document.querySelector("footer").append(" · w random step · r run · s stop");
+    }
     this.makeTabs();
     this.makeLevels();
     this.bind();
@@ -56,7 +61,7 @@ class Page {
     const on = (id, act) => $(id).addEventListener("click", act);
     on("to-begin", () => this.go(0));
     on("back", () => this.go(this.position - 1));
-    on("forward", () => this.go(this.position + 1));
+    on("forward", () => this.forward(1));
     on("to-end", () => this.go(this.run.length));
     on("play", () => this.play());
     on("to-choice", () => this.toChoice());
@@ -77,12 +82,13 @@ class Page {
     addEventListener("resize", () => this.showPanel());
   }
   key(event) {
-    if (event.ctrlKey || event.metaKey || event.altKey || event.target.type === "search" || event.target.tagName === "SELECT") return;
+    if (event.ctrlKey || event.metaKey || event.altKey || ["search", "text", "number"].includes(event.target.type) || event.target.tagName === "SELECT") return;
     const far = event.shiftKey ? 10 : 1;
     const keys = {
-      ArrowLeft: () => this.go(this.position - far), ArrowRight: () => this.go(this.position + far), Home: () => this.go(0), End: () => this.go(this.run.length),
+      ArrowLeft: () => this.go(this.position - far), ArrowRight: () => this.forward(far), Home: () => this.go(0), End: () => this.go(this.run.length),
       c: () => this.toChoice(), "/": () => $("search").focus(), "+": () => this.picture.zoom(1.3), "-": () => this.picture.zoom(1 / 1.3), 0: () => this.picture.fit(),
     };
+    if (this.live) Object.assign(keys, { w: () => this.live.walk(1), r: () => this.live.runOn(), s: () => this.live.stop() });
     if (event.key === " " && event.target.tagName !== "BUTTON") keys[" "] = () => this.play();
     this.panels.forEach((panel, k) => (keys[k + 1] = () => this.openPanel(k)));
     if (!keys[event.key]) return;
@@ -95,6 +101,11 @@ class Page {
     this.state = this.run.at(this.position);
     this.render();
   }
+  /** Recorded steps; at the end of a live run a new one. */
+  forward(count) {
+    if (this.live && this.position === this.run.length) this.live.walk(count);
+    else this.go(this.position + count);
+  }
   toChoice() {
     const position = this.run.lastChoice(this.position);
     if (position < 0) return;
@@ -106,10 +117,11 @@ class Page {
       clearInterval(this.timer);
       this.timer = null;
     } else {
-      if (this.position === this.run.length) this.go(0);
+      if (this.position === this.run.length && !this.live) this.go(0);
       this.timer = setInterval(() => {
-        this.go(this.position + 1);
-        if (this.position === this.run.length) this.play();
+        const before = this.position;
+        this.forward(1);
+        if (this.live ? this.run.end && before === this.run.length : this.position === this.run.length) this.play();
       }, 400);
     }
     $("play").setAttribute("aria-pressed", String(Boolean(this.timer)));
@@ -119,6 +131,12 @@ class Page {
     this.render();
     const box = this.picture.boxOfAtom.get(atom);
     if (box) this.picture.reveal(box);
+  }
+  /** In a live page: why is it not possible? */
+  chooseConnector(connector) {
+    if (!this.live) return;
+    this.openPanel(this.panels.length - 1);
+    this.live.why(this.run.connectors[connector].replace(/^ROOT\./, ""));
   }
   find(text) {
     this.filter = this.picture.find(text);
@@ -148,7 +166,8 @@ class Page {
     if (this.run.isTimed) where += ", " + timeText(this.run.instant(this.position));
     $("where").textContent = where;
     for (const id of ["to-begin", "back"]) $(id).disabled = this.position === 0;
-    for (const id of ["to-end", "forward"]) $(id).disabled = this.isAtEnd;
+    $("to-end").disabled = this.isAtEnd;
+    $("forward").disabled = this.isAtEnd && (!this.live || this.run.end !== null);
     $("to-choice").disabled = this.run.lastChoice(this.position) < 0;
     const cycle = this.isAtEnd && this.run.end ? this.run.end.cycle : [];
     this.picture.mark(this.state, this.step, this.atom, cycle);
@@ -212,14 +231,15 @@ class Page {
       button.textContent = "[" + k + "] " + text.replace(/\bROOT\./g, "");
       const isTaken = next && next.text === text;
       if (isTaken) button.classList.add("changed");
-      button.disabled = !isTaken;
-      button.title = isTaken ? "the run takes this one" : "another run: bipc step --trace TRACE --at " + this.position + ", then `c " + k + "`";
-      button.addEventListener("click", () => this.go(this.position + 1));
+      button.disabled = !isTaken && !this.live;
+      button.title = isTaken ? "the run takes this one" : this.live ? "take this one; the steps after here are dropped" : "another run: bipc step --trace TRACE --at " + this.position + ", then `c " + k + "`";
+      button.addEventListener("click", () => (isTaken ? this.go(this.position + 1) : this.live.take(k)));
       line.append(button);
       list.append(line);
     });
     if (count > texts.length) list.append("… and " + (count - texts.length) + " more");
     panel.replaceChildren(list);
+    if (this.live) this.live.showLater(list);
   }
   showSteps(panel) {
     const around = 200, first = Math.max(0, this.position - around), last = Math.min(this.run.length, this.position + around);

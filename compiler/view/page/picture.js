@@ -2,10 +2,11 @@
 "use strict";
 
 class StructurePicture {
-  constructor(canvas, run, onChoose) {
+  constructor(canvas, run, onChoose, onConnector) {
     this.canvas = canvas;
     this.run = run;
     this.onChoose = onChoose;
+    this.onConnector = onConnector;
     canvas.addEventListener("wheel", (event) => {
       event.preventDefault();
       this.zoom(event.deltaY < 0 ? 1.15 : 1 / 1.15, event.clientX, event.clientY);
@@ -101,6 +102,8 @@ class StructurePicture {
     if (this.wasMoved) return;
     const box = event.target.closest("[data-atom]");
     if (box) return this.onChoose(Number(box.dataset.atom));
+    const net = event.target.closest("[data-connector]");
+    if (net) return this.onConnector(Number(net.dataset.connector));
     // The title of a compound opens and closes it.
     const title = event.target.closest("text"), compound = event.target.closest(".compound");
     if (title && compound && title.parentNode === compound && title === compound.querySelector(":scope > text")) compound.classList.toggle("collapsed");

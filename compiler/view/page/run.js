@@ -1,4 +1,4 @@
-// The recorded run: its states, found by going on from the nearest kept one.
+// The recorded run: its states, found by going on from the nearest kept one. A live one is replaced from some step on.
 "use strict";
 
 class Run {
@@ -9,7 +9,7 @@ class Run {
     this.types = data.types;
     this.connectors = data.connectors; // paths
     const run = data.run;
-    this.steps = run ? run.steps.map(([connector, text, parts, changes, instant, line]) => ({ connector, text, parts, changes, instant, line })) : [];
+    this.steps = [];
     this.candidates = run ? run.candidates : []; // by state: rows of names, or the number of all if there are more
     this.names = run ? run.names : [];
     this.end = run ? run.end : null;
@@ -17,11 +17,28 @@ class Run {
     this.exists = Boolean(run);
     const first = { places: run ? run.places : data.atoms.map(() => ""), data: run ? run.data : data.atoms.map(() => []) };
     this.kept = [first];
-    let state = this.copy(first);
-    this.steps.forEach((step, k) => {
+    if (run) this.append(run.steps);
+  }
+  append(steps) {
+    const state = this.at(this.length);
+    for (const [connector, text, parts, changes, instant, line] of steps) {
+      const step = { connector, text, parts, changes, instant, line };
       this.apply(state, step);
-      if ((k + 1) % Run.stride === 0) this.kept.push(this.copy(state));
-    });
+      this.steps.push(step);
+      if (this.length % Run.stride === 0) this.kept.push(this.copy(state));
+    }
+  }
+  /** The run after the first `from` steps is another one. */
+  replace({ from, steps, candidates, names_from, names, end }) {
+    this.steps.length = from;
+    this.kept.length = Math.floor(from / Run.stride) + 1;
+    this.candidates.length = from + 1;
+    this.candidates.push(...candidates);
+    names.forEach((name, k) => (this.names[names_from + k] = name));
+    this.append(steps);
+    this.end = end;
+    this.madeStays = null;
+    this.version = (this.version || 0) + 1;
   }
 
   get length() {

@@ -1,0 +1,31 @@
+// HTTP and WebSocket on 127.0.0.1 for one live session. The only interface to Boost.Beast.
+//
+// Who does not know the token, which is in the path of the page's address, gets nothing. A page of another origin
+// cannot drive the session: the `Host` of a request and the `Origin` of a WebSocket must be the server's own (a name
+// that is resolved to 127.0.0.1 is none), and no answer allows another origin to read it. The first request that is not
+// one of those that the page makes ends its connection. One thread serves all, and the session moves on the same one.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "compiler/live/live_session.hpp"
+
+namespace bip::live {
+
+struct PageServerOptions {
+  std::uint16_t port = 0;  // 0: one that is free
+  std::size_t max_clients = 16;
+  std::size_t max_head = 8 << 10, max_message = 64 << 10;  // bytes of a client
+  std::size_t max_waiting = std::size_t{256} << 20;        // bytes to a client that does not read
+  int silence = 10;                                        // seconds until a connection that asks for nothing is closed
+};
+
+/// Serves until the process is told to end (SIGINT, SIGTERM, SIGHUP). `page` makes the page, and gets what its content
+/// security policy allows it to connect to; `announce` gets the page's address. False: `error` says why nothing was
+/// served.
+[[nodiscard]] bool serve_page(LiveSession& session, const PageServerOptions& options,
+                              const std::function<std::string(const std::string& connects_to)>& page,
+                              const std::function<void(const std::string& address)>& announce, std::string& error);
+
+}  // namespace bip::live
