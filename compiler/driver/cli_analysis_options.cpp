@@ -233,6 +233,12 @@ void add_view(CLI::App& app, ViewArguments& a) {
   CLI::Option* output =
       command->add_option("-o,--output", a.output, "page to write (default: the model's name with .html)");
   output->type_name("PAGE");
+  command
+      ->add_option(
+          "--certificate", a.certificate,
+          "show the invariants in CERT, which `bipc verify --certificate` wrote, on the places that they speak "
+          "of")
+      ->type_name("CERT");
   CLI::Option* port = command->add_option_function<std::uint16_t>(
       "--port",
       [&a](const std::uint16_t& number) {

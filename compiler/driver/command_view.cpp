@@ -1,7 +1,10 @@
 // `bipc view`: a page with the pictures of a model and a run of it (compiler/docs/view.md).
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 
+#include "compiler/base/read_file.hpp"
 #include "compiler/base/write_file.hpp"
 #include "compiler/debug/back_refusal.hpp"
 #include "compiler/driver/check_outputs.hpp"
@@ -13,6 +16,7 @@
 #include "compiler/pipeline/executor.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/view/page.hpp"
+#include "compiler/view/proof_record.hpp"
 #include "compiler/view/run_record.hpp"
 #include "runtime/explore/counterexample.hpp"
 
@@ -21,14 +25,15 @@ namespace bip::driver {
 namespace {
 
 // The session is in its initial state, with the moves of a trace ahead.
-int serve_live(const Compilation& c, rt::DebugSession& session, const ViewArguments& arguments, std::uint64_t seed) {
+int serve_live(const Compilation& c, rt::DebugSession& session, const ViewArguments& arguments, std::uint64_t seed,
+               const nlohmann::ordered_json& proof) {
   const debug::DebugModel model(*c.system, c.lowered->image);
   live::LiveSession pages(*c.system, session, model, seed);
   live::PageServerOptions options;
   options.port = arguments.port;
   const auto page = [&](const std::string& connects_to) {
     return view::page(*c.system, page_title(*c.system, arguments.file), arguments.picture, pages.initial(),
-                      connects_to);
+                      {connects_to, proof});
   };
   const auto announce = [](const std::string& address) {
     std::printf("%s\n", address.c_str());
@@ -63,9 +68,24 @@ int command_view(const ViewArguments& arguments) {
       return kUsage;
     }
   }
-  if (arguments.is_live) return serve_live(c, session, arguments, options.seed);
+  nlohmann::ordered_json proof;
+  if (!arguments.certificate.empty()) {
+    const std::optional<std::string> text = read_file(arguments.certificate);
+    if (!text) {
+      c.diags.report(Diag::kB0090, {}, arguments.certificate, std::strerror(errno));
+      return report(c);
+    }
+    Result<nlohmann::ordered_json> read = view::record_proof(*c.system, *text);
+    if (!read) {
+      std::fprintf(stderr, "error: `%s` is no certificate of this model: %s\n", arguments.certificate.c_str(),
+                   read.error().c_str());
+      return kUsage;
+    }
+    proof = std::move(*read);
+  }
+  if (arguments.is_live) return serve_live(c, session, arguments, options.seed, proof);
   const std::string page = view::page(*c.system, page_title(*c.system, arguments.file), arguments.picture,
-                                      view::record_run(*c.system, session, steps, options.seed));
+                                      view::record_run(*c.system, session, steps, options.seed), {{}, proof});
   if (const auto written = write_file(output, page); !written) {
     c.diags.report(Diag::kB5004, {}, output, written.error());
     return report(c);

@@ -45,6 +45,7 @@ struct StepArguments : SessionArguments {
 struct ViewArguments : SessionArguments {
   std::string output;
   std::uint64_t steps = 200;  // without a trace
+  std::string certificate;    // of verify --certificate; empty: none
   bool is_live = false;
   std::uint16_t port = 0;  // of a live page; 0: a free one
   graph::PictureOptions picture;

@@ -2,6 +2,7 @@
 #include "compiler/view/page.hpp"
 
 #include <algorithm>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -56,11 +57,12 @@ std::string script_json(const Json& json) {
 }  // namespace
 
 std::string page(const System& system, const std::string& title, const graph::PictureOptions& options, const Json& run,
-                 const std::string& connects_to) {
-  const bool is_live = !connects_to.empty();
+                 const PageOptions& more) {
+  const bool is_live = !more.connects_to.empty();
   Json data = model_json(system);
   data["title"] = title;
   if (is_live) data["live"] = true;
+  if (!more.proof.is_null()) data["proof"] = more.proof;
   data["run"] = run;
   std::string templates;
   std::size_t count = 0, first = 0;
@@ -91,15 +93,17 @@ std::string page(const System& system, const std::string& title, const graph::Pi
   out +=
       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; "
       "script-src 'unsafe-inline'; img-src data:";
-  if (is_live) out += "; connect-src " + graph::escaped_markup(connects_to);
+  if (is_live) out += "; connect-src " + graph::escaped_markup(more.connects_to);
   out += "\">\n";
   if (is_live) out += "<link rel=\"icon\" href=\"data:,\">\n";
   out += fmt::format("<style>\n{}{}</style>\n</head>\n<body>\n{}", graph::picture_styles(), k_page_css, k_page_html);
   out += templates;
   out += "<script id=\"data\" type=\"application/json\">" + script_json(data) + "</script>\n";
-  for (const std::string_view script :
-       {k_run_js, k_picture_js, k_charts_js, is_live ? k_live_js : std::string_view(), k_page_js})
-    if (!script.empty()) out += fmt::format("<script>\n{}</script>\n", script);
+  std::vector<std::string_view> scripts{k_run_js, k_picture_js, k_charts_js};
+  if (!more.proof.is_null()) scripts.push_back(k_proof_js);
+  if (is_live) scripts.push_back(k_live_js);
+  scripts.push_back(k_page_js);
+  for (const std::string_view script : scripts) out += fmt::format("<script>\n{}</script>\n", script);
   return out + "</body>\n</html>\n";
 }
 

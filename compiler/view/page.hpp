@@ -10,11 +10,15 @@
 
 namespace bip::view {
 
+struct PageOptions {
+  std::string connects_to;       // of a live page: the source that it connects to, `ws://127.0.0.1:1234`
+  nlohmann::ordered_json proof;  // of record_proof, or null
+};
+
 /// Returns the page. `run`: of record_run, or null. Structures of systems with nested compounds are in it several
-/// times, one for each depth, up to kMostPicture bytes each. `connects_to`: of a live page, the source that it connects
-/// to, `ws://127.0.0.1:1234`.
+/// times, one for each depth, up to kMostPicture bytes each.
 [[nodiscard]] std::string page(const System& system, const std::string& title, const graph::PictureOptions& options,
-                               const nlohmann::ordered_json& run = nullptr, const std::string& connects_to = {});
+                               const nlohmann::ordered_json& run = nullptr, const PageOptions& more = {});
 
 inline constexpr std::size_t kMostPicture = std::size_t{6} << 20, kMostFirstPicture = std::size_t{1} << 20;
 

@@ -1,6 +1,8 @@
 // See run_record.hpp.
 #include "compiler/view/run_record.hpp"
 
+#include <set>
+
 #include "runtime/core/deadlock_explanation.hpp"
 #include "runtime/core/final_state.hpp"
 #include "runtime/core/text.hpp"
@@ -10,6 +12,15 @@
 namespace bip::view {
 
 using Json = RunRecorder::Json;
+
+namespace {
+
+rt::u32 clock_count(const rt::Core& core, rt::u32 atom) {
+  const rt::AtomTime* const time = core.tables().atom_type(atom).time;
+  return time == nullptr ? 0 : static_cast<rt::u32>(time->clocks.size);
+}
+
+}  // namespace
 
 RunRecorder::RunRecorder(const System& system, rt::DebugSession& session) : system_(system), session_(session) {
   for (std::size_t k = 0; k < system.connectors.size(); ++k) connectors_[system.connectors[ConnectorId(k)].path] = k;
@@ -24,6 +35,43 @@ Json RunRecorder::state() {
     for (std::uint32_t k = 0; k < shown_variables(atom); ++k) values.push_back(value(atom, k));
     out["data"].push_back(std::move(values));
   }
+  if (!core.is_timed()) return out;
+  out["clock_names"] = Json::array();
+  for (const rt::AtomType& type : core.image().atom_types) {
+    Json names = Json::array();
+    if (type.time != nullptr)
+      for (const rt::Clock& row : type.time->clocks) names.push_back({row.name, row.unit});
+    out["clock_names"].push_back(std::move(names));
+  }
+  out["clocks"] = Json::array();
+  for (rt::u32 atom = 0; atom < core.image().atoms.size; ++atom) {
+    Json clocks = Json::array();
+    for (rt::u32 row = 0; row < clock_count(core, atom); ++row) clocks.push_back(clock(atom, row));
+    out["clocks"].push_back(std::move(clocks));
+  }
+  return out;
+}
+
+Json RunRecorder::clock(rt::u32 atom, rt::u32 row) const {
+  const rt::Clocks& time = session_.core().time();
+  const rt::ClockState& state = time.clock_state(time.first_clock(atom) + row);
+  return {state.value, state.since, static_cast<double>(state.speed) / static_cast<double>(rt::kUnitSpeed)};
+}
+
+// Clocks of those who have moved that were set at this instant; one that was set by the step before is again among
+// them.
+Json RunRecorder::set_clocks(const rt::LastMove& move) const {
+  Json out = Json::array();
+  const rt::Core& core = session_.core();
+  if (!core.is_timed()) return out;
+  std::set<rt::u32> atoms;
+  for (const rt::MovePart& part : move.parts) atoms.insert(part.atom);
+  for (const rt::AtomChange& change : move.changes) atoms.insert(change.atom);
+  for (const rt::u32 atom : atoms)
+    for (rt::u32 row = 0; row < clock_count(core, atom); ++row) {
+      const Json now = clock(atom, row);
+      if (now[1] == core.now()) out.push_back({atom, row, now[0], now[1], now[2]});
+    }
   return out;
 }
 
@@ -111,7 +159,9 @@ Json RunRecorder::step(const rt::LastMove& move) {
   }
   std::string line;
   rt::append_line(line, core.image(), move.loc);
-  return {connector, text, std::move(parts), std::move(changes), core.now(), line};
+  Json out{connector, text, std::move(parts), std::move(changes), core.now(), line};
+  if (Json clocks = set_clocks(move); !clocks.empty()) out.push_back(std::move(clocks));
+  return out;
 }
 
 // The row of the transition at the part's line.

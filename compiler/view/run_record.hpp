@@ -3,7 +3,8 @@
 // {"timed": bool, "places": [text by atom], "data": [[text by variable] by atom], "names": [candidate],
 //  "candidates": [{"rows": [row of names], "count": n} by state],
 //  "steps": [[connector or -1, text, [[atom, port, transition or -1]], [[atom, places or null, [[variable, value]]]],
-//             instant in ns, "file:line"]],
+//             instant in ns, "file:line", [[atom, clock, value, since, speed]]]],
+//  "clock_names": [[name, unit] by clock, by type], "clocks": [[value, since, speed] by clock, by atom],
 //  "end": {"story": text, "cycle": [atom]}}
 #pragma once
 #include <cstdint>
@@ -41,6 +42,8 @@ class RunRecorder {
   [[nodiscard]] std::uint32_t shown_variables(rt::u32 atom) const;
   [[nodiscard]] std::string value(rt::u32 atom, std::uint32_t variable) const;
   [[nodiscard]] std::size_t row_of(const std::string& name);
+  [[nodiscard]] Json clock(rt::u32 atom, rt::u32 row) const;
+  [[nodiscard]] Json set_clocks(const rt::LastMove& move) const;
   [[nodiscard]] std::int64_t transition(const rt::MovePart& part) const;
 
   const System& system_;

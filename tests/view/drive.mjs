@@ -180,6 +180,55 @@ const actions = {
     await page.keyboard.press("6");
     expect((await page.locator("#panel svg path").count()) > 0, "nothing is plotted");
   },
+  /** Clocks run with time and are set by steps; the plot has a line for each. */
+  async clocks(page) {
+    await page.keyboard.press("1");
+    const wrong = await page.evaluate(() => {
+      const p = window.page, atom = p.run.atoms.findIndex(([path]) => path.endsWith("train[0]"));
+      if (p.run.clocksOf(atom).length !== 1 || p.run.clocksOf(atom)[0][0] !== "x") return "the train has no clock x";
+      let sets = 0, runs = 0;
+      for (let k = 1; k <= p.run.length; ++k) {
+        const before = p.run.clock(p.run.at(k - 1), atom, 0, k - 1), now = p.run.clock(p.run.at(k), atom, 0, k), passed = (p.run.instant(k) - p.run.instant(k - 1)) / 1e9;
+        const place = p.run.at(k).places[atom], was = p.run.at(k - 1).places[atom];
+        if (was === "FAR" && place === "NEAR") (++sets, now === 0 || (sets = -1e9));
+        else if (Math.abs(now - before - passed) > 1e-4) return "at " + k + " x is " + now + " after " + before + " and " + passed + " s";
+        else runs += passed > 0;
+        // Invariants of the model.
+        if ((place === "NEAR" && now > 5) || (place === "ON" && now > 7)) return "x is " + now + " at " + place;
+      }
+      return sets > 0 && runs > 0 ? "" : "x is never set, or never runs";
+    });
+    expect(wrong === "", wrong);
+    await page.keyboard.press("End");
+    expect(/x = \d/.test(await text(page, "#panel")), "no clock in the state");
+    await page.keyboard.press("6");
+    expect((await page.locator("#panel path.clock").count()) > 0, "no clock is plotted");
+  },
+  /** Every invariant of the proof holds in every state of the run; a click marks what it speaks of. */
+  async proof(page) {
+    const wrong = await page.evaluate(() => {
+      const p = window.page, seen = new Set();
+      for (let k = 0; k <= p.run.length; ++k) {
+        p.go(k);
+        for (const row of p.proof.rows) {
+          const holds = row.terms.map((term) => p.proof.termHolds(term));
+          if (row.kind === "sum" || row.kind === "equation") {
+            const sum = p.proof.sum(row);
+            if (sum === "") continue;
+            if (sum !== row.total) return row.kind + " #" + row.number + " is " + sum + " instead of " + row.total + " at " + k;
+          } else if (holds.includes(null)) continue;
+          else if (row.kind === "one-token" ? holds.filter(Boolean).length !== 1 : !holds.includes(true)) return row.kind + " #" + row.number + " does not hold at " + k;
+          seen.add(row.number);
+        }
+      }
+      return seen.size === p.proof.rows.length ? "" : seen.size + " of " + p.proof.rows.length + " invariants could be looked at";
+    });
+    expect(wrong === "", wrong);
+    expect((await page.locator("#panel tr").count()) > 0, "no invariant is listed");
+    await page.locator("#panel td:nth-child(2) .row-link").first().click();
+    expect((await page.locator("#canvas .invariant").count()) > 1, "the components of the invariant are not marked");
+    expect((await page.locator("#automaton .invariant").count()) > 0, "the places of the invariant are not marked");
+  },
   async levels(page) {
     const count = await page.locator("#levels option").count();
     expect(count > 1, "there is one level only");

@@ -32,6 +32,9 @@ CASES = [
      [["deadlock"], ["walk"], ["measure"], ["key", "End"], ["key", "7"]], 2000),
     ("philosophers_folded", ["view --root Table(1000) --steps 100 {models}/classic/philosophers.bip -o {page}"], [["walk"], ["measure"], ["key", "5"]], 2000),
     ("train_gate", ["view --steps 200 --seed 3 {models}/timed/train_gate.bip -o {page}"], [["walk"], ["plot"], ["measure"], ["key", "5"]], 2000),
+    ("clocks", ["view --steps 60 --seed 3 {models}/timed/train_gate.bip -o {page}"], [["clocks"], ["key", "6"]], 2000),
+    ("proof", ["verify --certificate {dir}/proof.cert {models}/classic/gas_station.bip", "view --certificate {dir}/proof.cert --steps 100 {models}/classic/gas_station.bip -o {page}"],
+     [["proof"]], 2000),
     ("train_gate_dark", ["view --steps 60 --seed 3 {models}/timed/train_gate.bip -o {page}"], [["walk"], ["key", "4"]], 2000),
     ("tutorial_compounds", ["view --steps 50 {models}/tutorial/factory.bip -o {page}"], [["walk"], ["search", "worker"], ["levels"], ["measure"], ["key", "1"]], 2000),
     ("structure_alone", ["graph {models}/tutorial/factory.bip -o {page}"], [["search", "worker"], ["measure"]], 2000),
@@ -58,13 +61,13 @@ def run(arguments, **names):
 class Check(HTMLParser):
     """What can be said of a page without a browser: it asks for nothing, and its scripts are as many as ours."""
 
-    def __init__(self, text):
+    def __init__(self, text, scripts):
         super().__init__()
         self.problems, self.scripts, self.data = [], 0, None
         self.is_data = False
         self.feed(text)
-        if self.scripts != 5:
-            self.problems.append(f"{self.scripts} scripts instead of 5: something in the model became markup")
+        if self.scripts != scripts:
+            self.problems.append(f"{self.scripts} scripts instead of {scripts}: something in the model became markup")
 
     def handle_starttag(self, tag, attributes):
         self.scripts += tag == "script"
@@ -97,6 +100,24 @@ end
 '''
 
 
+def refused(folder):
+    """Certificates that are none, or of another model."""
+    problems = []
+    safe, other = MODELS / "classic/philosophers_safe.bip", MODELS / "classic/atm.bip"
+    subprocess.run([BIPC, "verify", "--certificate", str(folder / "other.cert"), str(other)], capture_output=True)
+    text = (folder / "other.cert").read_text()
+    for name, content, wanted in [("other", text, "no certificate of this model"), ("empty", "", "version 1"), ("later", "bipc-certificate 2\n", "version 1"), ("odd", "bipc-certificate 1\nfoo bar\n", "line 2: a row `foo`"),
+                                  ("alone", "bipc-certificate 1\ntrap ROOT.nobody:0\n", "no component `nobody"), ("value", "bipc-certificate 1\nlemma ROOT.table.phil[0].weight=1\n", "no variable")]:
+        (folder / f"{name}.cert").write_text(content)
+        done = subprocess.run([BIPC, "view", "--certificate", str(folder / f"{name}.cert"), str(safe), "-o", str(folder / "x.html")], capture_output=True, text=True)
+        if done.returncode != 2 or wanted not in done.stderr or (folder / "x.html").exists():
+            problems.append(f"{name}: exit code {done.returncode}, {done.stderr.strip()}")
+    done = subprocess.run([BIPC, "view", "--certificate", str(folder / "nowhere"), str(safe), "-o", str(folder / "x.html")], capture_output=True, text=True)
+    if done.returncode != 1 or "error[B0090]" not in done.stderr:
+        problems.append(f"no file: exit code {done.returncode}, {done.stderr.strip()}")
+    return problems
+
+
 def browser():
     """(chromium, environment), or the reason why there is none."""
     program = next((p for p in map(shutil.which, ("chromium", "chromium-browser", "google-chrome")) if p), None)
@@ -126,11 +147,11 @@ def main():
             problems = []
             for command in commands:
                 words, done = run(command, dir=folder, models=MODELS, page=page, rules=DALA)
-                if done.returncode != (3 if words[0] == "verify" else 0):
+                if done.returncode != (3 if words[:2] == ["verify", "--trace"] else 0):
                     problems.append(f"bipc {' '.join(words)}: exit code {done.returncode}\n{done.stderr[-400:]}")
             if page.exists():
                 text = page.read_text(encoding="utf-8")
-                problems += Check(text).problems
+                problems += Check(text, 5 + ("--certificate" in commands[-1])).problems
                 _, done = run(commands[-1], dir=folder, models=MODELS, page=page, rules=DALA)
                 if page.read_text(encoding="utf-8") != text:
                     problems.append("the same run gives another page")
@@ -140,6 +161,11 @@ def main():
             for problem in problems:
                 print(f"FAILED {name}: {problem}")
             cases.append({"name": name, "file": str(page), "dark": name.endswith("_dark"), "steps": steps, "most": most})
+        if not wanted:
+            problems = refused(pathlib.Path(folder))
+            passed, failed = (passed, failed + 1) if problems else (passed + 1, failed)
+            for problem in problems:
+                print(f"FAILED certificates: {problem}")
         program, environment = browser()
         served = []
         for name, commands, arguments, steps, most in LIVE if program else []:

@@ -134,11 +134,13 @@ class Plot {
     for (const step of this.run.steps) for (const [atom, , values] of step.changes) for (const [row, value] of values) if (!Number.isNaN(Number(value))) seen.add(atom + " " + row);
     this.found = [...seen].map((key) => key.split(" ").map(Number)).sort((a, b) => a[0] - b[0] || a[1] - b[1])
       .map(([atom, row]) => [atom, row, this.run.name(atom) + "." + this.run.type(atom).variables[row]]);
+    // Clocks are lines, not steps.
+    this.run.atoms.forEach((_, atom) => this.run.clocksOf(atom).forEach(([name], clock) => this.found.push([atom, clock, this.run.name(atom) + "." + name, "clock"])));
     return this.found;
   }
   show(panel, position) {
     const variables = this.variables();
-    if (variables.length === 0) return panel.replaceChildren("No number changes in this run.");
+    if (variables.length === 0) return panel.replaceChildren("No number changes in this run, and there is no clock.");
     if (!this.chosen) this.chosen = new Set(variables.slice(0, 4).map((v) => v[2]));
     const list = document.createElement("div");
     for (const [, , name] of variables.slice(0, 200)) {
@@ -162,13 +164,14 @@ class Plot {
   lines(panel, position, variables) {
     const width = Math.max(300, panel.clientWidth - 24), height = Math.max(120, panel.clientHeight - 90), left = 60, bottom = 20;
     const svg = svgElement("svg", { class: "chart", width, height, role: "img", "aria-label": "values of " + variables.map((v) => v[2]).join(", ") });
-    const series = variables.map(([atom, row]) => this.run.values(atom, row).map(([at, value]) => [at, Number(value)]).filter(([, value]) => Number.isFinite(value)));
+    const series = variables.map(([atom, row, , kind]) => kind ? this.run.clockLine(atom, row) : this.run.values(atom, row).map(([at, value]) => [at, Number(value)]).filter(([, value]) => Number.isFinite(value)));
     let low = Infinity, high = -Infinity;
     for (const points of series) for (const [, value] of points) (low = Math.min(low, value)), (high = Math.max(high, value));
     if (low === Infinity) return svg;
     if (low === high) high = low + 1;
     const whole = this.run.isTimed ? this.run.instant(this.run.length) : this.run.length;
-    const x = (at) => left + ((this.run.isTimed ? this.run.instant(at) : at) / (whole || 1)) * (width - left - 10);
+    const xOfInstant = (instant) => left + (instant / (whole || 1)) * (width - left - 10);
+    const x = (at) => xOfInstant(this.run.isTimed ? this.run.instant(at) : at);
     const y = (value) => height - bottom - ((value - low) / (high - low)) * (height - bottom - 12);
     for (const part of [0, 0.5, 1]) {
       const value = low + (high - low) * part;
@@ -180,6 +183,11 @@ class Plot {
     series.forEach((points, k) => {
       if (points.length === 0) return;
       let path = "";
+      if (variables[k][3]) {
+        points.forEach(([instant, value], n) => (path += (n === 0 ? "M" : "L") + xOfInstant(instant) + " " + y(value)));
+        svg.append(svgElement("path", { class: "clock", d: path, fill: "none", "stroke-width": 1.5, stroke: PLACE_COLOURS[k % PLACE_COLOURS.length] }));
+        return;
+      }
       points.forEach(([at, value], n) => (path += (n === 0 ? "M" + x(at) + " " + y(value) : "H" + x(at) + "V" + y(value))));
       svg.append(svgElement("path", { d: path + "H" + x(this.run.length), fill: "none", "stroke-width": 2, stroke: PLACE_COLOURS[k % PLACE_COLOURS.length] }));
     });

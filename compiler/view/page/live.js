@@ -1,16 +1,6 @@
 // The page of a session that runs (`bipc view --port`): what is possible is taken, over a WebSocket.
 "use strict";
 
-function element(name, attributes, ...children) {
-  const made = document.createElement(name);
-  for (const [key, value] of Object.entries(attributes || {})) {
-    if (key.startsWith("on")) made.addEventListener(key.slice(2), value);
-    else made.setAttribute(key, value);
-  }
-  made.append(...children);
-  return made;
-}
-
 class Live {
   constructor(page) {
     this.page = page;

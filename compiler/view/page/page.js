@@ -21,6 +21,11 @@ class Page {
          ["Plot", (p) => this.plot.show(p, this.position)], ["End", (p) => this.showEnd(p)]]
       : [["Components", (p) => this.showState(p)]];
     this.open = 0;
+    if (data.proof) {
+      this.proof = new Proof(this, data.proof);
+      this.open = this.panels.length;
+      this.panels.push(["Proof", (p) => this.proof.show(p)]);
+    }
     if (data.live) {
       this.live = new Live(this);
       this.panels.push(["Drive", (p) => this.live.show(p)]);
@@ -173,6 +178,7 @@ class Page {
     this.picture.mark(this.state, this.step, this.atom, cycle);
     $("atom-name").textContent = this.run.name(this.atom) + " : " + this.run.type(this.atom).name;
     showAutomaton($("automaton"), document.querySelector(`template[data-type="${this.run.atoms[this.atom][1]}"]`), this.run, this.atom, this.state, this.step);
+    if (this.proof) this.proof.mark(this.picture, $("automaton"), this.atom);
     this.showPanel();
   }
   showPanel() {
@@ -215,6 +221,15 @@ class Page {
         if (k > 0) data.append(", ");
         data.append(type.variables[k] + " = ");
         value(data, text, before.data[atom][k]);
+      });
+      this.run.clocksOf(atom).forEach(([name], k) => {
+        if (data.hasChildNodes()) data.append(", ");
+        data.append(name + " = ");
+        const wasSet = this.step && (this.step.clocks || []).some(([other, row]) => other === atom && row === k);
+        const span = document.createElement("span");
+        span.textContent = this.run.clock(this.state, atom, k, this.position);
+        if (wasSet) span.className = "changed";
+        data.append(span);
       });
     }
     panel.replaceChildren(table);

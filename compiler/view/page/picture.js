@@ -1,6 +1,16 @@
 // The picture of the structure: moved, enlarged, searched, collapsed; marked with what the run does.
 "use strict";
 
+function element(name, attributes, ...children) {
+  const made = document.createElement(name);
+  for (const [key, value] of Object.entries(attributes || {})) {
+    if (key.startsWith("on")) made.addEventListener(key.slice(2), value);
+    else made.setAttribute(key, value);
+  }
+  made.append(...children);
+  return made;
+}
+
 class StructurePicture {
   constructor(canvas, run, onChoose, onConnector) {
     this.canvas = canvas;

@@ -15,14 +15,15 @@ class Run {
     this.end = run ? run.end : null;
     this.isTimed = run ? run.timed : false;
     this.exists = Boolean(run);
-    const first = { places: run ? run.places : data.atoms.map(() => ""), data: run ? run.data : data.atoms.map(() => []) };
+    const first = { places: run ? run.places : data.atoms.map(() => ""), data: run ? run.data : data.atoms.map(() => []), clocks: (run && run.clocks) || [] };
+    this.clockNames = (run && run.clock_names) || []; // by type: [name, unit in ns]
     this.kept = [first];
     if (run) this.append(run.steps);
   }
   append(steps) {
     const state = this.at(this.length);
-    for (const [connector, text, parts, changes, instant, line] of steps) {
-      const step = { connector, text, parts, changes, instant, line };
+    for (const [connector, text, parts, changes, instant, line, clocks] of steps) {
+      const step = { connector, text, parts, changes, instant, line, clocks };
       this.apply(state, step);
       this.steps.push(step);
       if (this.length % Run.stride === 0) this.kept.push(this.copy(state));
@@ -45,13 +46,14 @@ class Run {
     return this.steps.length;
   }
   copy(state) {
-    return { places: state.places.slice(), data: state.data.map((row) => row.slice()) };
+    return { places: state.places.slice(), data: state.data.map((row) => row.slice()), clocks: state.clocks.map((row) => row.slice()) };
   }
   apply(state, step) {
     for (const [atom, places, values] of step.changes) {
       if (places !== null) state.places[atom] = places;
       for (const [variable, value] of values) state.data[atom][variable] = value;
     }
+    for (const [atom, clock, ...set] of step.clocks || []) state.clocks[atom][clock] = set;
   }
   /** The state after so many steps. */
   at(position) {
@@ -59,6 +61,31 @@ class Run {
     const state = this.copy(this.kept[kept]);
     for (let k = kept * Run.stride; k < position; ++k) this.apply(state, this.steps[k]);
     return state;
+  }
+  /** Names and units of the atom's clocks. */
+  clocksOf(atom) {
+    return this.clockNames[this.atoms[atom][1]] || [];
+  }
+  /** A clock's value in its unit: it was `value` at `since` and has run with `speed`. */
+  clock(state, atom, clock, position) {
+    return this.clockAt(state.clocks[atom][clock], this.clocksOf(atom)[clock][1], this.instant(position));
+  }
+  clockAt([value, since, speed], unit, instant) {
+    return Number(((value + (instant - since) * speed) / unit).toPrecision(6));
+  }
+  /** The clock's line over time as [instant, value]: where it is set, both values. */
+  clockLine(atom, clock) {
+    const unit = this.clocksOf(atom)[clock][1], line = [];
+    let now = this.kept[0].clocks[atom][clock];
+    line.push([0, this.clockAt(now, unit, 0)]);
+    for (const step of this.steps)
+      for (const [other, row, ...set] of step.clocks || []) {
+        if (other !== atom || row !== clock) continue;
+        line.push([set[1], this.clockAt(now, unit, set[1])], [set[1], this.clockAt(set, unit, set[1])]);
+        now = set;
+      }
+    line.push([this.instant(this.length), this.clockAt(now, unit, this.instant(this.length))]);
+    return line;
   }
   type(atom) {
     return this.types[this.atoms[atom][1]];
