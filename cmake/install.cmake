@@ -2,7 +2,7 @@
 # whole may be moved:
 #
 #   bin/             bipc, bipc-lsp, certcheck
-#   lib/bipc/        the JIT plug-in and the runtime that `bipc build` links
+#   lib/bipc/        the plug-ins (JIT; component distributed: the network) and the runtime that `bipc build` links
 #   share/bipc/      runtime (sources for `bipc emit`), stdlib, models
 #   share/doc/bipc/  documents and licence; man pages and completions are where programs look for them
 #   include/bip/, lib*/   component dev: headers and libbip_runtime.a; component libs: libbip_runtime.so.0; components compiler and compiler_dev:
@@ -25,6 +25,12 @@ if(TARGET bipc_jit)
   set_target_properties(bipc_jit PROPERTIES INSTALL_RPATH "$ORIGIN")
   target_link_options(bipc_jit PRIVATE -Wl,--disable-new-dtags)
   install(TARGETS bipc_jit LIBRARY DESTINATION ${bipc_lib} COMPONENT bipc)
+endif()
+# A component of its own: only runs on several processes need it, and libzmq has many libraries behind it.
+if(TARGET bipc_zmq)
+  set_target_properties(bipc_zmq PROPERTIES INSTALL_RPATH "$ORIGIN")
+  target_link_options(bipc_zmq PRIVATE -Wl,--disable-new-dtags)
+  install(TARGETS bipc_zmq LIBRARY DESTINATION ${bipc_lib} COMPONENT distributed)
 endif()
 install(FILES $<TARGET_FILE:bip_runtime> DESTINATION ${bipc_lib} COMPONENT bipc)
 install(DIRECTORY runtime DESTINATION ${bipc_share} COMPONENT bipc FILES_MATCHING PATTERN *.hpp PATTERN *.h PATTERN *.cpp)

@@ -1,6 +1,7 @@
 # Packages of what install.cmake installs: `cpack -G DEB` in a build configured with the preset `package` (tools/package does).
 #
 #   bipc             programs, JIT, runtime sources, standard library, models, documents
+#   bipc-distributed the network of runs on several processes
 #   libbip-runtime0  libbip_runtime.so.0, for programs that link it
 #   bipc-dev         headers and the static library
 #   libbip-compiler0, libbip-compiler-dev   the compiler as a library
@@ -32,7 +33,7 @@ set(CPACK_DEBIAN_BIPC_PACKAGE_NAME bipc)
 set(CPACK_DEBIAN_BIPC_PACKAGE_SECTION devel)
 # `bipc build` and models with C++ need a compiler, models/dala Python.
 set(CPACK_DEBIAN_BIPC_PACKAGE_RECOMMENDS "g++")
-set(CPACK_DEBIAN_BIPC_PACKAGE_SUGGESTS "python3, bipc-dev, bipc-vscode, graphviz")
+set(CPACK_DEBIAN_BIPC_PACKAGE_SUGGESTS "python3, bipc-dev, bipc-distributed, bipc-vscode, graphviz")
 set(CPACK_COMPONENT_BIPC_DESCRIPTION "BIP models as programs and proofs
 bipc compiles, runs and proves models written in BIP (Behaviour, Interaction,
 Priority), a language for concurrent systems such as robot controllers.
@@ -55,7 +56,16 @@ set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libbip-runtime0 (= ${PROJECT_VERSION})")
 set(CPACK_COMPONENT_DEV_DESCRIPTION "runtime of BIP models, headers and static library
 For C++ and C programs that execute models which bipc compiled to C++.")
 
-set(packages bipc:bipc libs:libbip-runtime0 dev:bipc-dev vscode:bipc-vscode)
+if(TARGET bipc_zmq)
+  list(APPEND CPACK_COMPONENTS_ALL distributed)
+  set(CPACK_DEBIAN_DISTRIBUTED_PACKAGE_NAME bipc-distributed)
+  set(CPACK_DEBIAN_DISTRIBUTED_PACKAGE_SECTION devel)
+  set(CPACK_DEBIAN_DISTRIBUTED_PACKAGE_DEPENDS "bipc (= ${PROJECT_VERSION})")
+  set(CPACK_COMPONENT_DISTRIBUTED_DESCRIPTION "runs of BIP models on several processes
+The network of bipc run --engine=distributed, over ZeroMQ.")
+  set(distributed_package distributed:bipc-distributed)
+endif()
+set(packages bipc:bipc ${distributed_package} libs:libbip-runtime0 dev:bipc-dev vscode:bipc-vscode)
 if(TARGET bip_compiler)
   list(APPEND CPACK_COMPONENTS_ALL compiler compiler_dev)
   list(APPEND packages compiler:libbip-compiler0 compiler_dev:libbip-compiler-dev)

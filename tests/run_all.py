@@ -122,6 +122,7 @@ def groups(options):
         ("genom", [script("genom", "tests/genom/test_genom.py", weight=30), script("dala", "tests/genom/test_dala.py", weight=30),
                    script("rules", "tests/rules/test_rules.py", weight=10), script("mission", "models/dala/run", alone=True)]),
         ("serve", [script("serve", "tests/serve/test_serve.py", alone=True), script("stepping", "tests/serve/test_stepping.py"), script("requests", "tests/serve/test_requests.py"), script("watchdog", "tests/serve/test_watchdog.py", alone=True)]),
+        ("distributed", [script("distributed", "tests/distributed/test_processes.py", alone=True)]),
         ("faults", [script("faults", "tests/faults/test_faults.py", alone=True)]),
         ("traces", [script("traces", "tests/traces/test_traces.py", weight=3)]),
         ("debuggers", [script("debuggers", "tests/debuggers/test_debuggers.py", alone=True)]),

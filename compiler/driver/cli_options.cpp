@@ -49,15 +49,19 @@ void add_run(CLI::App& app, RunArguments& a) {
       ->type_name("PATH");
   add_choice(*command, "--trace-format", a.run.format, kRunFormats.names, kRunFormats.shown,
              "format of the trace" + kRunFormats.help + " (default: steps, or json with --trace)");
-  add_choice(*command, "--engine", a.run.engine, kEngines, "sequential|threads|batch|simulated",
-             "threads executes long actions in parallel; batch executes independent short steps of a large system in "
-             "parallel; simulated distributes the components over nodes of a simulated network (default: sequential)");
+  add_choice(
+      *command, "--engine", a.run.engine, kEngines, "sequential|threads|batch|simulated|distributed",
+      "threads executes long actions in parallel; batch executes independent short steps of a large system in "
+      "parallel; distributed runs the components on several nodes, each a process; simulated does so in one process, "
+      "with a simulated network (default: sequential)");
   command
       ->add_option("--threads", a.run.threads,
                    "worker threads of --engine=threads and --engine=batch (default: one per processor)")
       ->check(is_number(1, 256))
       ->type_name("N");
-  command->add_option("--nodes", a.run.nodes, "number of nodes of --engine=simulated (default: 4)")
+  command
+      ->add_option("--nodes", a.run.nodes,
+                   "number of nodes of --engine=distributed and --engine=simulated (default: 4)")
       ->check(is_number(1, rt::kMostNodes))
       ->type_name("N");
   command
@@ -71,7 +75,7 @@ void add_run(CLI::App& app, RunArguments& a) {
                    "lose 5%, double 5%'")
       ->type_name("FAULTS");
   add_choice(*command, "--on-loss", a.run.on_loss, kOnLoss, "stop|go-on",
-             "after the crash of a node, stop the run or go on with what does not need it (default: stop)");
+             "when a node is lost, stop the run or go on with what does not need it (default: stop)");
   command->add_flag("-a,--asap", a.run.asap,
                     "take each step at the earliest instant at which it is possible (for models with clocks)");
   command->add_flag_callback(

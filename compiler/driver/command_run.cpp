@@ -16,6 +16,7 @@
 #include "compiler/driver/distributed_runs.hpp"
 #include "compiler/driver/emit_stage.hpp"
 #include "compiler/pipeline/executor.hpp"
+#include "compiler/pipeline/fabric_loader.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/driver/profile_text.hpp"
 #include "compiler/driver/report.hpp"
@@ -122,6 +123,14 @@ int command_run(const RunArguments& arguments) {
   rt::RunOptions options = arguments.run;
   options.new_code = executor.new_code();
   if (!placement.nodes.empty()) options.placement = &placement;
+  if (options.engine == rt::Engine::Distributed) {
+    const Result<const rt::FabricFactory*> fabrics = load_fabric();
+    if (!fabrics) {
+      std::fprintf(stderr, "error: %s\n", fabrics.error().c_str());
+      return kUsage;
+    }
+    options.fabrics = *fabrics;
+  }
   const int code = profiles ? run_profiled(c, arguments) : rt::run(c.lowered->image, options, stdout, stderr).exit_code;
   if (options.stats) std::fputs(executor.summary().c_str(), stderr);
   return code;

@@ -94,7 +94,7 @@ std::size_t most_messages(const rt::Distribution& distribution, std::uint32_t co
 }  // namespace
 
 bool prepare_distributed(Compilation& c, const RunArguments& arguments, rt::Placement& placement) {
-  if (arguments.run.engine != rt::Engine::Simulated && arguments.placement_path.empty()) return true;
+  if (!rt::has_nodes(arguments.run.engine) && arguments.placement_path.empty()) return true;
   if (!is_distributable(c)) return false;
   const Linked linked(c.lowered->image,
                       arguments.run.maximal_progress ? rt::MaximalProgress::On : rt::MaximalProgress::Off);

@@ -35,7 +35,8 @@ const FormatChoices kServedFormats([](const rt::TraceFormatRow& row) { return ro
 const Names<rt::Engine> kEngines{{"sequential", rt::Engine::Sequential},
                                  {"threads", rt::Engine::Threads},
                                  {"batch", rt::Engine::Batch},
-                                 {"simulated", rt::Engine::Simulated}};
+                                 {"simulated", rt::Engine::Simulated},
+                                 {"distributed", rt::Engine::Distributed}};
 const Names<rt::OnLoss> kOnLoss{{"stop", rt::OnLoss::Stop}, {"go-on", rt::OnLoss::GoOn}};
 
 const Names<ExportFormat> kExportFormats{{"promela", ExportFormat::Promela},

@@ -1,18 +1,25 @@
 // See link.hpp.
 #include "runtime/distributed/link.hpp"
 
+#include <iterator>
 #include <utility>
 
 namespace bip::rt {
 
 bool Link::next_frame(Frame& frame) {
-  if (is_closed_ || (unsaid_.empty() && !owes_answer_)) return false;
-  frame = {self_, peer_, 0, received_, {}};
+  if (is_closed_ || (!has_unsaid() && !owes_answer_)) return false;
+  frame = {self_, peer_, 0, received_, 0, {}};
   owes_answer_ = false;
-  if (unsaid_.empty()) return true;
+  if (!has_unsaid()) return true;
   frame.number = next_++;
-  frame.messages = std::move(unsaid_);
-  unsaid_.clear();
+  if (unsaid_.size() <= kMostMessages) {
+    frame.messages = std::move(unsaid_);
+    unsaid_.clear();
+  } else {
+    const auto end = unsaid_.begin() + kMostMessages;
+    frame.messages.assign(std::make_move_iterator(unsaid_.begin()), std::make_move_iterator(end));
+    unsaid_.erase(unsaid_.begin(), end);
+  }
   unconfirmed_.push_back(frame);
   return true;
 }
@@ -22,7 +29,7 @@ void Link::take(const Frame& frame, std::vector<Message>& messages) {
   while (!unconfirmed_.empty() && unconfirmed_.front().number <= frame.received) unconfirmed_.pop_front();
   if (frame.number == 0) return;
   owes_answer_ = true;
-  if (frame.number > received_) early_.emplace(frame.number, frame.messages);
+  if (frame.number > received_ && frame.number - received_ <= kMostEarly) early_.emplace(frame.number, frame.messages);
   for (auto next = early_.begin(); next != early_.end() && next->first == received_ + 1; next = early_.begin()) {
     for (Message& message : next->second) messages.push_back(std::move(message));
     early_.erase(next);

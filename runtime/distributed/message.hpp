@@ -1,6 +1,7 @@
 // What nodes say to each other. `n` counts how often an atom took part: an offer is of one n, a step takes that one,
 // and whatever is about an earlier one comes too late and changes nothing.
 #pragma once
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -32,7 +33,36 @@ struct Begin {
 struct Stop {
   u64 step = 0;
 };
-using Message = std::variant<Offer, Begin, Stop>;
+/// Between a node and the launcher of a run whose nodes are processes; the numbers and texts are those of the kind.
+struct Control {
+  enum class Kind : std::uint8_t {
+    // To a node.
+    Start,   // what the run is: see Launcher
+    Credit,  // begin so many steps more
+    Recall,  // give back what credit is not needed
+    Count,   // round
+    Lost,    // node
+    Halt,    // begin nothing more
+    Finish,  // say your last state, then end
+    Beat,    // to a node: say where your clock is. To the launcher: clock, steps, credit that is not spent
+    // To the launcher.
+    Ready,
+    Idle,     // sent, received, clock, steps
+    Want,     // it could begin a step, and has no credit
+    Counted,  // round, sent, received, 1 if idle
+    Return,   // credit
+    Begun,    // step, and the home of each part; texts
+    Landed,   // steps of which a part has ended
+    Fault,    // step, order, code, atom, connector, port, and two places in files; texts
+    Atom,     // a last state: atom, place, marks, then its variables' bits; their strings
+    Finished  // what it counted
+  };
+  Kind kind = Kind::Start;
+  std::vector<u64> numbers;
+  std::vector<std::string> texts;
+};
+inline constexpr Control::Kind kLastControl = Control::Kind::Finished;
+using Message = std::variant<Offer, Begin, Stop, Control>;
 
 struct Outgoing {
   u32 to = 0;

@@ -54,6 +54,7 @@ class Node {
   void take(const Offer& offer);
   void take(const Begin& begin);
   void take(const Stop&) { is_stopped_ = true; }
+  void take(const Control&) {}
   void come_to_rest(u32 atom);
   void stop();
 

@@ -122,6 +122,20 @@ void Output::put(const StepText& text) {
   drain();
 }
 
+void Output::put_of_node(StepText& text, const std::string& node) {
+  const auto add_member = [&node](std::string& line) {
+    if (!line.ends_with("}\n")) return;
+    line.resize(line.size() - 2);
+    line += ",\"node\":";
+    append_quoted(line, node.c_str());
+    line += "}\n";
+  };
+  if (format_.console == Console::Steps) add_member(text.out);
+  else if (text.out.ends_with('\n')) text.out.insert(text.out.size() - 1, "  @" + node);
+  if (format_.format == TraceFormat::Steps || format_.format == TraceFormat::Json) add_member(text.trace);
+  put(text);
+}
+
 void Output::record(const std::vector<u32>& interactions) {
   BIP_ASSERT(records_only(), "interactions alone are not enough for the format `{}`", format_.name);
   sink_->steps(trace_.text, interactions);

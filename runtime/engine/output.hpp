@@ -56,6 +56,8 @@ class Output {
   /// The same as text, without writing it.
   void describe(StepText& text, Core& core, EnabledSet::Position at, std::uint64_t number, std::uint64_t k);
   void put(const StepText& text);
+  /// Of a step that this node began; text formats tell it.
+  void put_of_node(StepText& text, const std::string& node);
   /// Writes interactions that the core fired. Requires records_only().
   void record(const std::vector<u32>& interactions);
   void end(const Core& core, End how, std::uint64_t number);

@@ -41,7 +41,7 @@ bool begin_replay(const Image& image, RunOptions& options, Record& record, std::
 std::string format_refusal(const Image& image, const RunOptions& options) {
   const TraceFormatRow& format = row_of(options.format);
   const std::string option = std::string("--trace-format=") + format.name;
-  const bool is_partial = options.engine == Engine::Threads || options.engine == Engine::Simulated;
+  const bool is_partial = options.engine == Engine::Threads || has_nodes(options.engine);
   if (is_partial && format.engines == TracedEngines::OneByOne)
     return option + " needs the sequential engine: it lists what each state offers";
   if (!format.has_time && has_time(image)) return option + " does not record models with time";
@@ -81,15 +81,19 @@ std::string file_conflict(const RunOptions& options) {
 // Why such a run cannot be; empty: it can.
 std::string refusal(const Image& image, const RunOptions& options) {
   if (options.engine != Engine::Sequential) {
-    if (has_time(image) && options.engine == Engine::Simulated) return "several nodes do not run models with time";
+    if (has_time(image) && has_nodes(options.engine)) return "several nodes do not run models with time";
     if (has_time(image)) return "an engine with several threads does not run models with time";
     if (options.interactive || options.debug) return "--interactive and --debug need the sequential engine";
     if (options.profile != nullptr) return "--profile needs the sequential engine";
     if (!options.record_path.empty() || !options.replay_path.empty())
       return "--record and --replay need the sequential engine";
   }
-  if (options.engine != Engine::Simulated && (!options.network_faults.empty() || options.placement != nullptr))
-    return "--faults and --placement need --engine=simulated";
+  if (options.engine != Engine::Simulated && !options.network_faults.empty())
+    return "--faults needs --engine=simulated";
+  if (!has_nodes(options.engine) && options.placement != nullptr)
+    return "--placement needs --engine=simulated or --engine=distributed";
+  if (options.engine == Engine::Distributed && options.fabrics == nullptr)
+    return "--engine=distributed is an engine of `bipc run`";
   if (std::string conflict = file_conflict(options); !conflict.empty()) return conflict;
   return format_refusal(image, options);
 }

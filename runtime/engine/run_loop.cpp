@@ -55,7 +55,7 @@ RunResult RunLoop::run() {
   start_real_time();
   start_measuring();
   if (is_sound_ && options_.engine == Engine::Threads) run_on_threads();
-  if (is_sound_ && options_.engine == Engine::Simulated) run_on_nodes();
+  if (is_sound_ && has_nodes(options_.engine)) run_on_nodes();
   while (phase_ != Phase::Ended) advance();
   finish();
   return result_;
@@ -147,9 +147,13 @@ void RunLoop::run_on_nodes() {
   NetworkFaults faults;
   const std::string problem = read_faults(options_.network_faults, distribution.placement.nodes, faults);
   BIP_ENSURE(problem.empty() && distribution.crossing.empty(), "what cannot run was refused");
-  simulated_ = run_simulated(core_, distribution, faults, options_, seed_, output_);
-  result_.steps = simulated_.steps;
-  end_with(simulated_.end);
+  if (options_.engine == Engine::Distributed) {
+    distributed_ = run_distributed(core_, distribution, options_, seed_, output_);
+  } else {
+    static_cast<SimulatedResult&>(distributed_) = run_simulated(core_, distribution, faults, options_, seed_, output_);
+  }
+  result_.steps = distributed_.steps;
+  end_with(distributed_.error.empty() ? distributed_.end : End::Interrupted);
 }
 
 void RunLoop::finish() {
@@ -312,11 +316,14 @@ void RunLoop::report_end() {
     // Scripts made for the published engine look at its numbers.
     result_.exit_code = options_.format == TraceFormat::Bip2 ? published_exit_code(core_.fault().code) : 1;
   }
-  if (!simulated_.lost_nodes.empty()) {
-    std::fprintf(files_.err, "error[R0030]: %s", simulated_.lost_nodes.c_str());
+  if (!distributed_.error.empty()) {
+    std::fprintf(files_.err, "error: %s\n", distributed_.error.c_str());
     result_.exit_code = 1;
-  } else if (!simulated_.warning.empty()) {
-    std::fprintf(files_.err, "warning[R0030]: %s", simulated_.warning.c_str());
+  } else if (!distributed_.lost_nodes.empty()) {
+    std::fprintf(files_.err, "error[R0030]: %s", distributed_.lost_nodes.c_str());
+    result_.exit_code = 1;
+  } else if (!distributed_.warning.empty()) {
+    std::fprintf(files_.err, "warning[R0030]: %s", distributed_.warning.c_str());
   }
   // As a shell says of a program that the signal ended; the end of --interactive's input is none.
   if (result_.end == End::Interrupted && is_interrupted()) result_.exit_code = 128 + interrupting_signal();
@@ -359,7 +366,7 @@ void RunLoop::print_statistics() {
   } else if (batch_) {
     std::fprintf(files_.err, "one part: the system does not come apart, or has steps without compiled code\n");
   }
-  if (options_.engine == Engine::Simulated) print_node_statistics();
+  if (has_nodes(options_.engine)) print_node_statistics();
   if (threaded_.threads != 0) {
     std::fprintf(files_.err, "threads %u, atoms at work at once %u, actions handed over %llu\n", threaded_.threads,
                  threaded_.most_busy, static_cast<unsigned long long>(threaded_.handed_over));
@@ -368,17 +375,26 @@ void RunLoop::print_statistics() {
 
 void RunLoop::print_node_statistics() {
   const auto number = [](u64 value) { return static_cast<unsigned long long>(value); };
-  const u64 messages = simulated_.offers + simulated_.begins;
-  const u64 border = simulated_.border_steps;
+  const u64 messages = distributed_.offers + distributed_.begins;
+  const u64 border = distributed_.border_steps;
   std::fprintf(files_.err,
                "steps of several nodes %llu, messages %llu (%.2f a step of several nodes: %llu offers, %llu begins)\n",
                number(border), number(messages),
                border == 0 ? 0.0 : static_cast<double>(messages) / static_cast<double>(border),
-               number(simulated_.offers), number(simulated_.begins));
-  const NetworkCounts& network = simulated_.network;
+               number(distributed_.offers), number(distributed_.begins));
+  const NetworkCounts& network = distributed_.network;
+  if (options_.engine == Engine::Distributed) {
+    std::fprintf(files_.err, "frames %llu, sent again %llu, bytes %llu, refused %llu; nodes there after %.3f s\n",
+                 number(network.frames), number(network.again), number(distributed_.bytes),
+                 number(distributed_.refused), static_cast<double>(distributed_.started) / 1e9);
+    std::fprintf(files_.err, "CPU seconds of the nodes:");
+    for (const u64 cpu : distributed_.cpu) std::fprintf(files_.err, " %.3f", static_cast<double>(cpu) / 1e6);
+    std::fprintf(files_.err, "\n");
+    return;
+  }
   std::fprintf(files_.err, "frames %llu, sent again %llu, lost %llu, doubled %llu; simulated time %.3f s\n",
                number(network.frames), number(network.again), number(network.lost), number(network.doubled),
-               static_cast<double>(simulated_.time) / 1e9);
+               static_cast<double>(distributed_.time) / 1e9);
 }
 
 bool RunLoop::can_be_quiet() const {

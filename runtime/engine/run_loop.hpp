@@ -17,6 +17,7 @@
 #include "runtime/engine/batch_engine.hpp"
 #include "runtime/engine/event_feed.hpp"
 #include "runtime/engine/interrupt.hpp"
+#include "runtime/engine/launcher.hpp"
 #include "runtime/engine/output.hpp"
 #include "runtime/engine/real_time.hpp"
 #include "runtime/engine/run_file.hpp"
@@ -105,7 +106,7 @@ class RunLoop {
   std::unique_ptr<RealTimeThread> real_time_thread_;
   std::unique_ptr<BatchEngine> batch_;
   ThreadedResult threaded_;
-  SimulatedResult simulated_;
+  DistributedResult distributed_;  // of engines with several nodes
 
   Phase phase_ = Phase::Created;
   bool writes_;               // the steps, somewhere

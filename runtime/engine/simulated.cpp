@@ -9,13 +9,12 @@
 #include "runtime/distributed/node.hpp"
 #include "runtime/engine/flights.hpp"
 #include "runtime/engine/interrupt.hpp"
+#include "runtime/engine/loss_story.hpp"
 #include "runtime/engine/scheduler.hpp"
 
 namespace bip::rt {
 
 namespace {
-
-constexpr std::size_t kMostNamed = 5;  // components that a story names
 
 // A node, and what is around it.
 struct Seat {
@@ -180,6 +179,12 @@ class SimulatedRun {
     return std::any_of(seats_.begin(), seats_.end(), [](const Seat& seat) { return seat.is_lost; });
   }
 
+  [[nodiscard]] std::vector<bool> lost_nodes() const {
+    std::vector<bool> lost;
+    for (const Seat& seat : seats_) lost.push_back(seat.is_lost);
+    return lost;
+  }
+
   void end(const State& initial, SimulatedResult& result) {
     const PartialState* fault = nullptr;
     for (const Seat& seat : seats_) {
@@ -215,50 +220,16 @@ class SimulatedRun {
     if (!is_sound) BIP_ENSURE(core_.restore(initial), "the initial state has no fault");
     else if (!is_stopping_ && !is_interrupted() && steps_ != options_.limit) ensure_nobody_waits_in_vain();
     std::string& story = result.end == End::Limit ? result.warning : result.lost_nodes;
-    story = loss_story();
+    story = loss_story(core_, distribution_, lost_nodes(), lost_after_, {});
     core_.partial().allow();
-  }
-
-  [[nodiscard]] bool is_whole(u32 set) const {
-    const auto is_lost = [this](u32 atom) { return seats_[distribution_.home(atom)].is_lost; };
-    const Span<u32> atoms = distribution_.sets.atoms[set];
-    return !seats_[distribution_.coordinator[set]].is_lost && std::none_of(atoms.begin(), atoms.end(), is_lost);
   }
 
   // What needs no lost node went on until it could no more.
   void ensure_nobody_waits_in_vain() const {
+    const std::vector<bool> lost = lost_nodes();
     for (u64 k = 0; k < core_.candidate_count(); ++k)
-      BIP_ENSURE(!is_whole(distribution_.sets.of_interaction[core_.position(k).interaction]),
+      BIP_ENSURE(!is_whole(distribution_, lost, distribution_.sets.of_interaction[core_.position(k).interaction]),
                  "a node waits for what never comes");
-  }
-
-  void name_atoms(std::string& text, const std::vector<u32>& atoms) const {
-    if (atoms.empty()) text += "none";
-    for (std::size_t i = 0; i < std::min(atoms.size(), kMostNamed); ++i)
-      text += (i == 0 ? "" : ", ") + core_.image().atoms[atoms[i]].path();
-    if (atoms.size() > kMostNamed) text += " and " + std::to_string(atoms.size() - kMostNamed) + " more";
-    text += '\n';
-  }
-
-  [[nodiscard]] std::string loss_story() const {
-    std::vector<u32> gone, waiting;
-    for (u32 atom = 0; atom < core_.image().atoms.size; ++atom) {
-      if (seats_[distribution_.home(atom)].is_lost) {
-        gone.push_back(atom);
-        continue;
-      }
-      const u32 set = distribution_.sets.set_of(atom, core_.partial().place_at_rest(atom));
-      if (set != kNone && !is_whole(set)) waiting.push_back(atom);
-    }
-    std::string names;
-    for (u32 node = 0; node < seats_.size(); ++node) {
-      if (seats_[node].is_lost) names += (names.empty() ? "`" : ", `") + distribution_.placement.nodes[node] + '`';
-    }
-    std::string text = "lost " + names + " after " + std::to_string(lost_after_) + " steps\n  at home there: ";
-    name_atoms(text, gone);
-    text += "  waiting for it: ";
-    name_atoms(text, waiting);
-    return text;
   }
 
   Core& core_;

@@ -120,7 +120,8 @@ bool RecordedReader::text(std::string& value) {
 bool RecordedReader::engine(Engine& value) {
   std::string name;
   if (!text(name)) return false;
-  for (const Engine known : {Engine::Sequential, Engine::Threads, Engine::Batch, Engine::Simulated}) {
+  for (const Engine known :
+       {Engine::Sequential, Engine::Threads, Engine::Batch, Engine::Simulated, Engine::Distributed}) {
     if (name != name_of(known)) continue;
     value = known;
     return true;

@@ -23,6 +23,7 @@ const char* name_of(Engine engine) {
     case Engine::Threads: return "threads";
     case Engine::Batch: return "batch";
     case Engine::Simulated: return "simulated";
+    case Engine::Distributed: return "distributed";
   }
   return "";
 }

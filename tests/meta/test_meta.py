@@ -38,7 +38,7 @@ MAY_INCLUDE = {
     "genom": DIAG | SYNTAX | {"parse", "genom"}, "rules": DIAG | SYNTAX | {"genom", "rules"},
     "exchange": ANALYSIS | {"exchange", "verify"},
     "library": LOWER | {"graph", "interp", "verify", "pipeline", "library"},
-    "pipeline": LOWER | {"parse", "steps", "interp", "jit", "emit_cpp", "verify", "pipeline"},
+    "pipeline": LOWER | {"parse", "steps", "interp", "jit", "zmq", "emit_cpp", "verify", "pipeline"}, "zmq": {"runtime", "zmq"},
     "debug": LOWER | {"analysis", "verify", "debug"}, "view": LOWER | {"graph", "view"},
     "live": LOWER | {"analysis", "verify", "debug", "graph", "view", "serve", "live"}, "index": SYNTAX | {"index"}, "serve": {"runtime", "serve"},
     "runtime": {"runtime"},

@@ -36,7 +36,7 @@ class Installation:
 
     def __init__(self, work):
         first = work / "first"
-        for component in ("bipc", "libs", "dev", "compiler", "compiler_dev", "python"):
+        for component in ("bipc", "distributed", "libs", "dev", "compiler", "compiler_dev", "python"):
             run("cmake", "--install", BUILD, "--prefix", first, "--component", component)
         self.prefix = work / "second" / "bip c"
         self.prefix.parent.mkdir()

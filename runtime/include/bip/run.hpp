@@ -15,11 +15,16 @@ enum class Policy : std::uint8_t { Uniform, First, Fair };
 enum class TraceFormat : std::uint8_t { Steps, Json, Bip2, Binary, Mcap, Perfetto };
 /// Sequential: one step after the other. Threads: atoms' transitions on several threads, steps that do not conflict
 /// overlap. Batch: many steps between two meetings of the threads. Simulated: several nodes and the network between
-/// them, by a seed, in one thread. All make runs of the same semantics.
-enum class Engine : std::uint8_t { Sequential, Threads, Batch, Simulated };
+/// them, by a seed, in one thread. Distributed: several nodes as processes. All make runs of the same semantics.
+enum class Engine : std::uint8_t { Sequential, Threads, Batch, Simulated, Distributed };
+[[nodiscard]] constexpr bool has_nodes(Engine engine) {
+  return engine == Engine::Simulated || engine == Engine::Distributed;
+}
 /// What the others do when a node is lost: begin nothing more, or go on with what does not need it.
 enum class OnLoss : std::uint8_t { Stop, GoOn };
 struct Placement;
+class FabricFactory;
+struct Deployment;
 
 struct RunOptions {
   std::uint64_t seed = 0;
@@ -30,12 +35,15 @@ struct RunOptions {
   Engine engine = Engine::Sequential;
   std::uint32_t threads = 0;  // of the engines that have several; 0: one a processor
   std::uint64_t perturb = 0;  // tests: threads wait at random places, by this seed; 0: they do not
-  // Of the engine with several nodes.
+  // Of engines with several nodes.
   std::uint32_t nodes = 4;  // unless there is a placement
   const Placement* placement =
       nullptr;                 // where atoms are at home (runtime/distributed/distribution.hpp); null: anywhere
   std::string network_faults;  // what goes wrong (runtime/distributed/faults.hpp)
   OnLoss on_loss = OnLoss::Stop;
+  const FabricFactory* fabrics = nullptr;  // of processes (runtime/distributed/fabric.hpp); null: there is no network
+  const Deployment* deployment =
+      nullptr;  // nodes that run already (runtime/engine/launcher.hpp); null: they are started
   // Models with time. Without `speed` time is logical: nothing sleeps.
   bool asap = false;     // each step at the first instant at which one is possible
   double speed = 0;      // model seconds a second of the wall clock

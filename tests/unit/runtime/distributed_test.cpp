@@ -6,7 +6,9 @@
 #include <cstdio>
 #include <numeric>
 
+#include "runtime/distributed/codec.hpp"
 #include "runtime/distributed/node.hpp"
+#include "runtime/distributed/station.hpp"
 #include "runtime/engine/replay_record.hpp"
 #include "runtime/engine/simulated.hpp"
 #include "tests/unit/base/contents.hpp"
@@ -117,6 +119,173 @@ TEST_CASE("every message arrives once and in order, whatever happens to its fram
     CHECK(there.next_frame(answer) != here.unconfirmed().empty());
     here.take(answer, heard);
     CHECK(here.unconfirmed().empty());
+  }
+}
+
+TEST_CASE("frames come back as they were, and odd bytes are refused") {
+  ImageBuilder b;
+  build_pairs(b, 3);
+  const Image& image = b.image();
+  Core core(image);
+  REQUIRE(core.initialize());
+  const Distribution distribution = distribute(core.tables(), core.priorities(), apart(image));
+  const u32 peers = image.atoms.size;
+  const Codec codec(core.tables(), distribution, 42);
+  Prng draws(1);
+  // Messages as nodes say them: each atom's offer at rest, and a step of it.
+  Frame frame{0, 1, 7, 3, 99, {}};
+  const auto cells_of = [&](u32 atom) {
+    std::vector<u64> cells;
+    for (const u32 cell : distribution.cells[atom]) cells.push_back(core.cell(cell).bits + (u64{1} << 40));
+    return cells;
+  };
+  u32 row = 0;
+  const LinkedTransition& transition = core.tables().transitions[row];
+  AtomOffer at_rest{transition.from, {}, {row}, 5, 1};
+  frame.messages = {Offer{0, 4, at_rest, cells_of(0)}, Begin{12, {Part{1, 2, row, 1, cells_of(1)}}}, Stop{~u64{0}},
+                    Control{Control::Kind::Begun, {1, ~u64{0}, 0}, {"a text", ""}}};
+  std::string bytes;
+  codec.write(frame, bytes);
+  Frame read;
+  REQUIRE(codec.read(bytes, 0, 1, read));
+  std::string again;
+  codec.write(read, again);
+  CHECK(again == bytes);
+  CHECK(read.number == 7);
+  CHECK(read.received == 3);
+  CHECK(read.stamp == 99);
+  REQUIRE(read.messages.size() == 4);
+  CHECK(std::get<Offer>(read.messages[0]).cells == cells_of(0));
+  CHECK(std::get<Begin>(read.messages[1]).parts[0].cells == cells_of(1));
+  CHECK(std::get<Control>(read.messages[3]).numbers[1] == ~u64{0});
+
+  // From another peer, to another node, of another run.
+  CHECK_FALSE(codec.read(bytes, 1, 1, read));
+  CHECK_FALSE(codec.read(bytes, 0, 0, read));
+  CHECK_FALSE(Codec(core.tables(), distribution, 43).read(bytes, 0, 1, read));
+  // Cut anywhere, or with more behind it.
+  for (std::size_t size = 0; size < bytes.size(); ++size)
+    CHECK_FALSE(codec.read(std::string_view(bytes).substr(0, size), 0, 1, read));
+  CHECK_FALSE(codec.read(bytes + '\0', 0, 1, read));
+  // An offer of another's atom, and rows that there are not.
+  const auto refused = [&](const Message& message) {
+    Frame odd{0, 1, 1, 0, 0, {message}};
+    std::string text;
+    codec.write(odd, text);
+    return !codec.read(text, 0, 1, read);
+  };
+  CHECK(refused(Offer{1, 4, at_rest, cells_of(1)}));
+  CHECK(refused(Begin{12, {Part{0, 2, row, 1, cells_of(0)}}}));
+  CHECK(refused(Begin{12, {Part{1, 2, static_cast<u32>(core.tables().transitions.size()), 1, cells_of(1)}}}));
+  AtomOffer odd_place = at_rest;
+  odd_place.place = 1000;
+  CHECK(refused(Offer{0, 4, odd_place, cells_of(0)}));
+  CHECK(refused(Control{static_cast<Control::Kind>(200), {}, {}}));
+
+  // Any bytes: read without a fault, and what is read can be written.
+  std::size_t taken = 0;
+  for (int k = 0; k < 100000; ++k) {
+    std::string odd = bytes;
+    for (u64 edits = 1 + draws.below(4); edits > 0; --edits) {
+      const std::size_t at = draws.below(odd.size());
+      switch (draws.below(4)) {
+        case 0: odd[at] = static_cast<char>(draws.below(256)); break;
+        case 1: odd.erase(at, 1 + draws.below(8)); break;
+        case 2: odd.insert(at, 1 + draws.below(12), static_cast<char>(draws.below(256))); break;
+        default: odd[at] = static_cast<char>(odd[at] ^ (1 << draws.below(8))); break;
+      }
+      if (odd.empty()) odd = "x";
+    }
+    if (!codec.read(odd, static_cast<u32>(draws.below(peers)), static_cast<u32>(draws.below(peers)), read)) continue;
+    ++taken;
+    again.clear();
+    codec.write(read, again);
+  }
+  CHECK(taken != 0);
+}
+
+namespace {
+
+// Two ends in one process; frames wait until they are asked for, or get lost.
+class LossyFabric final : public Fabric {
+ public:
+  LossyFabric(u32 self, Prng& draws, std::vector<std::pair<u32, std::string>>& on_the_way)
+      : self_(self), draws_(draws), on_the_way_(on_the_way) {}
+  void send(u32 peer, std::string_view bytes) override {
+    if (draws_.below(4) != 0) on_the_way_.emplace_back(peer, std::string(bytes));
+    if (draws_.below(8) == 0) on_the_way_.emplace_back(peer, std::string(bytes));
+  }
+  bool wait(int, const std::vector<int>&, std::vector<Arrival>& arrivals) override {
+    for (std::size_t k = 0; k < on_the_way_.size();) {
+      if (on_the_way_[k].first != self_ || draws_.below(2) == 0) {
+        ++k;
+        continue;
+      }
+      arrivals.push_back({1 - self_, on_the_way_[k].second});
+      on_the_way_.erase(on_the_way_.begin() + static_cast<std::ptrdiff_t>(k));
+    }
+    return false;
+  }
+  FabricCounts counts() override { return {}; }
+
+ private:
+  u32 self_;
+  Prng& draws_;
+  std::vector<std::pair<u32, std::string>>& on_the_way_;
+};
+
+}  // namespace
+
+TEST_CASE("stations hand over what is said once and in order, and rest when all is confirmed") {
+  ImageBuilder b;
+  build_pairs(b, 3);
+  const Image& image = b.image();
+  Core core(image);
+  REQUIRE(core.initialize());
+  const Distribution distribution = distribute(core.tables(), core.priorities(), apart(image));
+  const Codec codec(core.tables(), distribution, 1);
+  for (u64 seed = 1; seed <= 20; ++seed) {
+    Prng draws(seed);
+    std::vector<std::pair<u32, std::string>> on_the_way;
+    LossyFabric fabrics[] = {{0, draws, on_the_way}, {1, draws, on_the_way}};
+    Station stations[] = {{fabrics[0], codec, 0, 2}, {fabrics[1], codec, 1, 2}};
+    u64 said[] = {0, 0}, heard[] = {0, 0};
+    i64 now = 1;
+    stations[1].greet(0);
+    for (int turn = 0; turn < 3000; ++turn, now += 1000000) {
+      for (u32 self = 0; self < 2; ++self) {
+        std::vector<Arrival> arrivals;
+        (void)fabrics[self].wait(0, {}, arrivals);
+        arrivals.push_back({1 - self, "odd"});
+        std::vector<Heard> messages;
+        for (const Arrival& arrival : arrivals) stations[self].take(arrival, now, messages);
+        for (const Heard& message : messages) REQUIRE(std::get<Stop>(message.message).step == ++heard[self]);
+        // More than one frame may carry.
+        if (turn < 200 && draws.below(8) == 0) {
+          for (u64 n = draws.below(3000); n > 0; --n) stations[self].say(1 - self, Stop{++said[self]});
+        }
+        (void)stations[self].tick_clock();
+        stations[self].send(now);
+        stations[self].tick(now);
+      }
+    }
+    // Frames get lost, and are repeated every two seconds at least.
+    for (int turn = 0; turn < 200; ++turn, now += 500000000) {
+      for (u32 self = 0; self < 2; ++self) {
+        std::vector<Arrival> arrivals;
+        (void)fabrics[self].wait(0, {}, arrivals);
+        std::vector<Heard> messages;
+        for (const Arrival& arrival : arrivals) stations[self].take(arrival, now, messages);
+        for (const Heard& message : messages) REQUIRE(std::get<Stop>(message.message).step == ++heard[self]);
+        stations[self].tick(now);
+      }
+    }
+    CHECK(heard[0] == said[1]);
+    CHECK(heard[1] == said[0]);
+    CHECK(stations[0].due() == kForever);
+    CHECK(stations[1].due() == kForever);
+    CHECK(stations[0].counts().refused >= 3000);
+    CHECK(stations[0].clock() + 1 >= stations[1].clock());
   }
 }
 

@@ -1,0 +1,238 @@
+// See zmq_fabric.hpp.
+#include "compiler/zmq/zmq_fabric.hpp"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <cstdlib>
+#include <map>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <zmq.h>
+
+namespace bip::zmq_fabric {
+namespace {
+
+constexpr int kMostBytes = 1 << 26;
+constexpr std::size_t kKeyText = 40;  // of 32 bytes
+constexpr const char* kDoor = "inproc://zeromq.zap.01";
+
+class Socket {
+ public:
+  Socket(void* context, int kind) : socket_(zmq_socket(context, kind)) {}
+  Socket(Socket&& other) noexcept : socket_(std::exchange(other.socket_, nullptr)) {}
+  Socket& operator=(Socket&&) = delete;
+  ~Socket() {
+    if (socket_ != nullptr) zmq_close(socket_);
+  }
+  [[nodiscard]] void* get() const { return socket_; }
+  [[nodiscard]] bool set(int option, int value) { return zmq_setsockopt(socket_, option, &value, sizeof value) == 0; }
+  [[nodiscard]] bool set(int option, const std::string& value) {
+    return zmq_setsockopt(socket_, option, value.data(), value.size()) == 0;
+  }
+
+ private:
+  void* socket_;
+};
+
+struct Bytes {
+  Bytes() { zmq_msg_init(&message); }
+  Bytes(const Bytes&) = delete;
+  Bytes& operator=(const Bytes&) = delete;
+  ~Bytes() { zmq_msg_close(&message); }
+  [[nodiscard]] std::string_view view() {
+    return {static_cast<const char*>(zmq_msg_data(&message)), zmq_msg_size(&message)};
+  }
+  zmq_msg_t message;
+};
+
+// Routing identities: the peer's number, behind a byte that is not 0.
+std::string identity_of(std::uint32_t peer) {
+  std::string identity = "n";
+  for (int shift = 0; shift < 32; shift += 8) identity += static_cast<char>(peer >> shift & 0xff);
+  return identity;
+}
+
+class ZmqFabric final : public rt::Fabric {
+ public:
+  ZmqFabric() : context_(zmq_ctx_new()) {}
+  ZmqFabric(const ZmqFabric&) = delete;
+  ZmqFabric& operator=(const ZmqFabric&) = delete;
+  ~ZmqFabric() override {
+    listener_.reset();
+    connected_.clear();
+    // Ends the doorkeeper's wait.
+    zmq_ctx_shutdown(context_);
+    if (doorkeeper_.joinable()) doorkeeper_.join();
+    zmq_ctx_term(context_);
+  }
+
+  [[nodiscard]] bool open(const rt::FabricPlan& plan) {
+    self_ = plan.self;
+    for (std::uint32_t peer = 0; peer < plan.open_keys.size(); ++peer) {
+      std::array<std::uint8_t, 32> key{};
+      if (plan.open_keys[peer].size() != kKeyText ||
+          zmq_z85_decode(key.data(), plan.open_keys[peer].c_str()) == nullptr)
+        return false;
+      keys_[std::string(reinterpret_cast<const char*>(key.data()), key.size())] = peer;
+    }
+    if (!plan.addresses[self_].empty() && !listen(plan)) return false;
+    for (std::uint32_t peer = 0; peer < self_; ++peer) {
+      if (!connect(plan, peer)) return false;
+    }
+    fill_poll_items();
+    return true;
+  }
+
+  void send(std::uint32_t peer, std::string_view bytes) override {
+    if (peer < self_) {
+      (void)zmq_send(connected_[peer].get(), bytes.data(), bytes.size(), ZMQ_DONTWAIT);
+      return;
+    }
+    const std::string identity = identity_of(peer);
+    // Who has not connected yet cannot be reached.
+    if (zmq_send(listener_->get(), identity.data(), identity.size(), ZMQ_SNDMORE | ZMQ_DONTWAIT) < 0) return;
+    (void)zmq_send(listener_->get(), bytes.data(), bytes.size(), ZMQ_DONTWAIT);
+  }
+
+  bool wait(int ms, const std::vector<int>& files, std::vector<rt::Arrival>& arrivals) override {
+    receive(arrivals);
+    if (!arrivals.empty()) ms = 0;
+    items_.resize(sockets_);
+    for (const int file : files) items_.push_back({nullptr, file, ZMQ_POLLIN, 0});
+    if (zmq_poll(items_.data(), static_cast<int>(items_.size()), ms) <= 0) return false;
+    receive(arrivals);
+    return std::any_of(items_.begin() + static_cast<std::ptrdiff_t>(sockets_), items_.end(),
+                       [](const zmq_pollitem_t& item) { return item.revents != 0; });
+  }
+
+  [[nodiscard]] rt::FabricCounts counts() override { return {refused_.load(std::memory_order_relaxed)}; }
+
+ private:
+  [[nodiscard]] bool prepare(Socket& socket, const rt::FabricPlan& plan) {
+    return socket.get() != nullptr && socket.set(ZMQ_LINGER, 0) && socket.set(ZMQ_SNDHWM, 0) &&
+           socket.set(ZMQ_RCVHWM, 0) && socket.set(ZMQ_HEARTBEAT_IVL, 0) && socket.set(ZMQ_IPV6, 1) &&
+           socket.set(ZMQ_CURVE_PUBLICKEY, plan.keys.open) && socket.set(ZMQ_CURVE_SECRETKEY, plan.keys.secret);
+  }
+
+  [[nodiscard]] bool set_most_bytes(Socket& socket) {
+    const std::int64_t most = kMostBytes;
+    return zmq_setsockopt(socket.get(), ZMQ_MAXMSGSIZE, &most, sizeof most) == 0;
+  }
+
+  [[nodiscard]] bool listen(const rt::FabricPlan& plan) {
+    // The door is there before anybody can knock.
+    Socket door(context_, ZMQ_REP);
+    if (door.get() == nullptr || !door.set(ZMQ_LINGER, 0) || zmq_bind(door.get(), kDoor) != 0) return false;
+    doorkeeper_ = std::thread([this, socket = std::move(door)] { keep_door(socket.get()); });
+    Socket socket(context_, ZMQ_ROUTER);
+    if (!prepare(socket, plan) || !set_most_bytes(socket) || !socket.set(ZMQ_ROUTER_HANDOVER, 1) ||
+        !socket.set(ZMQ_ROUTER_MANDATORY, 1) || !socket.set(ZMQ_CURVE_SERVER, 1) ||
+        !socket.set(ZMQ_ZAP_DOMAIN, std::string("bipc")) || zmq_bind(socket.get(), plan.addresses[self_].c_str()) != 0)
+      return false;
+    listener_ = std::make_unique<Socket>(std::move(socket));
+    return true;
+  }
+
+  [[nodiscard]] bool connect(const rt::FabricPlan& plan, std::uint32_t peer) {
+    Socket socket(context_, ZMQ_DEALER);
+    if (!prepare(socket, plan) || !set_most_bytes(socket) || !socket.set(ZMQ_ROUTING_ID, identity_of(self_)) ||
+        !socket.set(ZMQ_CURVE_SERVERKEY, plan.open_keys[peer]) || !socket.set(ZMQ_RECONNECT_IVL, 20) ||
+        !socket.set(ZMQ_RECONNECT_IVL_MAX, 500) || zmq_connect(socket.get(), plan.addresses[peer].c_str()) != 0)
+      return false;
+    connected_.push_back(std::move(socket));
+    return true;
+  }
+
+  void fill_poll_items() {
+    if (listener_) items_.push_back({listener_->get(), 0, ZMQ_POLLIN, 0});
+    for (const Socket& socket : connected_) items_.push_back({socket.get(), 0, ZMQ_POLLIN, 0});
+    sockets_ = items_.size();
+  }
+
+  // Everything that is there.
+  void receive(std::vector<rt::Arrival>& arrivals) {
+    for (std::uint32_t peer = 0; peer < connected_.size(); ++peer) {
+      for (Bytes bytes; zmq_msg_recv(&bytes.message, connected_[peer].get(), ZMQ_DONTWAIT) >= 0;) {
+        // Frames have one part; more are of nobody that speaks this protocol.
+        if (zmq_msg_more(&bytes.message) == 0) arrivals.push_back({peer, std::string(bytes.view())});
+      }
+    }
+    if (!listener_) return;
+    for (Bytes identity; zmq_msg_recv(&identity.message, listener_->get(), ZMQ_DONTWAIT) >= 0;) {
+      Bytes bytes;
+      bool is_first = true;
+      while (zmq_msg_more(is_first ? &identity.message : &bytes.message) != 0 &&
+             zmq_msg_recv(&bytes.message, listener_->get(), ZMQ_DONTWAIT) >= 0)
+        is_first = false;
+      const char* user = is_first ? nullptr : zmq_msg_gets(&bytes.message, "User-Id");
+      if (user == nullptr) continue;
+      const auto peer = static_cast<std::uint32_t>(std::strtoul(user, nullptr, 10));
+      // Who says that he is another is not heard, and would get what is the other's.
+      if (identity.view() != identity_of(peer)) continue;
+      arrivals.push_back({peer, std::string(bytes.view())});
+    }
+  }
+
+  // Answers ZeroMQ's question whether a key may connect (ZAP, RFC 27), on a thread that sleeps otherwise.
+  // Requests: version, number, domain, address, identity, mechanism, key. Answers: version, number, status, text,
+  // user, metadata.
+  void keep_door(void* door) {
+    for (;;) {
+      std::vector<std::string> request;
+      for (bool more = true; more;) {
+        Bytes part;
+        if (zmq_msg_recv(&part.message, door, 0) < 0) {
+          if (errno == EINTR) continue;
+          return;
+        }
+        request.emplace_back(part.view());
+        more = zmq_msg_more(&part.message) != 0;
+      }
+      if (request.size() < 2) continue;
+      const auto known = request.size() == 7 && request[5] == "CURVE" ? keys_.find(request[6]) : keys_.end();
+      if (known == keys_.end()) refused_.fetch_add(1, std::memory_order_relaxed);
+      const std::string user = known == keys_.end() ? std::string() : std::to_string(known->second);
+      const std::string answer[] = {"1.0", request[1], known == keys_.end() ? "400" : "200", "", user, ""};
+      for (std::size_t i = 0; i < std::size(answer); ++i)
+        (void)zmq_send(door, answer[i].data(), answer[i].size(), i + 1 == std::size(answer) ? 0 : ZMQ_SNDMORE);
+    }
+  }
+
+  void* context_;
+  std::uint32_t self_ = 0;
+  std::map<std::string, std::uint32_t> keys_;  // by the key's 32 bytes: the peer
+  std::thread doorkeeper_;
+  std::atomic<std::uint64_t> refused_{0};
+  std::unique_ptr<Socket> listener_;
+  std::vector<Socket> connected_;  // by peer
+  std::vector<zmq_pollitem_t> items_;
+  std::size_t sockets_ = 0;
+};
+
+}  // namespace
+
+rt::FabricKeys make_keys() {
+  std::array<char, kKeyText + 1> open{}, secret{};
+  if (zmq_curve_keypair(open.data(), secret.data()) != 0) return {};
+  return {open.data(), secret.data()};
+}
+
+std::unique_ptr<rt::Fabric> open(const rt::FabricPlan& plan, std::string& error) {
+  auto fabric = std::make_unique<ZmqFabric>();
+  errno = 0;
+  if (fabric->open(plan)) return fabric;
+  error = errno == 0 ? "a key is no key" : zmq_strerror(errno);
+  return nullptr;
+}
+
+std::string version() {
+  int major = 0, minor = 0, patch = 0;
+  zmq_version(&major, &minor, &patch);
+  return std::to_string(major) + '.' + std::to_string(minor) + '.' + std::to_string(patch);
+}
+
+}  // namespace bip::zmq_fabric

@@ -1,0 +1,19 @@
+// A fabric of ZeroMQ sockets: frames over TCP or Unix sockets, encrypted by CURVE.
+//
+// Each process but the last listens (ROUTER), and connects to each with a smaller number (DEALER). Only keys of the
+// plan may connect, and a frame is from the peer whose key its connection has shown, whatever it says itself. ZeroMQ
+// connects again by itself; what is lost then is the link's to repeat, so its own heartbeats are off: they would break
+// connections that only stall. Queues have no limit: the link's window is one.
+#pragma once
+#include <memory>
+#include <string>
+
+#include "runtime/distributed/fabric.hpp"
+
+namespace bip::zmq_fabric {
+
+[[nodiscard]] rt::FabricKeys make_keys();
+[[nodiscard]] std::unique_ptr<rt::Fabric> open(const rt::FabricPlan& plan, std::string& error);
+[[nodiscard]] std::string version();
+
+}  // namespace bip::zmq_fabric

@@ -1,0 +1,244 @@
+// See codec.hpp. Offers of a row of transitions that their atom does not have are refused like any other odd bytes, so
+// that what a core is given is always within its tables; whether it is true is the sender's.
+#include "runtime/distributed/codec.hpp"
+
+#include <algorithm>
+
+#include "bip/ffi.hpp"
+
+namespace bip::rt {
+
+namespace {
+
+constexpr u64 kProtocol = 1;
+enum class Tag : std::uint8_t { Offer, Begin, Stop, Control };
+
+}  // namespace
+
+u64 ByteReader::number() {
+  u64 value = 0;
+  for (unsigned shift = 0; shift < 64 && !bytes_.empty(); shift += 7) {
+    const auto byte = static_cast<unsigned char>(bytes_.front());
+    bytes_.remove_prefix(1);
+    // The tenth byte has one bit.
+    if (shift == 63 && byte > 1) break;
+    value |= u64{byte & 0x7fu} << shift;
+    if (byte < 0x80) return value;
+  }
+  refuse();
+  return 0;
+}
+
+u32 ByteReader::row(u64 below) {
+  const u64 value = number();
+  if (value < below) return static_cast<u32>(value);
+  refuse();
+  return 0;
+}
+
+std::string_view ByteReader::text() {
+  const u64 size = number();
+  if (size > bytes_.size()) {
+    refuse();
+    return {};
+  }
+  const std::string_view value = bytes_.substr(0, size);
+  bytes_.remove_prefix(size);
+  return value;
+}
+
+u64 ByteReader::count() {
+  const u64 value = number();
+  if (value <= bytes_.size()) return value;
+  refuse();
+  return 0;
+}
+
+Codec::Codec(const Tables& tables, const Distribution& distribution, u64 run)
+    : tables_(tables), distribution_(distribution), run_(run) {
+  if (tables.image->ffi == nullptr) return;
+  is_text_.assign(tables.atom_cells, 0);
+  for (u32 atom = 0; atom < tables.image->atoms.size; ++atom) {
+    const AtomType& type = tables.atom_type(atom);
+    for (u32 i = 0; i < type.variables.size; ++i)
+      is_text_[tables.atoms[atom].first_cell + i] = type.variables[i].type == CellType::String ? 1 : 0;
+  }
+}
+
+void Codec::write_cell(ByteWriter& writer, u32 cell, u64 bits) const {
+  if (is_text_.empty() || is_text_[cell] == 0) writer.number(bits);
+  else writer.text(string_of(*tables_.image, Cell{.bits = bits}));
+}
+
+u64 Codec::read_cell(ByteReader& reader, u32 cell) const {
+  if (is_text_.empty() || is_text_[cell] == 0) return reader.number();
+  Cell value{.bits = 0};
+  value.i = tables_.image->ffi->intern(reader.text());
+  return value.bits;
+}
+
+void Codec::write(const Frame& frame, std::string& bytes) const {
+  ByteWriter writer(bytes);
+  writer.number(kProtocol);
+  writer.number(run_);
+  writer.number(frame.from);
+  writer.number(frame.number);
+  writer.number(frame.received);
+  writer.number(frame.stamp);
+  writer.number(frame.messages.size());
+  for (const Message& message : frame.messages) {
+    writer.number(message.index());
+    std::visit([&](const auto& said) { write(writer, said); }, message);
+  }
+}
+
+bool Codec::read(std::string_view bytes, u32 from, u32 self, Frame& frame) const {
+  if (bytes.size() > kMostBytes) return false;
+  ByteReader reader(bytes);
+  if (reader.number() != kProtocol || reader.number() != run_ || reader.number() != from) return false;
+  frame = {from, self, 0, 0, 0, {}};
+  frame.number = reader.number();
+  frame.received = reader.number();
+  frame.stamp = reader.number();
+  const u64 count = reader.count();
+  if (!reader.is_sound() || (count != 0 && frame.number == 0) || count > Link::kMostMessages) return false;
+  // Clocks that are about to overflow are nobody's.
+  if (frame.stamp >> 56 != 0) return false;
+  frame.messages.reserve(count);
+  for (u64 i = 0; i < count && reader.is_sound(); ++i) {
+    switch (static_cast<Tag>(reader.row(u64{static_cast<u64>(Tag::Control)} + 1))) {
+      case Tag::Offer: read(reader, from, std::get<Offer>(frame.messages.emplace_back(Offer{}))); break;
+      case Tag::Begin: read(reader, self, std::get<Begin>(frame.messages.emplace_back(Begin{}))); break;
+      case Tag::Stop: frame.messages.emplace_back(Stop{reader.number()}); break;
+      case Tag::Control: read(reader, std::get<Control>(frame.messages.emplace_back(Control{}))); break;
+    }
+  }
+  return reader.is_sound() && reader.is_at_end();
+}
+
+void Codec::write(ByteWriter& writer, const Offer& offer) const {
+  writer.number(offer.atom);
+  writer.number(offer.n);
+  writer.number(offer.offer.place == kNone ? 0 : u64{offer.offer.place} + 1);
+  for (const u64 word : offer.offer.marks) writer.number(word);
+  writer.number(offer.offer.transitions.size());
+  for (const u32 row : offer.offer.transitions) writer.number(row);
+  writer.number(offer.offer.step);
+  writer.number(offer.offer.order);
+  const Span<u32> cells = distribution_.cells[offer.atom];
+  for (u32 i = 0; i < cells.size; ++i) write_cell(writer, cells[i], offer.cells[i]);
+}
+
+void Codec::read_cells(ByteReader& reader, u32 atom, std::vector<u64>& cells) const {
+  const Span<u32> rows = distribution_.cells[atom];
+  cells.reserve(rows.size);
+  for (u32 i = 0; i < rows.size && reader.is_sound(); ++i) cells.push_back(read_cell(reader, rows[i]));
+}
+
+void Codec::read(ByteReader& reader, u32 from, Offer& offer) const {
+  offer.atom = reader.row(tables_.image->atoms.size);
+  if (!reader.is_sound()) return;
+  if (distribution_.home(offer.atom) != from) return reader.refuse();
+  const LinkedType& type = tables_.types[tables_.atoms[offer.atom].type];
+  const AtomType& atom_type = tables_.atom_type(offer.atom);
+  offer.n = reader.number();
+  const u32 place = reader.row(u64{atom_type.places.size} + 1);
+  offer.offer.place = place == 0 ? kNone : place - 1;
+  if (type.simple && place == 0) return reader.refuse();
+  for (u32 i = 0; i < type.mark_words; ++i) offer.offer.marks.push_back(reader.number());
+  const u64 count = reader.count();
+  for (u64 i = 0; i < count && reader.is_sound(); ++i) {
+    const u32 row = reader.row(tables_.transitions.size());
+    // Of another type's transition the port may be none of this atom.
+    if (reader.is_sound() && tables_.transitions[row].port >= atom_type.ports.size) return reader.refuse();
+    offer.offer.transitions.push_back(row);
+  }
+  offer.offer.step = reader.number();
+  offer.offer.order = reader.row(kNone);
+  read_cells(reader, offer.atom, offer.cells);
+}
+
+void Codec::write(ByteWriter& writer, const Begin& begin) const {
+  writer.number(begin.step);
+  writer.number(begin.parts.size());
+  for (const Part& part : begin.parts) {
+    writer.number(part.atom);
+    writer.number(part.n);
+    writer.number(part.transition);
+    writer.number(part.order);
+    const Span<u32> cells = distribution_.cells[part.atom];
+    for (u32 i = 0; i < cells.size; ++i) write_cell(writer, cells[i], part.cells[i]);
+  }
+}
+
+void Codec::read(ByteReader& reader, u32 self, Begin& begin) const {
+  begin.step = reader.number();
+  const u64 count = reader.count();
+  for (u64 i = 0; i < count && reader.is_sound(); ++i) {
+    Part part;
+    part.atom = reader.row(tables_.image->atoms.size);
+    if (!reader.is_sound()) return;
+    if (distribution_.home(part.atom) != self) return reader.refuse();
+    part.n = reader.number();
+    part.transition = reader.row(tables_.transitions.size());
+    part.order = reader.row(kNone);
+    if (!reader.is_sound()) return;
+    if (tables_.transitions[part.transition].port >= tables_.atom_type(part.atom).ports.size) return reader.refuse();
+    read_cells(reader, part.atom, part.cells);
+    begin.parts.push_back(std::move(part));
+  }
+}
+
+void Codec::write(ByteWriter& writer, const Stop& stop) { writer.number(stop.step); }
+
+void Codec::write(ByteWriter& writer, const Control& control) {
+  writer.number(static_cast<u64>(control.kind));
+  writer.number(control.numbers.size());
+  for (const u64 number : control.numbers) writer.number(number);
+  writer.number(control.texts.size());
+  for (const std::string& text : control.texts) writer.text(text);
+}
+
+void Codec::read(ByteReader& reader, Control& control) {
+  control.kind = static_cast<Control::Kind>(reader.row(static_cast<u64>(kLastControl) + 1));
+  u64 count = reader.count();
+  control.numbers.reserve(count);
+  for (u64 i = 0; i < count && reader.is_sound(); ++i) control.numbers.push_back(reader.number());
+  count = reader.count();
+  for (u64 i = 0; i < count && reader.is_sound(); ++i) control.texts.emplace_back(reader.text());
+}
+
+u64 fingerprint(const Tables& tables, const Placement& placement) {
+  u64 state = 0xcbf29ce484222325u;
+  const auto add = [&state](u64 word) {
+    state = (state ^ word) * 0x100000001b3u;
+    state ^= state >> 29;
+  };
+  const auto add_text = [&add](std::string_view text) {
+    add(text.size());
+    for (const char c : text) add(static_cast<unsigned char>(c));
+  };
+  const Image& image = *tables.image;
+  add(kProtocol);
+  add_text(image.name);
+  for (u32 atom = 0; atom < image.atoms.size; ++atom) {
+    add_text(image.atoms[atom].path());
+    add(tables.atoms[atom].type);
+    add(tables.atoms[atom].first_cell);
+  }
+  for (u32 i = 0; i < image.connectors.size; ++i) add_text(image.connectors[i].path());
+  for (const LinkedTransition& row : tables.transitions) {
+    add(row.port);
+    add(row.from);
+    add(row.to);
+  }
+  for (u32 type = 0; type < image.atom_types.size; ++type) {
+    for (u32 i = 0; i < image.atom_types[type].variables.size; ++i)
+      add(static_cast<u64>(image.atom_types[type].variables[i].type));
+  }
+  for (const std::string& node : placement.nodes) add_text(node);
+  for (const u32 home : placement.home) add(home);
+  return state;
+}
+
+}  // namespace bip::rt

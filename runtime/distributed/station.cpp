@@ -1,0 +1,107 @@
+// See station.hpp.
+#include "runtime/distributed/station.hpp"
+
+#include <algorithm>
+
+namespace bip::rt {
+
+Station::Station(Fabric& fabric, const Codec& codec, u32 self, u32 peers)
+    : fabric_(fabric), codec_(codec), self_(self) {
+  for (u32 peer = 0; peer < peers; ++peer) ends_.emplace_back(Link(self, peer));
+}
+
+void Station::take(const Arrival& arrival, i64 now, std::vector<Heard>& heard) {
+  if (arrival.from >= ends_.size() || arrival.from == self_ ||
+      !codec_.read(arrival.bytes, arrival.from, self_, frame_)) {
+    ++counts_.refused;
+    return;
+  }
+  End& end = ends_[arrival.from];
+  if (end.link.is_closed()) return;
+  const bool is_first = end.last_heard == 0;
+  end.last_heard = now;
+  advance_clock(frame_.stamp);
+  const u64 confirmed = end.link.confirmed();
+  messages_.clear();
+  end.link.take(frame_, messages_);
+  for (Message& message : messages_) heard.push_back({arrival.from, std::move(message)});
+  if (end.link.confirmed() != confirmed) {
+    end.again_after = kAgainAfter;
+    end.again_at = end.link.unconfirmed().empty() ? 0 : now + end.again_after;
+  }
+  if (end.link.owes_answer()) {
+    ++end.unanswered;
+    if (end.answer_at == 0) end.answer_at = now + kAnswerAfter;
+  }
+  // What was said before the peer was there is lost.
+  if (is_first) send_again(end, now);
+}
+
+void Station::send_frame(End& end, Frame& frame) {
+  frame.stamp = clock_;
+  bytes_.clear();
+  codec_.write(frame, bytes_);
+  ++counts_.frames;
+  counts_.bytes += bytes_.size();
+  fabric_.send(frame.to, bytes_);
+  end.answer_at = 0;
+  end.unanswered = 0;
+}
+
+void Station::send(i64 now) {
+  for (End& end : ends_) {
+    const bool must_answer = end.unanswered >= most_unanswered_;
+    if (!end.link.has_unsaid() && !must_answer) continue;
+    do {
+      if (!end.link.next_frame(out_)) break;
+      if (out_.number != 0 && end.again_at == 0) end.again_at = now + end.again_after;
+      send_frame(end, out_);
+    } while (end.link.has_unsaid());
+  }
+}
+
+void Station::greet(u32 peer) {
+  Frame frame = ends_[peer].link.greeting();
+  send_frame(ends_[peer], frame);
+}
+
+void Station::send_again(End& end, i64 now) {
+  if (end.link.unconfirmed().empty()) return;
+  for (std::size_t k = 0; k < end.link.unconfirmed().size(); ++k) {
+    Frame frame = end.link.again(k);
+    ++counts_.again;
+    send_frame(end, frame);
+  }
+  end.again_at = now + end.again_after;
+}
+
+void Station::tick(i64 now) {
+  for (End& end : ends_) {
+    if (end.answer_at != 0 && end.answer_at <= now) {
+      if (end.link.next_frame(out_)) send_frame(end, out_);
+      end.answer_at = 0;
+    }
+    if (end.again_at != 0 && end.again_at <= now) {
+      end.again_after = std::min(2 * end.again_after, kAgainAtMost);
+      send_again(end, now);
+      if (end.link.unconfirmed().empty()) end.again_at = 0;
+    }
+  }
+}
+
+i64 Station::due() const {
+  i64 due = kForever;
+  for (const End& end : ends_) {
+    if (end.answer_at != 0) due = std::min(due, end.answer_at);
+    if (end.again_at != 0) due = std::min(due, end.again_at);
+  }
+  return due;
+}
+
+void Station::close(u32 peer) {
+  End& end = ends_[peer];
+  end.link.close();
+  end.answer_at = end.again_at = 0;
+}
+
+}  // namespace bip::rt

@@ -1,0 +1,507 @@
+// See launcher.hpp.
+#include "runtime/engine/launcher.hpp"
+
+#include <algorithm>
+#include <random>
+
+#include "bip/assert.hpp"
+#include "runtime/core/final_state.hpp"
+#include "runtime/distributed/station.hpp"
+#include "runtime/engine/interrupt.hpp"
+#include "runtime/engine/loss_story.hpp"
+#include "runtime/engine/node_process.hpp"
+#include "runtime/engine/node_team.hpp"
+#include "runtime/engine/step_merge.hpp"
+#include "runtime/engine/waker.hpp"
+
+namespace bip::rt {
+
+namespace {
+
+constexpr i64 kBeat = 1000000000;      // ns between beats
+constexpr i64 kStale = 20000000;       // ns that a step may wait for nodes to say that they have no earlier one
+constexpr i64 kAskAgain = 5000000;     // ns until credit is asked for again
+constexpr i64 kPatience = 3000000000;  // ns for nodes to end their actions after Ctrl-C
+constexpr u64 kInfinite = ~u64{0};
+
+enum class RunPhase : std::uint8_t { Running, Counting, Ending };
+
+// What the launcher knows of a node.
+struct Member {
+  bool is_there = false, is_lost = false, has_finished = false;
+  bool is_idle = false, wants = false, has_counted = false, owes_credit = false;
+  u64 sent = 0, received = 0, steps = 0;
+  u64 granted = 0;  // credit, but for what it gave back
+};
+
+class Launcher {
+ public:
+  Launcher(Core& core, const Distribution& distribution, const RunOptions& options, u64 seed, Output& output)
+      : core_(core),
+        distribution_(distribution),
+        options_(options),
+        seed_(seed),
+        output_(output),
+        writes_(output.writes_steps()),
+        run_(draw_run()),
+        codec_(core.tables(), distribution, run_),
+        merge_(core, distribution, output),
+        members_(distribution.placement.nodes.size()) {
+    result_.cpu.assign(members_.size(), 0);
+  }
+
+  DistributedResult run() {
+    const State initial = core_.snapshot();
+    last_ = initial;
+    const i64 began = wall_clock();
+    if (!open(initial)) return std::move(result_);
+    share_out();
+    beat_at_ = began + kBeat;
+    while (!has_ended()) {
+      const i64 now = wall_clock();
+      advance(now);
+      const i64 due = std::min({station_->due(), next_due(), beat_at_});
+      arrivals_.clear();
+      const bool any_ended =
+          fabric_->wait(static_cast<int>((std::max<i64>(due - now, 0) + 999999) / 1000000), team_.files(), arrivals_);
+      const i64 woken = wall_clock();
+      heard_.clear();
+      for (const Arrival& arrival : arrivals_) station_->take(arrival, woken, heard_);
+      for (const Heard& heard : heard_) take(heard, woken);
+      if (any_ended) take_ended();
+      if (result_.started == 0 &&
+          std::all_of(members_.begin(), members_.end(), [](const Member& m) { return m.is_there; }))
+        result_.started = woken - began;
+    }
+    station_->send(wall_clock());
+    end(initial);
+    station_->tick(kForever - 1);
+    team_.wait_for_all(1000);
+    return std::move(result_);
+  }
+
+ private:
+  static u64 draw_run() {
+    std::random_device device;
+    return (u64{device()} << 32 | device()) >> 1;
+  }
+
+  // ---- the beginning
+
+  bool open(const State& initial) {
+    const u32 nodes = static_cast<u32>(members_.size());
+    BIP_ENSURE(options_.fabrics != nullptr, "a run without a network was refused");
+    const auto live = [&](u32 node, const FabricPlan& plan) {
+      std::string error;
+      const std::unique_ptr<Fabric> fabric = options_.fabrics->open(plan, error);
+      if (fabric == nullptr) {
+        std::fprintf(stderr, "error: node `%s`: %s\n", distribution_.placement.nodes[node].c_str(), error.c_str());
+        return 1;
+      }
+      const NodeSetup setup{core_.image(), core_.parts().options, distribution_, node, run_, seed_, options_, output_};
+      return NodeProcess(setup, *fabric).run(initial) ? 0 : 1;
+    };
+    result_.error = team_.start(nodes, *options_.fabrics, live);
+    if (!result_.error.empty()) return false;
+    fabric_ = options_.fabrics->open(team_.plan(), result_.error);
+    if (fabric_ == nullptr) return false;
+    station_ = std::make_unique<Station>(*fabric_, codec_, nodes, nodes);
+    // Nodes that must not say anything before it is known here wait for the answer.
+    if (writes_ && options_.on_loss == OnLoss::GoOn) station_->answer_at_once();
+    for (u32 node = 0; node < nodes; ++node) station_->greet(node);
+    return true;
+  }
+
+  void say(u32 node, Control::Kind kind, std::vector<u64> numbers = {}) {
+    if (!members_[node].is_lost) station_->say(node, Control{kind, std::move(numbers), {}});
+  }
+  void say_all(Control::Kind kind, const std::vector<u64>& numbers = {}) {
+    for (u32 node = 0; node < members_.size(); ++node) say(node, kind, numbers);
+  }
+
+  // ---- credit: how many steps may begin
+
+  [[nodiscard]] bool is_limited() const { return options_.limit != kInfinite; }
+
+  void grant(u32 node, u64 credit) {
+    if (credit == 0) return;
+    say(node, Control::Kind::Credit, {credit});
+    members_[node].granted += credit;
+    members_[node].wants = members_[node].is_idle = false;
+    pool_ -= credit;
+  }
+
+  void share_out() {
+    if (!is_limited()) return say_all(Control::Kind::Credit, {kInfinite});
+    pool_ = options_.limit;
+    const u64 share = pool_ / (2 * members_.size());
+    for (u32 node = 0; node < members_.size(); ++node) grant(node, share);
+  }
+
+  void serve_wants(i64 now) {
+    if (!is_limited() || is_halted_) return;
+    bool is_wanted = false;
+    for (u32 node = 0; node < members_.size(); ++node) {
+      if (!members_[node].wants || members_[node].is_lost) continue;
+      if (pool_ != 0) grant(node, std::max<u64>(1, pool_ / (2 * members_.size())));
+      else is_wanted = true;
+    }
+    // What others do not need is asked back.
+    if (!is_wanted || ask_at_ > now) return;
+    ask_at_ = now + kAskAgain;
+    for (u32 node = 0; node < members_.size(); ++node) {
+      Member& member = members_[node];
+      if (member.is_lost || member.wants || member.owes_credit || member.granted == 0) continue;
+      if (member.is_idle && member.granted == member.steps) continue;
+      member.owes_credit = true;
+      say(node, Control::Kind::Recall);
+    }
+  }
+
+  // ---- what nodes say
+
+  void take(const Heard& heard, i64 now) {
+    const auto* const control = std::get_if<Control>(&heard.message);
+    if (control == nullptr || members_[heard.from].is_lost) return;
+    Member& member = members_[heard.from];
+    const std::vector<u64>& numbers = control->numbers;
+    const auto number = [&](std::size_t k) { return k < numbers.size() ? numbers[k] : 0; };
+    switch (control->kind) {
+      case Control::Kind::Ready: member.is_there = true; return;
+      case Control::Kind::Idle:
+        member.is_idle = true;
+        member.sent = number(0);
+        member.received = number(1);
+        member.steps = number(3);
+        merge_.raise_bound(heard.from, bound_of(number(2)));
+        is_changed_ = true;
+        return;
+      case Control::Kind::Want:
+        member.wants = true;
+        ask_at_ = 0;
+        return serve_wants(now);
+      case Control::Kind::Beat:
+        merge_.raise_bound(heard.from, bound_of(number(0)));
+        member.steps = number(1);
+        return;
+      case Control::Kind::Counted:
+        if (number(0) != round_) return;
+        member.has_counted = true;
+        member.sent = number(1);
+        member.received = number(2);
+        if (number(3) == 0) member.is_idle = false;
+        return end_round();
+      case Control::Kind::Return: {
+        const u64 given = std::min(number(0), member.granted);
+        member.granted -= given;
+        member.owes_credit = false;
+        pool_ += given;
+        is_changed_ = true;
+        return serve_wants(now);
+      }
+      case Control::Kind::Begun:
+        member.is_idle = false;
+        if (writes_ && !merge_.take_begun(heard.from, *control)) ++odd_;
+        return;
+      case Control::Kind::Landed:
+        if (writes_) merge_.take_landed(heard.from, numbers);
+        return;
+      case Control::Kind::Fault: return take_fault(*control);
+      case Control::Kind::Atom: return take_atom(heard.from, *control);
+      case Control::Kind::Finished:
+        member.has_finished = true;
+        member.steps = number(0);
+        result_.border_steps += number(1);
+        result_.offers += number(2);
+        result_.begins += number(3);
+        result_.network.frames += number(4);
+        result_.network.again += number(5);
+        result_.bytes += number(6);
+        result_.refused += number(7);
+        result_.cpu[heard.from] = number(8);
+        return;
+      case Control::Kind::Start:
+      case Control::Kind::Credit:
+      case Control::Kind::Recall:
+      case Control::Kind::Count:
+      case Control::Kind::Lost:
+      case Control::Kind::Halt:
+      case Control::Kind::Finish: return;
+    }
+  }
+
+  static u64 bound_of(u64 clock) { return clock << kNodeBits | (kMostNodes - 1); }
+
+  void take_fault(const Control& control) {
+    if (control.numbers.size() != 12 || control.texts.size() != 4) return;
+    const std::vector<u64>& numbers = control.numbers;
+    if (has_fault_ && (fault_step_ < numbers[0] || (fault_step_ == numbers[0] && fault_order_ <= numbers[1]))) return;
+    const auto row = [&](std::size_t k) { return static_cast<u32>(numbers[k]); };
+    const auto place = [&](std::size_t k) {
+      return row(k) < core_.image().files.size ? SourceLine{row(k), row(k + 1), row(k + 2)} : SourceLine{};
+    };
+    has_fault_ = true;
+    fault_step_ = numbers[0];
+    fault_order_ = numbers[1];
+    fault_ = {static_cast<FaultCode>(std::min<u64>(numbers[2], static_cast<u64>(FaultCode::ReplayDiffers))),
+              row(3) < core_.image().atoms.size ? row(3) : kNone,
+              row(4) < core_.image().connectors.size ? row(4) : kNone,
+              row(5),
+              place(6),
+              place(9),
+              control.texts[0],
+              control.texts[1],
+              control.texts[2],
+              control.texts[3]};
+  }
+
+  void take_atom(u32 node, const Control& control) {
+    if (control.numbers.size() < 2 || control.texts.size() != 1) return;
+    const Tables& tables = core_.tables();
+    if (control.numbers[0] >= core_.image().atoms.size) return;
+    const u32 atom = static_cast<u32>(control.numbers[0]);
+    const u32 words = tables.types[tables.atoms[atom].type].mark_words;
+    if (distribution_.home(atom) != node || control.numbers.size() != 2 + words) return;
+    if (control.numbers[1] < tables.atom_type(atom).places.size)
+      last_.places[atom] = static_cast<u32>(control.numbers[1]);
+    for (u32 i = 0; i < words; ++i) last_.marks[tables.first_mark(atom) + i] = control.numbers[2 + i];
+    ByteReader reader(control.texts[0]);
+    for (u32 i = 0; i < tables.atom_type(atom).variables.size; ++i) {
+      const u32 cell = tables.atoms[atom].first_cell + i;
+      const u64 bits = codec_.read_cell(reader, cell);
+      if (reader.is_sound()) last_.data[cell] = bits;
+    }
+  }
+
+  // ---- losses
+
+  void take_ended() {
+    for (const EndedNode& ended : team_.take_ended()) {
+      if (!members_[ended.node].has_finished) lose(ended.node, ended.how);
+    }
+  }
+
+  void lose(u32 node, const std::string& how) {
+    Member& member = members_[node];
+    if (member.is_lost) return;
+    if (!has_lost_) lost_after_ = writes_ ? merge_.written() : steps();
+    has_lost_ = true;
+    how_ += (how_.empty() ? ": " : "; ") + ('`' + distribution_.placement.nodes[node] + "` " + how);
+    member.is_lost = true;
+    station_->close(node);
+    merge_.lose(node);
+    if (options_.on_loss == OnLoss::Stop) {
+      // What comes later may depend on what the node began and could not tell.
+      cut_ = std::min(cut_, merge_.bound(node));
+      halt();
+    } else if (is_limited()) {
+      pool_ += member.granted - std::min(member.granted, member.steps);
+    }
+    say_all(Control::Kind::Lost, {node});
+    phase_ = phase_ == RunPhase::Ending ? RunPhase::Ending : RunPhase::Running;
+    is_changed_ = true;
+  }
+
+  void halt() {
+    if (is_halted_) return;
+    is_halted_ = true;
+    for (Member& member : members_) member.is_idle = false;
+    say_all(Control::Kind::Halt);
+  }
+
+  // ---- the end
+
+  // Of all that are there.
+  template <class Predicate>
+  [[nodiscard]] bool all(const Predicate& predicate) const {
+    return std::all_of(members_.begin(), members_.end(),
+                       [&](const Member& member) { return member.is_lost || predicate(member); });
+  }
+
+  [[nodiscard]] bool is_balanced() const {
+    u64 sent = 0, received = 0;
+    for (const Member& member : members_) {
+      if (member.is_lost) continue;
+      sent += member.sent;
+      received += member.received;
+    }
+    return sent == received;
+  }
+
+  // Could a node that wants credit get some?
+  [[nodiscard]] bool is_credit_coming() const {
+    if (!is_limited() || is_halted_ || has_fault_ || all([](const Member& member) { return !member.wants; }))
+      return false;
+    return pool_ != 0 || !all([](const Member& member) { return member.granted == member.steps; });
+  }
+
+  void advance(i64 now) {
+    if (is_interrupted() && !is_interrupted_) {
+      is_interrupted_ = true;
+      patience_until_ = now + kPatience;
+      halt();
+    }
+    if (now >= patience_until_) {
+      for (u32 node = 0; node < members_.size(); ++node) {
+        if (!members_[node].has_finished) lose(node, "was at work for too long");
+      }
+    }
+    serve_wants(now);
+    if (phase_ == RunPhase::Running && is_changed_ && !is_credit_coming() && is_balanced() &&
+        all([](const Member& member) { return member.is_idle; }))
+      begin_round();
+    is_changed_ = false;
+    if (writes_) write(now);
+    if (now >= beat_at_) {
+      say_all(Control::Kind::Beat);
+      beat_at_ = now + kBeat;
+    }
+    station_->send(now);
+    station_->tick(now);
+  }
+
+  void begin_round() {
+    phase_ = RunPhase::Counting;
+    ++round_;
+    first_sum_ = sum_of_sent();
+    for (Member& member : members_) member.has_counted = false;
+    say_all(Control::Kind::Count, {round_});
+  }
+
+  [[nodiscard]] u64 sum_of_sent() const {
+    u64 sum = 0;
+    for (const Member& member : members_) sum += member.is_lost ? 0 : member.sent;
+    return sum;
+  }
+
+  void end_round() {
+    if (phase_ != RunPhase::Counting || !all([](const Member& member) { return member.has_counted; })) return;
+    const bool is_over = all([](const Member& member) { return member.is_idle; }) && is_balanced() &&
+                         sum_of_sent() == first_sum_ && !is_credit_coming();
+    phase_ = is_over ? RunPhase::Ending : RunPhase::Running;
+    // Who rests and had told it tells it no second time.
+    is_changed_ = true;
+    if (is_over) say_all(Control::Kind::Finish);
+  }
+
+  [[nodiscard]] bool has_ended() const {
+    return all([](const Member& member) { return member.has_finished; });
+  }
+
+  [[nodiscard]] i64 next_due() const {
+    i64 due = patience_until_;
+    if (writes_ && stale_at_ != 0) due = std::min(due, stale_at_);
+    const bool is_wanted = !all([](const Member& member) { return !member.wants; });
+    if (is_limited() && is_wanted && !is_halted_ && phase_ == RunPhase::Running && is_credit_coming())
+      due = std::min(due, ask_at_);
+    return due;
+  }
+
+  // Asks nodes that rest how far they are, if steps of others wait for it.
+  void write(i64 now) {
+    if (!has_fault_ && cut_ == ~u64{0}) merge_.write_ready();
+    if (merge_.waiting() == 0 || phase_ == RunPhase::Ending) {
+      stale_at_ = 0;
+      return;
+    }
+    if (stale_at_ == 0) stale_at_ = now + kStale;
+    if (now < stale_at_) return;
+    stale_at_ = now + kStale;
+    const u64 step = merge_.first_waiting();
+    for (u32 node = 0; node < members_.size(); ++node) {
+      if (merge_.bound(node) < step) say(node, Control::Kind::Beat);
+    }
+  }
+
+  [[nodiscard]] u64 steps() const {
+    u64 sum = 0;
+    for (const Member& member : members_) sum += member.steps;
+    return sum;
+  }
+
+  void end(const State& initial) {
+    add_own_counts();
+    if (has_fault_) {
+      result_.end = End::Fault;
+      if (writes_) merge_.write_until(fault_step_);
+      // The step with the fault is not counted.
+      result_.steps = writes_ ? merge_.written() - 1 : steps();
+      (void)core_.restore(last_);
+      core_.fail(fault_);
+      return;
+    }
+    if (writes_) merge_.write_until(cut_);
+    result_.steps = writes_ ? merge_.written() : steps();
+    const bool is_sound = core_.restore(last_);
+    if (has_lost_) return end_with_loss(is_sound, initial);
+    // C++ objects stay at home: what depends on them cannot be asked here.
+    const bool is_known = last_.objects.empty();
+    BIP_ENSURE(is_sound || !is_known, "the last state has no fault");
+    if (result_.steps == options_.limit) result_.end = End::Limit;
+    else if (is_interrupted_) result_.end = End::Interrupted;
+    else result_.end = end_without_step(core_);
+    BIP_ENSURE(
+        !is_known || result_.end == End::Limit || result_.end == End::Interrupted || core_.candidate_count() == 0,
+        "a node waits for what never comes");
+  }
+
+  void add_own_counts() {
+    const StationCounts& own = station_->counts();
+    result_.network.frames += own.frames;
+    result_.network.again += own.again;
+    result_.bytes += own.bytes;
+    result_.refused += own.refused + odd_ + fabric_->counts().refused;
+  }
+
+  void end_with_loss(bool is_sound, const State& initial) {
+    result_.end = result_.steps == options_.limit ? End::Limit : End::Interrupted;
+    if (!is_sound) BIP_ENSURE(core_.restore(initial), "the initial state has no fault");
+    std::vector<bool> lost;
+    for (const Member& member : members_) lost.push_back(member.is_lost);
+    std::string& story = result_.end == End::Limit ? result_.warning : result_.lost_nodes;
+    story = loss_story(core_, distribution_, lost, lost_after_, how_);
+    core_.partial().allow();
+  }
+
+  Core& core_;
+  const Distribution& distribution_;
+  const RunOptions& options_;
+  u64 seed_;
+  Output& output_;
+  bool writes_;
+  u64 run_;
+  Codec codec_;
+  StepMerge merge_;
+  std::vector<Member> members_;
+  DistributedResult result_;
+  // The fabric ends before the processes that it talks to.
+  NodeTeam team_;
+  std::unique_ptr<Fabric> fabric_;
+  std::unique_ptr<Station> station_;
+
+  RunPhase phase_ = RunPhase::Running;
+  State last_;
+  u64 pool_ = 0;  // credit that nobody has
+  u64 round_ = 0, first_sum_ = 0;
+  u64 odd_ = 0;  // messages that say what cannot be
+  bool is_changed_ = false, is_halted_ = false, is_interrupted_ = false;
+  bool has_fault_ = false, has_lost_ = false;
+  u64 fault_step_ = 0, fault_order_ = 0;
+  Fault fault_;
+  u64 cut_ = ~u64{0};  // no step after this one is written
+  u64 lost_after_ = 0;
+  std::string how_;
+  i64 beat_at_ = 0, stale_at_ = 0, ask_at_ = 0, patience_until_ = kForever;
+  // Scratch.
+  std::vector<Arrival> arrivals_;
+  std::vector<Heard> heard_;
+};
+
+}  // namespace
+
+DistributedResult run_distributed(Core& core, const Distribution& distribution, const RunOptions& options, u64 seed,
+                                  Output& output) {
+  return Launcher(core, distribution, options, seed, output).run();
+}
+
+}  // namespace bip::rt

@@ -1,0 +1,292 @@
+// See node_process.hpp.
+#include "runtime/engine/node_process.hpp"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+
+#include "bip/assert.hpp"
+#include "runtime/engine/waker.hpp"
+
+namespace bip::rt {
+
+namespace {
+
+constexpr i64 kQuiet = 2000000;              // ns of rest before it is told
+constexpr i64 kSendWhile = 100000;           // ns of actions after which what is ready is sent
+constexpr i64 kLastWords = 2000000000;       // ns to wait for the launcher to hear them
+constexpr std::size_t kMostBegun = 256;      // steps before what is ready is sent
+constexpr std::size_t kMostUnsaid = 100000;  // messages to the launcher: then nothing begins
+
+// Cuts the number that is not known yet out of the text; returns 1 + its place, or 0.
+u64 cut_number(std::string& text) {
+  static const std::string number = std::to_string(kStepToCome);
+  const std::size_t place = text.find(number);
+  if (place == std::string::npos) return 0;
+  text.erase(place, number.size());
+  return place + 1;
+}
+
+u64 cpu_microseconds() {
+  struct rusage usage {};
+  ::getrusage(RUSAGE_SELF, &usage);
+  const auto of = [](const timeval& time) {
+    return static_cast<u64>(time.tv_sec) * 1000000 + static_cast<u64>(time.tv_usec);
+  };
+  return of(usage.ru_utime) + of(usage.ru_stime);
+}
+
+}  // namespace
+
+NodeProcess::NodeProcess(const NodeSetup& setup, Fabric& fabric)
+    : setup_(setup),
+      fabric_(fabric),
+      launcher_(static_cast<u32>(setup.distribution.placement.nodes.size())),
+      writes_(setup.output.writes_steps()),
+      holds_(writes_ && setup.options.on_loss == OnLoss::GoOn),
+      node_(setup.image, setup.core_options, setup.distribution, setup.self),
+      codec_(node_.core().tables(), setup.distribution, setup.run),
+      station_(fabric, codec_, setup.self, launcher_ + 1),
+      scheduler_(setup.options.policy, setup.seed + setup.self),
+      sent_(launcher_, 0),
+      received_(launcher_, 0) {}
+
+bool NodeProcess::run(const State& initial) {
+  initial_ = &initial;
+  scheduler_.start(node_.core());
+  BIP_ENSURE(node_.start(initial), "the initial state has no fault");
+  for (u32 peer = 0; peer < setup_.self; ++peer) station_.greet(peer);
+  say(Control::Kind::Ready, {});
+  bool has_work = true;
+  i64 leave_at = 0;
+  for (;;) {
+    i64 now = wall_clock();
+    if (is_finished_ && (station_.link(launcher_).unconfirmed().empty() || now >= leave_at)) return true;
+    const i64 due = next_due(has_work);
+    arrivals_.clear();
+    (void)fabric_.wait(due == kForever ? -1 : static_cast<int>((std::max<i64>(due - now, 0) + 999999) / 1000000), {},
+                       arrivals_);
+    now = wall_clock();
+    heard_.clear();
+    for (const Arrival& arrival : arrivals_) station_.take(arrival, now, heard_);
+    for (const Heard& heard : heard_) take(heard);
+    has_work = has_worked();
+    release_held();
+    if (!has_work) report(wall_clock());
+    station_.send(wall_clock());
+    station_.tick(wall_clock());
+    if (is_finished_ && leave_at == 0) leave_at = wall_clock() + kLastWords;
+  }
+}
+
+i64 NodeProcess::next_due(bool has_work) const {
+  if (has_work) return 0;
+  return idle_since_ == 0 ? station_.due() : std::min(station_.due(), idle_since_ + kQuiet);
+}
+
+void NodeProcess::say(Control::Kind kind, std::vector<u64> numbers, std::vector<std::string> texts) {
+  station_.say(launcher_, Control{kind, std::move(numbers), std::move(texts)});
+}
+
+void NodeProcess::take(const Heard& heard) {
+  const auto* const control = std::get_if<Control>(&heard.message);
+  if ((control != nullptr) != (heard.from == launcher_)) return;
+  if (control != nullptr) return take_control(*control);
+  ++received_[heard.from];
+  is_idle_ = false;
+  node_.take(heard.message);
+}
+
+void NodeProcess::take_control(const Control& control) {
+  const u64 number = control.numbers.empty() ? 0 : control.numbers.front();
+  switch (control.kind) {
+    case Control::Kind::Credit:
+      credit_ = number > ~u64{0} - credit_ ? ~u64{0} : credit_ + number;
+      has_asked_ = false;
+      is_idle_ = false;
+      return;
+    case Control::Kind::Recall: return give_back();
+    case Control::Kind::Count: return count(number);
+    case Control::Kind::Lost:
+      if (number >= launcher_ || number == setup_.self) return;
+      station_.close(static_cast<u32>(number));
+      is_idle_ = false;
+      return;
+    case Control::Kind::Halt:
+      is_halted_ = true;
+      is_idle_ = false;
+      return;
+    case Control::Kind::Finish: return say_last_state();
+    case Control::Kind::Beat: return say(Control::Kind::Beat, {station_.clock(), steps_});
+    case Control::Kind::Start:
+    case Control::Kind::Ready:
+    case Control::Kind::Idle:
+    case Control::Kind::Want:
+    case Control::Kind::Counted:
+    case Control::Kind::Return:
+    case Control::Kind::Begun:
+    case Control::Kind::Landed:
+    case Control::Kind::Fault:
+    case Control::Kind::Atom:
+    case Control::Kind::Finished: return;
+  }
+}
+
+// Who could use it keeps half of it, so that a step begins before it is asked for again.
+void NodeProcess::give_back() {
+  const u64 given = is_idle_ && !wants_ ? credit_ : credit_ / 2;
+  credit_ -= given;
+  say(Control::Kind::Return, {given});
+}
+
+// Begins what may begin, then runs what is to be run. False: there was nothing.
+bool NodeProcess::has_worked() {
+  std::size_t begun = 0;
+  while (begun < kMostBegun && has_begun()) ++begun;
+  post();
+  if (node_.work_count() != 0 && begun != 0) station_.send(wall_clock());
+  const std::size_t works = node_.work_count();
+  if (works != 0) {
+    i64 sent_at = wall_clock();
+    while (node_.work_count() != 0) {
+      node_.run(node_.work_count() - 1);
+      if (const i64 now = wall_clock(); now - sent_at > kSendWhile) {
+        post();
+        station_.send(now);
+        sent_at = now;
+      }
+    }
+    post();
+  }
+  const bool has_worked = begun != 0 || works != 0;
+  // Actions may have made more steps possible.
+  if (has_worked) {
+    is_idle_ = false;
+    idle_since_ = 0;
+  }
+  return has_worked;
+}
+
+bool NodeProcess::has_begun() {
+  EnabledSet::Position at{};
+  if (is_halted_ || node_.is_stopped() || station_.link(launcher_).unsaid() > kMostUnsaid) return false;
+  wants_ = scheduler_.choose_decided(node_.core(), at);
+  if (!wants_) return false;
+  if (credit_ == 0) {
+    if (!has_asked_) say(Control::Kind::Want, {});
+    has_asked_ = true;
+    return false;
+  }
+  wants_ = false;
+  if (credit_ != ~u64{0}) --credit_;
+  const u64 step = station_.tick_clock() << kNodeBits | setup_.self;
+  if (writes_) describe(at);
+  scheduler_.fired(at.interaction);
+  atoms_.clear();
+  node_.begin(at, step, atoms_);
+  ++steps_;
+  const bool is_border = std::any_of(atoms_.begin(), atoms_.end(),
+                                     [&](u32 atom) { return setup_.distribution.home(atom) != setup_.self; });
+  border_steps_ += is_border ? 1 : 0;
+  if (writes_) {
+    std::vector<u64> numbers{step, at.interaction, cut_number(text_.out), cut_number(text_.trace)};
+    for (const u32 atom : atoms_) numbers.push_back(setup_.distribution.home(atom));
+    say(Control::Kind::Begun, std::move(numbers), {std::move(text_.out), std::move(text_.trace)});
+  }
+  post();
+  return true;
+}
+
+void NodeProcess::describe(EnabledSet::Position at) {
+  text_.out.clear();
+  text_.trace.clear();
+  setup_.output.describe(text_, node_.core(), at, kStepToCome, kNoChoice);
+}
+
+// Hands over what the node says. A fault comes before the news that its step has ended, so that no later step is
+// written.
+void NodeProcess::post() {
+  report_fault();
+  if (writes_ && !node_.landed().empty()) say(Control::Kind::Landed, node_.landed());
+  node_.landed().clear();
+  if (node_.outbox().empty()) return;
+  const Link& launcher = station_.link(launcher_);
+  // The one with the last message that it is to have.
+  const std::size_t unsaid = launcher.unsaid();
+  const u64 frame = launcher.next_number() + (unsaid + Link::kMostMessages - 1) / Link::kMostMessages - 1;
+  for (Outgoing& outgoing : node_.outbox()) {
+    ++sent_[outgoing.to];
+    if (holds_) held_.push_back({frame, std::move(outgoing)});
+    else station_.say(outgoing.to, std::move(outgoing.message));
+  }
+  node_.outbox().clear();
+}
+
+void NodeProcess::release_held() {
+  const u64 confirmed = station_.link(launcher_).confirmed();
+  while (!held_.empty() && held_.front().frame <= confirmed) {
+    station_.say(held_.front().outgoing.to, std::move(held_.front().outgoing.message));
+    held_.pop_front();
+  }
+}
+
+void NodeProcess::report_fault() {
+  const PartialState& state = *node_.core().partial().state();
+  if (!state.fault || (state.fault_step == fault_step_ && state.fault_order == fault_order_)) return;
+  fault_step_ = state.fault_step;
+  fault_order_ = state.fault_order;
+  const Fault& fault = state.fault;
+  say(Control::Kind::Fault,
+      {fault_step_, fault_order_, static_cast<u64>(fault.code), fault.atom, fault.connector, fault.port, fault.loc.file,
+       fault.loc.line, fault.loc.column, fault.other.file, fault.other.line, fault.other.column},
+      {fault.what, fault.rule, fault.places, fault.data});
+}
+
+u64 NodeProcess::sum_of_open(const std::vector<u64>& counts) {
+  u64 sum = 0;
+  for (u32 peer = 0; peer < launcher_; ++peer) sum += station_.link(peer).is_closed() ? 0 : counts[peer];
+  return sum;
+}
+
+// Of a node that rests for a while: what the launcher must know to tell the end of the run.
+void NodeProcess::report(i64 now) {
+  if (is_idle_) {
+    if (idle_since_ == 0 || now - idle_since_ < kQuiet) return;
+    idle_since_ = 0;
+    return say(Control::Kind::Idle, {sum_of_open(sent_), sum_of_open(received_), station_.clock(), steps_});
+  }
+  is_idle_ = true;
+  idle_since_ = now;
+}
+
+void NodeProcess::count(u64 round) {
+  say(Control::Kind::Counted, {round, sum_of_open(sent_), sum_of_open(received_), is_idle_ && held_.empty() ? 1u : 0u});
+}
+
+void NodeProcess::say_last_state() {
+  State last = *initial_;
+  node_.save(last);
+  const Tables& tables = node_.core().tables();
+  for (u32 atom = 0; atom < setup_.image.atoms.size; ++atom) {
+    if (setup_.distribution.home(atom) != setup_.self) continue;
+    Control told{Control::Kind::Atom, {atom, last.places[atom]}, {}};
+    const u32 words = tables.types[tables.atoms[atom].type].mark_words;
+    for (u32 i = 0; i < words; ++i) told.numbers.push_back(last.marks[tables.first_mark(atom) + i]);
+    const u32 variables = tables.atom_type(atom).variables.size;
+    std::string values;
+    ByteWriter writer(values);
+    for (u32 i = 0; i < variables; ++i) {
+      const u32 cell = tables.atoms[atom].first_cell + i;
+      codec_.write_cell(writer, cell, last.data[cell]);
+    }
+    told.texts.push_back(std::move(values));
+    station_.say(launcher_, std::move(told));
+  }
+  const NodeCounts& counts = node_.counts();
+  const StationCounts& station = station_.counts();
+  say(Control::Kind::Finished, {steps_, border_steps_, counts.offers, counts.begins, station.frames, station.again,
+                                station.bytes, station.refused + fabric_.counts().refused, cpu_microseconds()});
+  is_finished_ = true;
+}
+
+}  // namespace bip::rt

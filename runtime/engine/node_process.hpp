@@ -1,0 +1,92 @@
+// A node of a distributed run as a process: a Node (runtime/distributed), what chooses its steps, and its links to the
+// other nodes and to the launcher (launcher.hpp), over a fabric.
+//
+// One thread: what came is taken, all steps that may begin are begun, actions are run, and what is to be said goes out
+// in as few frames as that allows. With nothing to do it sleeps.
+#pragma once
+#include <deque>
+
+#include "runtime/core/core.hpp"
+#include "runtime/distributed/node.hpp"
+#include "runtime/distributed/station.hpp"
+#include "runtime/engine/output.hpp"
+#include "runtime/engine/scheduler.hpp"
+
+namespace bip::rt {
+
+struct NodeSetup {
+  const Image& image;
+  CoreOptions core_options;
+  const Distribution& distribution;
+  u32 self = 0;
+  u64 run = 0;  // its number, of the codec
+  u64 seed = 0;
+  const RunOptions& options;
+  Output& output;  // describes steps, and writes nothing
+};
+
+/// Steps in the order of the clocks of all nodes; of equal clocks the smaller node comes first.
+inline constexpr unsigned kNodeBits = 6;
+static_assert(kMostNodes == 1u << kNodeBits);
+/// The number that stands where the number of a step will be known later.
+inline constexpr u64 kStepToCome = 18446744073709551610u;
+
+class NodeProcess {
+ public:
+  NodeProcess(const NodeSetup& setup, Fabric& fabric);
+  NodeProcess(const NodeProcess&) = delete;
+  NodeProcess& operator=(const NodeProcess&) = delete;
+
+  /// From the initial state until the launcher ends the run. False: the launcher is gone.
+  bool run(const State& initial);
+
+ private:
+  // A message that must not be sent before the launcher has all that it depends on.
+  struct Held {
+    u64 frame;  // to the launcher
+    Outgoing outgoing;
+  };
+
+  void take(const Heard& heard);
+  void take_control(const Control& control);
+  void give_back();
+  [[nodiscard]] bool has_worked();
+  [[nodiscard]] bool has_begun();
+  void describe(EnabledSet::Position at);
+  void post();
+  void release_held();
+  void report(i64 now);
+  void report_fault();
+  void count(u64 round);
+  void say_last_state();
+  [[nodiscard]] i64 next_due(bool has_work) const;
+  [[nodiscard]] u64 sum_of_open(const std::vector<u64>& counts);
+  void say(Control::Kind kind, std::vector<u64> numbers, std::vector<std::string> texts = {});
+
+  const NodeSetup& setup_;
+  Fabric& fabric_;
+  u32 launcher_;
+  bool writes_, holds_;
+  Node node_;
+  Codec codec_;
+  Station station_;
+  Scheduler scheduler_;
+  const State* initial_ = nullptr;
+
+  u64 credit_ = 0;  // steps that may begin
+  u64 steps_ = 0, border_steps_ = 0;
+  bool wants_ = false, has_asked_ = false;
+  bool is_halted_ = false, is_idle_ = false, is_finished_ = false;
+  std::vector<u64> sent_, received_;  // by node: offers, begins, stops
+  std::deque<Held> held_;
+  i64 idle_since_ = 0;  // 0: told, or at work
+  u64 fault_step_ = ~u64{0};
+  u32 fault_order_ = 0;
+  // Scratch.
+  std::vector<Arrival> arrivals_;
+  std::vector<Heard> heard_;
+  std::vector<u32> atoms_;
+  StepText text_;
+};
+
+}  // namespace bip::rt

@@ -1,0 +1,82 @@
+// See step_merge.hpp.
+#include "runtime/engine/step_merge.hpp"
+
+#include <algorithm>
+
+#include "runtime/engine/node_process.hpp"
+
+namespace bip::rt {
+
+void StepMerge::add(Flight& flight, u32 node, int parts) {
+  for (auto& [at, open] : flight.open) {
+    if (at == node) {
+      open += parts;
+      return;
+    }
+  }
+  flight.open.emplace_back(node, parts);
+}
+
+bool StepMerge::take_begun(u32 node, const Control& control) {
+  constexpr std::size_t kHead = 4;
+  if (control.numbers.size() < kHead || control.texts.size() != 2) return false;
+  const u64 step = control.numbers[0];
+  if ((step & ((u64{1} << kNodeBits) - 1)) != node || step <= bounds_[node] ||
+      control.numbers[1] >= core_.tables().interactions.size())
+    return false;
+  Flight& flight = flights_[step];
+  flight.is_told = true;
+  flight.interaction = static_cast<u32>(control.numbers[1]);
+  flight.out_number = control.numbers[2];
+  flight.trace_number = control.numbers[3];
+  flight.text = {control.texts[0], control.texts[1]};
+  if (flight.out_number > flight.text.out.size() || flight.trace_number > flight.text.trace.size()) return false;
+  for (std::size_t i = kHead; i < control.numbers.size(); ++i) {
+    if (control.numbers[i] >= bounds_.size()) return false;
+    add(flight, static_cast<u32>(control.numbers[i]), 1);
+  }
+  bounds_[node] = step;
+  return true;
+}
+
+void StepMerge::take_landed(u32 node, const std::vector<u64>& steps) {
+  for (const u64 step : steps) add(flights_[step], node, -1);
+}
+
+bool StepMerge::has_ended(const Flight& flight) const {
+  return flight.is_told && std::all_of(flight.open.begin(), flight.open.end(),
+                                       [this](const auto& part) { return part.second == 0 || is_lost_[part.first]; });
+}
+
+void StepMerge::write_ready() {
+  while (!flights_.empty()) {
+    const auto& [step, flight] = *flights_.begin();
+    if (!has_ended(flight)) return;
+    for (u32 node = 0; node < bounds_.size(); ++node) {
+      if (bounds_[node] < step && !is_lost_[node]) return;
+    }
+    write_first();
+  }
+}
+
+void StepMerge::write_until(u64 step) {
+  while (!flights_.empty() && flights_.begin()->first <= step) {
+    // Of a node that was lost before it told of the step.
+    if (flights_.begin()->second.is_told) write_first();
+    else flights_.erase(flights_.begin());
+  }
+}
+
+void StepMerge::write_first() {
+  const auto first = flights_.begin();
+  Flight& flight = first->second;
+  const std::string number = std::to_string(written_);
+  if (flight.out_number != 0) flight.text.out.insert(flight.out_number - 1, number);
+  if (flight.trace_number != 0) flight.text.trace.insert(flight.trace_number - 1, number);
+  core_.remember(flight.interaction);
+  output_.put_of_node(flight.text, distribution_.placement.nodes[first->first & ((u64{1} << kNodeBits) - 1)]);
+  flights_.erase(first);
+  ++written_;
+}
+
+}  // namespace bip::rt

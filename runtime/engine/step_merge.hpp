@@ -1,0 +1,65 @@
+// The steps of several nodes in one order: those of smaller numbers first. A step is written when no node can tell of
+// an earlier one any more and all of its parts have ended.
+//
+// O(log steps that are not written) a step.
+#pragma once
+#include <map>
+#include <string>
+#include <vector>
+
+#include "runtime/core/core.hpp"
+#include "runtime/distributed/distribution.hpp"
+#include "runtime/distributed/message.hpp"
+#include "runtime/engine/output.hpp"
+
+namespace bip::rt {
+
+class StepMerge {
+ public:
+  StepMerge(Core& core, const Distribution& distribution, Output& output)
+      : core_(core),
+        distribution_(distribution),
+        output_(output),
+        bounds_(distribution.placement.nodes.size(), 0),
+        is_lost_(bounds_.size(), false) {}
+
+  /// Control::Kind::Begun of a node. False: it is none.
+  bool take_begun(u32 node, const Control& control);
+  void take_landed(u32 node, const std::vector<u64>& steps);
+  /// The node will tell of no step up to this one any more.
+  void raise_bound(u32 node, u64 step) { bounds_[node] = std::max(bounds_[node], step); }
+  [[nodiscard]] u64 bound(u32 node) const { return bounds_[node]; }
+  /// What the node has not told is told by nobody; its parts do not end.
+  void lose(u32 node) { is_lost_[node] = true; }
+  void write_ready();
+  /// Up to this step, whether its parts have ended or not.
+  void write_until(u64 step);
+  /// Forgets the steps after this one that are not written.
+  void cut_after(u64 step) { flights_.erase(flights_.upper_bound(step), flights_.end()); }
+  [[nodiscard]] u64 written() const { return written_; }
+  [[nodiscard]] std::size_t waiting() const { return flights_.size(); }
+  /// The first one that is not written. Requires that there is one.
+  [[nodiscard]] u64 first_waiting() const { return flights_.begin()->first; }
+
+ private:
+  struct Flight {
+    bool is_told = false;
+    u32 interaction = kNone;
+    u64 out_number = 0, trace_number = 0;  // 1 + where it belongs in the text; 0: nowhere
+    StepText text;
+    std::vector<std::pair<u32, int>> open;  // node, parts there that have not ended
+  };
+  static void add(Flight& flight, u32 node, int parts);
+  [[nodiscard]] bool has_ended(const Flight& flight) const;
+  void write_first();
+
+  Core& core_;
+  const Distribution& distribution_;
+  Output& output_;
+  std::vector<u64> bounds_;  // by node
+  std::vector<bool> is_lost_;
+  std::map<u64, Flight> flights_;
+  u64 written_ = 0;
+};
+
+}  // namespace bip::rt

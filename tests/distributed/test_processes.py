@@ -1,0 +1,223 @@
+#!/usr/bin/env python3
+"""Runs on several processes: `bipc run --engine=distributed`, on one machine.
+
+    tests/distributed/test_processes.py [--runs N]
+
+Every run is written as a binary trace, which `bipc replay --recorded` must accept: its steps are a run of the sequential semantics and its end is the
+state that the nodes ended in. Then a node is killed at random moments, with both kinds of --on-loss, the launcher is interrupted, and killed; idle nodes are
+watched. After each run no process and no socket is left. Prints "N passed, N failed" at the end.
+"""
+import argparse
+import os
+import pathlib
+import random
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+BUILD = pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build")
+BIPC = os.environ.get("BIPC") or str(BUILD / "bipc")
+MODELS = ROOT / "models"
+# model, root, steps at most
+CASES = [
+    ("classic/philosophers", None, 3000), ("classic/gas_station", None, 300), ("classic/smokers", None, 200), ("classic/atm", None, 300),
+    ("classic/bus_priority", None, 200), ("classic/sensor_broadcast", None, 200), ("classic/two_phase_commit", None, 200),
+    ("classic/token_ring", None, 200), ("classic/readers_writers", None, 200), ("liveness/peterson", None, 200), ("bench/philosophers", "Table(12)", 500),
+    ("bench/priority_desks", None, 300), ("bench/pingpong", "Pairs(8)", 2000), ("bench/ring", "Ring(9)", 300),
+]
+FAULTY = """package m
+  port type P()
+  connector type Two(P p, P q)
+    define p q
+  end
+  atom type Counter(int most)
+    data int n
+    data int left
+    export port P go()
+    place S
+    initial to S do { n = 0; }
+    on go from S to S do { n = n + 1; left = 100 / (most - n); }
+  end
+  compound type Root()
+    component Counter a(3)
+    component Counter b(50)
+    component Counter c(70)
+    connector Two x(a.go, b.go)
+    connector Two y(b.go, c.go)
+  end
+end
+"""
+
+passed = failed = 0
+
+
+def check(is_right, what, details=""):
+    global passed, failed
+    passed += bool(is_right)
+    if not is_right:
+        failed += 1
+        print(f"FAILED: {what}\n{details}", flush=True)
+
+
+def sockets():
+    return set(pathlib.Path(os.environ.get("TMPDIR", "/tmp")).glob("bipc-nodes-*"))
+
+
+def children(pid):
+    try:
+        return [int(word) for word in pathlib.Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
+    except OSError:
+        return []
+
+
+def is_alive(pid):
+    try:
+        return "\nState:\tZ" not in pathlib.Path(f"/proc/{pid}/status").read_text()
+    except OSError:
+        return False
+
+
+class Run:
+    """A run with a trace, beside us. `model` is a path."""
+
+    def __init__(self, folder, model, root, *options):
+        self.trace, self.model, self.root = folder / "run.trace", model, ["--root", root] if root else []
+        self.command = [BIPC, "run", "--engine=distributed", "--silent", "--stats", "--trace", str(self.trace), "--trace-format=binary", *options, *self.root, str(model)]
+        self.process = subprocess.Popen(self.command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=folder)
+
+    def nodes(self, count, seconds=20):
+        """Processes of the nodes, when all are there and a moment later."""
+        end = time.monotonic() + seconds
+        while len(children(self.process.pid)) < count and time.monotonic() < end and self.process.poll() is None:
+            time.sleep(0.01)
+        return children(self.process.pid)
+
+    def end(self, seconds=60):
+        try:
+            self.out, self.err = self.process.communicate(timeout=seconds)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            self.out, self.err = self.process.communicate()
+            self.err += "\n(it did not end)"
+        return self.process.returncode
+
+    def replay(self):
+        done = subprocess.run([BIPC, "replay", "--silent", "--recorded", str(self.trace), *self.root, str(self.model)], capture_output=True, text=True)
+        return done.returncode == 0 and "the end agree" in done.stdout, done.stdout + done.stderr
+
+    def check(self, codes, what):
+        code = self.end()
+        text = f"{' '.join(self.command)}\nexit {code}\n{self.out}{self.err}"
+        check(code in codes, f"{what}: exit {code}", text)
+        is_legal, said = self.replay()
+        check(is_legal, f"{what}: the trace is no run of the model", text + said)
+        steps = re.search(r"(\d+) steps?\b", self.out)
+        return int(steps[1]) if steps else None
+
+
+def test_models(folder, runs):
+    for model, root, steps in CASES:
+        for k in range(runs):
+            nodes = 1 + (k + len(model)) % 5
+            run = Run(folder, MODELS / f"{model}.bip", root, "--nodes", str(nodes), "--limit", str(steps), "--seed", str(k))
+            run.check({0}, f"{model} on {nodes} nodes")
+            if "limit:" in run.out:
+                check(f"limit: {steps} steps" in run.out, f"{model}: the limit is exact", run.out)
+
+
+def test_fault(folder):
+    """The run ends at the error, with the steps before it."""
+    model = folder / "faulty.bip"
+    model.write_text(FAULTY)
+    for k in range(4):
+        run = Run(folder, model, None, "--nodes", "3", "--seed", str(k))
+        run.check({1}, "a run-time error")
+        check("R0005" in run.err, "the error is told", run.err)
+
+
+def test_kill(folder, draws, runs):
+    for k in range(runs):
+        for how in ("stop", "go-on"):
+            nodes = 4
+            run = Run(folder, MODELS / "bench/philosophers.bip", "Table(8)", "--nodes", str(nodes), "--seed", str(k), "--on-loss", how, "--limit", "100000000")
+            processes = run.nodes(nodes)
+            time.sleep(draws.random() * 0.6)
+            victim = draws.choice(processes)
+            os.kill(victim, signal.SIGKILL)
+            killed_at = time.monotonic()
+            if how == "go-on":
+                # It may go on for ever with what does not need the node; then Ctrl-C ends it.
+                time.sleep(0.4)
+                if run.process.poll() is None:
+                    run.process.send_signal(signal.SIGINT)
+            run.check({1} if how == "stop" else {1, 130}, f"a node is killed, --on-loss={how}")
+            check("error[R0030]: lost `" in run.err and "killed by signal 9" in run.err, "who is lost is told", run.err)
+            if how == "stop":
+                check(time.monotonic() - killed_at < 10, "a loss ends the run", run.err)
+
+
+def test_interrupt(folder, draws):
+    for signal_number in (signal.SIGINT, signal.SIGTERM):
+        run = Run(folder, MODELS / "bench/ring.bip", "Ring(9)", "--nodes", "3")
+        run.nodes(3)
+        time.sleep(0.1 + draws.random() * 0.3)
+        run.process.send_signal(signal_number)
+        run.check({128 + signal_number}, f"signal {signal_number}")
+
+
+def test_orphans(folder):
+    run = Run(folder, MODELS / "bench/ring.bip", "Ring(9)", "--nodes", "3")
+    processes = run.nodes(3)
+    time.sleep(0.2)
+    run.process.kill()
+    run.end()
+    time.sleep(0.3)
+    check(not any(is_alive(pid) for pid in processes), "nodes end with their launcher")
+    for left in sockets():
+        for file in left.iterdir():
+            file.unlink()
+        left.rmdir()
+
+
+def test_errors(folder):
+    """A network that is not there is named, with the package; other commands do not miss it."""
+    moved = folder / "alone"
+    moved.mkdir()
+    (moved / "bipc").symlink_to(BIPC)
+    copy = moved / "copy"
+    copy.write_bytes(pathlib.Path(BIPC).resolve().read_bytes())
+    copy.chmod(0o755)
+    done = subprocess.run([copy, "run", "--engine=distributed", "--backend=interp", str(MODELS / "classic/smokers.bip")], capture_output=True, text=True)
+    check(done.returncode == 2 and "libzmq3-dev" in done.stderr, "no network: what is missing is named", done.stdout + done.stderr)
+    maps = subprocess.run(["ldd", BIPC], capture_output=True, text=True).stdout
+    check("libzmq" not in maps, "only runs on several processes load libzmq", maps)
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--runs", type=int, default=2)
+    options = parser.parse_args()
+    if not (BUILD / "libbipc_zmq.so").exists():
+        print("skipped: runs on several processes: libzmq3-dev was not there when bipc was built\n0 passed, 0 failed")
+        return 0
+    draws = random.Random(7)
+    before = sockets()
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        test_models(folder, options.runs)
+        test_fault(folder)
+        test_kill(folder, draws, options.runs)
+        test_interrupt(folder, draws)
+        test_orphans(folder)
+        test_errors(folder)
+    check(sockets() <= before, "no socket is left")
+    print(f"{passed} passed, {failed} failed")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
