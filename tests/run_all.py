@@ -120,7 +120,7 @@ def groups(options):
                     script("agreement", "tests/models/test_agreement.py", "--timeout", "5", weight=25)]),
         ("day", [script("day", "tests/models/test_day.py", "--steps", "6000000", weight=14)]),
         ("genom", [script("genom", "tests/genom/test_genom.py", weight=30), script("dala", "tests/genom/test_dala.py", weight=30),
-                   script("rules", "tests/rules/test_rules.py", weight=10), script("mission", "models/dala/run", alone=True)]),
+                   script("rules", "tests/rules/test_rules.py", weight=10), script("codels", "tests/genom/test_c_codels.py", weight=10), script("mission", "models/dala/run", alone=True)]),
         ("serve", [script("serve", "tests/serve/test_serve.py", alone=True), script("stepping", "tests/serve/test_stepping.py"), script("requests", "tests/serve/test_requests.py"), script("watchdog", "tests/serve/test_watchdog.py", alone=True)]),
         ("distributed", [script("distributed", "tests/distributed/test_processes.py", alone=True)]),
         ("faults", [script("faults", "tests/faults/test_faults.py", alone=True)]),

@@ -34,9 +34,17 @@ void add_generation(CLI::App* command, GenomArguments& a) {
       ->add_flag("--served", a.served,
                  "use the execution flavour in real time and take requests from clients of `bipc serve`")
       ->excludes(executive);
-  command->add_flag("--skeleton", a.skeleton,
-                    "use the execution flavour and write empty C++ codels and their header beside the output; existing "
-                    "codels are kept");
+  command
+      ->add_flag("--skeleton", a.skeleton,
+                 "use the execution flavour and write empty C++ codels and their header beside the output; existing "
+                 "codels are kept")
+      ->excludes(command
+                     ->add_option("--codels", a.codels,
+                                  "C or C++ file of codels as genom3 calls them (GenoM 3); headers with genom3's "
+                                  "names and what calls the codels are written beside the output; may be repeated")
+                     ->allow_extra_args(false)
+                     ->excludes(executive)
+                     ->type_name("FILE"));
   command
       ->add_option("--instances", a.instances,
                    "activities of a service that may run at the same time (default: 1; one more for a service that "

@@ -10,8 +10,9 @@ namespace bip::driver {
 
 int command_genom(const GenomArguments& arguments) {
   Compilation c(arguments.compile);
-  if (arguments.skeleton && arguments.output.empty()) {
-    std::fputs("bipc: `--skeleton` writes files beside the output\n  = help: add `-o FILE`\n", stderr);
+  if ((arguments.skeleton || !arguments.codels.empty()) && arguments.output.empty()) {
+    std::fprintf(stderr, "bipc: `--%s` writes files beside the output\n  = help: add `-o FILE`\n",
+                 arguments.skeleton ? "skeleton" : "codels");
     return kUsage;
   }
   const genom::TranslateOptions options = translate_options(arguments, arguments.files, "");

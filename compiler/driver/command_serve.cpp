@@ -49,9 +49,11 @@ int command_serve(const ServeArguments& arguments) {
   serve::Controller controller(c.lowered->image, options,
                                arguments.paused ? serve::Controller::Begin::Paused : serve::Controller::Begin::Running,
                                watch);
-  if (c.lowered->library != nullptr)
-    controller.requests().result_of =
-        reinterpret_cast<const char* (*)(const char*, int)>(::dlsym(c.lowered->library, "bip_reply_result"));
+  if (void* const library = c.lowered->library; library != nullptr) {
+    serve::Requests& requests = controller.requests();
+    requests.result_of = reinterpret_cast<decltype(requests.result_of)>(::dlsym(library, "bip_reply_result"));
+    requests.input_problem = reinterpret_cast<decltype(requests.input_problem)>(::dlsym(library, "bip_input_problem"));
+  }
   controller.real_time_priority = arguments.real_time_priority;
   controller.on_problem = [](const std::string& problem) { std::fprintf(stderr, "warning: %s\n", problem.c_str()); };
   if (!arguments.trace_path.empty() && !controller.trace(arguments.trace_path, arguments.trace_format)) {

@@ -54,7 +54,15 @@ genom::TranslateOptions translate_options(const GenomArguments& a, const std::ve
   if (o.generate.package.empty()) o.generate.package = package;
   for (const std::string& file : files) o.generate.sources.push_back(fs::path(file).filename().string());
   if (a.executive || a.served) o.generate.executive = a.served ? genom::Executive::Served : genom::Executive::Cpp;
-  if (a.skeleton || a.executive || a.served || a.flavour == "execution") o.generate.flavour = genom::Flavour::Execution;
+  o.generate.calls_c = !a.codels.empty();
+  for (const std::string& file : a.codels) {
+    // As the package finds it.
+    std::error_code ignored;
+    const fs::path relative = fs::relative(file, fs::absolute(a.output).parent_path(), ignored);
+    o.generate.c_sources.push_back(relative.empty() ? file : relative.string());
+  }
+  if (a.skeleton || a.executive || a.served || !a.codels.empty() || a.flavour == "execution")
+    o.generate.flavour = genom::Flavour::Execution;
   o.generate.lock = a.lock == "module"  ? genom::LockGranularity::Module
                     : a.lock == "codel" ? genom::LockGranularity::Codel
                                         : genom::LockGranularity::ByGeneration;
@@ -107,6 +115,8 @@ void write_translation(Compilation& c, const GenomArguments& a, const genom::Tra
     std::fwrite(text.data(), 1, text.size(), stdout);
   } else if (check_outputs(c, {a.output})) {
     write(c, a.output, text);
+    for (const auto& [name, file] : translation.c_files)
+      write(c, (fs::path(a.output).parent_path() / name).string(), file);
     if (a.skeleton) write_skeleton(c, a, translation, package);
   }
 }

@@ -176,11 +176,12 @@ struct GenomArguments {
   std::string package;
   std::vector<std::string> defines;
   std::size_t instances = 1;
-  std::string flavour;     // "", "verification" or "execution"
-  bool executive = false;  // requests come from C++
-  bool served = false;     // requests come from clients of `bipc serve`
-  bool skeleton = false;   // empty codels beside the output
-  std::string lock;        // "", "module" or "codel"
+  std::string flavour;              // "", "verification" or "execution"
+  bool executive = false;           // requests come from C++
+  bool served = false;              // requests come from clients of `bipc serve`
+  bool skeleton = false;            // empty codels beside the output
+  std::vector<std::string> codels;  // files of genom3's C codels; empty: none
+  std::string lock;                 // "", "module" or "codel"
   double tick_ms = 0;
   std::int64_t control_period = 1;
   std::int64_t poster_period = 1;

@@ -128,9 +128,10 @@ std::string value_function(const std::vector<Module>& modules, const ValueRow& v
   return value_function(modules[value.poster.module], value);
 }
 
-std::string codel_prototypes(const std::vector<Module>& modules, const Constraints& constraints) {
+std::string codel_prototypes(const std::vector<Module>& modules, const GenerateOptions& options) {
   std::string out = "\n";
-  for (const ValueRow& v : constraints.values) {
+  if (options.calls_c) out += "  extern function service_begin(const int)\n  extern function service_end(const int)\n";
+  for (const ValueRow& v : options.constraints.values) {
     out += fmt::format("  extern function {} {}()\n",
                        v.type == ValueType::Int     ? "int"
                        : v.type == ValueType::Float ? "float"
@@ -182,6 +183,7 @@ std::string codel_header(const std::vector<Module>& modules, const GenerateOptio
     out += fmt::format("{} {}();\n", cpp_type(v), value_function(modules, v));
   std::string module;
   for (const Function& f : functions_of(modules)) {
+    if (options.calls_c) break;  // their own headers
     if (f.module != module) out += fmt::format("\n// ---- {}\n", f.module);
     module = f.module;
     out +=
@@ -191,7 +193,11 @@ std::string codel_header(const std::vector<Module>& modules, const GenerateOptio
       "\n// ---- What {}.bip calls: an exception ends what its codel belongs to, and nothing else.\n"
       "inline constexpr bip::CodelOwner kCodelOwners[] = {{\n{}}};\n",
       options.package, owners_text(make_plans(modules, options)));
-  for (const Function& f : functions_of(modules)) out += guarded_text(f);
+  for (const Function& f : functions_of(modules))
+    out += options.calls_c
+               ? fmt::format("int {}(int owner{});\n", codel_function(f.name), f.has_report ? ", int& report" : "")
+               : guarded_text(f);
+  if (options.calls_c) out += "void service_begin(int owner);\nvoid service_end(int owner);\n";
   if (options.executive == Executive::Served)
     out +=
         "extern \"C\" __attribute__((used)) inline const char* bip_reply_result(const char* whose, int is_activity) {\n"

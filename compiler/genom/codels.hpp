@@ -5,12 +5,13 @@
 #include <vector>
 
 #include "compiler/genom/constraints.hpp"
+#include "compiler/genom/generate_package.hpp"
 #include "compiler/genom/module.hpp"
 
 namespace bip::genom {
 
 /// `extern function` lines of all codels, and of what tells the values of posters.
-[[nodiscard]] std::string codel_prototypes(const std::vector<Module>& modules, const Constraints& constraints);
+[[nodiscard]] std::string codel_prototypes(const std::vector<Module>& modules, const GenerateOptions& options);
 /// The function that tells a value when its poster is written: MODULE_POSTER_VALUE.
 [[nodiscard]] std::string value_function(const std::vector<Module>& modules, const ValueRow& value);
 [[nodiscard]] std::string value_function(const Module& module, const ValueRow& value);

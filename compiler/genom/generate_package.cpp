@@ -50,6 +50,8 @@ std::string header(const std::vector<Module>& modules, const GenerateOptions& op
   for (const std::string& source : options.sources) files += (files.empty() ? "" : ", ") + source;
   std::string names;
   for (const Module& m : modules) names += (names.empty() ? "" : ", ") + m.name.text;
+  std::string sources;
+  for (const std::string& file : options.c_sources) sources += "," + file;
   return fmt::format(
       "// {} as BIP: what `bipc genom` made of {}.\n"
       "//\n"
@@ -60,7 +62,7 @@ std::string header(const std::vector<Module>& modules, const GenerateOptions& op
       names, files, static_cast<double>(tick_us) / 1000.0,
       options.flavour == Flavour::Execution ? "codels are the C++ functions of their names" : "codels answer freely",
       options.flavour == Flavour::Execution
-          ? fmt::format("@cpp(include=\"{0}_codels.hpp\", src=\"{0}_codels.cpp\")\n", options.package)
+          ? fmt::format("@cpp(include=\"{0}_codels.hpp\", src=\"{0}_codels.cpp{1}\")\n", options.package, sources)
           : "",
       options.package,
       (any_async(modules) ? std::string("  use genom.codels\n") : std::string()) +
@@ -101,7 +103,7 @@ std::string generate(const std::vector<Module>& modules, const GenerateOptions& 
   for (const Constraint& c : options.constraints.rows)
     options.oldest = std::max(options.oldest, oldest_for(c.condition, options, tick_us));
   std::string out = header(modules, options, tick_us);
-  if (options.flavour == Flavour::Execution) out += codel_prototypes(modules, options.constraints);
+  if (options.flavour == Flavour::Execution) out += codel_prototypes(modules, options);
   const std::size_t executive_at = out.size();
   const std::vector<Plan> plans = make_plans(modules, options);
   std::set<std::size_t> lock_sizes;

@@ -18,6 +18,8 @@ enum class Executive : std::uint8_t { Anybody, Cpp, Served };
 struct GenerateOptions {
   Flavour flavour = Flavour::Verification;
   Executive executive = Executive::Anybody;  // another one: execution flavour
+  bool calls_c = false;                      // codels are genom3's C functions (c_codels.hpp)
+  std::vector<std::string> c_sources;        // and these are their files
   std::string package;                       // of the execution flavour also the stem of its C++ files
   std::vector<std::string> sources;          // file names, for the first comment
   LockGranularity lock = LockGranularity::ByGeneration;

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "compiler/genom/idl.hpp"
 #include "compiler/source/source.hpp"
 
 namespace bip::genom {
@@ -108,8 +109,9 @@ struct Module {
   std::int64_t tick_us = 10000;  // unit in which the description counts time
   std::vector<Service> services;
   std::vector<Task> tasks;
-  std::vector<Poster> posters;  // GenoM 3: ports out
-  bool is_open = false;         // a header was missing: names that are not known may be declared there
+  std::vector<Poster> posters;              // GenoM 3: ports out
+  std::optional<idl::Component> component;  // GenoM 3, if its codels are called in C
+  bool is_open = false;                     // a header was missing: names that are not known may be declared there
   [[nodiscard]] bool has_init() const {
     for (const Service& s : services) {
       if (s.is_init) return true;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "compiler/genom/c_codels.hpp"
 #include "compiler/genom/names.hpp"
 #include "compiler/genom/parse_genom.hpp"
 
@@ -41,23 +42,28 @@ void check_reads(const std::vector<Module>& modules, Diagnostics& diags) {
 }  // namespace
 
 Module read_module(SourceMap& sources, const Description& description, const PreprocessOptions& options,
-                   Diagnostics& diags) {
+                   Diagnostics& diags, Types types) {
   const Preprocessed text = preprocess(sources, description.path, description.file, options, diags);
   const Headers headers = text.header_missing ? Headers::Missing : Headers::Found;
-  return is_genom3(text.tokens) ? parse_genom3(text.tokens, description.file, headers, diags)
-                                : parse_genom2(text.tokens, headers, diags);
+  if (!is_genom3(text.tokens)) return parse_genom2(text.tokens, headers, diags);
+  Module module = parse_genom3(text.tokens, description.file, headers, diags);
+  if (types == Types::Read && !diags.has_errors())
+    module.component = idl::read_idl(text.tokens, description.file, diags);
+  return module;
 }
 
 std::optional<std::vector<Module>> read_modules(SourceMap& sources, const std::vector<Description>& files,
                                                 std::vector<SideLine> side, const TranslateOptions& options,
                                                 Diagnostics& diags) {
   std::vector<Module> modules;
-  for (const Description& d : files) modules.push_back(read_module(sources, d, options.preprocess, diags));
+  for (const Description& d : files)
+    modules.push_back(
+        read_module(sources, d, options.preprocess, diags, options.generate.calls_c ? Types::Read : Types::Skipped));
   for (Module& m : modules) resolve(m, side, options.instances, options.generate.flavour, diags);
   report_unused(side, diags);
   check_module_names(modules, diags);
   check_reads(modules, diags);
-  if (diags.has_errors()) return std::nullopt;
+  if (diags.has_errors() || (options.generate.calls_c && !check_c_codels(modules, diags))) return std::nullopt;
   for (const Module& m : modules) {
     if (m.services.empty()) diags.report(Diag::kB6026, m.name.range, m.name.text);
   }
@@ -67,8 +73,9 @@ std::optional<std::vector<Module>> read_modules(SourceMap& sources, const std::v
 std::string package_of(const std::vector<Module>& modules) { return bip_name(modules.front().name.text); }
 
 Translation write_package(const std::vector<Module>& modules, const GenerateOptions& options) {
-  Translation result{generate(modules, options), {}, {}};
-  if (options.flavour == Flavour::Execution) {
+  Translation result{generate(modules, options), {}, {}, {}};
+  if (options.calls_c) result.c_files = c_codel_files(modules, options);
+  else if (options.flavour == Flavour::Execution) {
     result.codel_header = codel_header(modules, options);
     result.codel_source = codel_source(modules, options);
   }

@@ -24,11 +24,14 @@ struct Description {
 /// `codel_header`, `codel_source`: of the execution flavour, codels that answer the first thing permitted.
 struct Translation {
   std::string bip, codel_header, codel_source;
+  std::vector<std::pair<std::string, std::string>> c_files;  // names and texts, if codels are in C
 };
 
+/// Are types and data of a GenoM 3 component read, too (idl.hpp)?
+enum class Types : std::uint8_t { Skipped, Read };
 /// One description, parsed and not yet resolved.
 [[nodiscard]] Module read_module(SourceMap& sources, const Description& description, const PreprocessOptions& options,
-                                 Diagnostics& diags);
+                                 Diagnostics& diags, Types types = Types::Skipped);
 
 /// All of them, resolved and checked; nothing if there are errors. `side`: the lines of the side file.
 [[nodiscard]] std::optional<std::vector<Module>> read_modules(SourceMap& sources, const std::vector<Description>& files,

@@ -137,6 +137,23 @@ std::string ModuleWriter::called(const std::vector<Codel>& codels, std::size_t a
   return action;
 }
 
+// What C++ does as a request is accepted.
+std::string ModuleWriter::accepted(const Service& s, std::size_t activity) const {
+  const std::string calls = called(s.body, activity, "trig.answer");
+  if (!plan_.calls_c) return calls;
+  // The codel that judges the input has read it.
+  std::string action =
+      s.validate.name.is_set() ? "" : fmt::format("service_begin({})", plan_.owner_of_activity(activity));
+  const auto then = [&](const std::string& more) {
+    if (!more.empty()) action += (action.empty() ? "" : action.ends_with("fi") ? " " : "; ") + more;
+  };
+  then(calls);
+  const std::string end = fmt::format("service_end({})", plan_.owner_of_activity(activity));
+  if (s.kind == ServiceKind::Control)
+    then(calls.empty() ? end : fmt::format("if ({} == 0) then {}; fi", of_activity(activity, "trig.answer"), end));
+  return action;
+}
+
 // The k-th of so many reports; the last one stands for whatever else a codel returns.
 std::string ModuleWriter::answered(const std::string& answer, std::size_t k, std::size_t reports) const {
   if (!plan_.calls) return {};
@@ -198,7 +215,7 @@ void ModuleWriter::request(std::size_t i) {
     const std::string& name = plan_.activities[activity].component;
     std::vector<std::string> trig{control("trig_" + p.id), of_activity(activity, "trig")};
     if (!is_execution) add_locks(trig, bodies(s), 0, "take");
-    wire({.name = "trig_" + name, .ports = trig, .action = called(s.body, activity, "trig.answer"), .exported = true});
+    wire({.name = "trig_" + name, .ports = trig, .action = accepted(s, activity), .exported = true});
     const std::string rejected = control("rej_" + p.id);
     wire({.name = "rej_" + name,
           .ports = {rejected, of_activity(activity, "rej")},

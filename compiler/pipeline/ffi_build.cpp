@@ -142,6 +142,11 @@ class LibraryBuild {
       objects.push_back(fmt::format("{}/{}.o", work_, objects.size()));
       const std::string rule = objects.back() + ".d";
       std::vector<std::string> command = flags_;
+      // The C++ compiler takes a file of C for C++ unless it is told.
+      if (fs::path(unit).extension() == ".c") {
+        std::replace(command.begin(), command.end(), std::string("-std=c++20"), std::string("-std=gnu17"));
+        command.insert(command.end(), {"-x", "c"});
+      }
       command.insert(command.end(), {"-c", unit, "-o", objects.back(), "-MD", "-MF", rule});
       if (!compile(command)) return false;
       const std::vector<std::string> files = prerequisites(text_of(rule));

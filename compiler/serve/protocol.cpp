@@ -253,9 +253,13 @@ void handle_line(Controller& controller, const std::string& line, Reply reply) {
   if (what == "request") {
     const auto service = request.find("service"), input = request.find("input");
     if (service == request.end() || !service->is_string()) return refuse("`service` is missing, \"MODULE.SERVICE\"");
-    if (input != request.end() && !input->is_string()) return refuse("`input` is a text");
-    const std::string wrong = controller.requests().ask(
-        service->get<std::string>(), input == request.end() ? "" : input->get<std::string>(), reply.client, count);
+    const bool is_whole = input != request.end() && (input->is_object() || input->is_array());
+    if (input != request.end() && !input->is_string() && !is_whole) return refuse("`input` is a text or an object");
+    const std::string wrong = controller.requests().ask(service->get<std::string>(),
+                                                        input == request.end() ? ""
+                                                        : is_whole             ? input->dump()
+                                                                               : input->get<std::string>(),
+                                                        reply.client, count);
     if (!wrong.empty()) return refuse(wrong);
     Json answer = answer_to(id);
     answer["request"] = count;

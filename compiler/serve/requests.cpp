@@ -132,6 +132,10 @@ std::string Requests::ask(const std::string& text, const std::string& input, std
     const ServiceText* const service = box.find(wanted.service);
     if (service == nullptr) continue;
     if (std::string problem = service->problem_of(wanted); !problem.empty()) return problem;
+    if (input_problem != nullptr) {
+      const std::string problem = input_problem(std::string(service->name).c_str(), input.c_str());
+      if (!problem.empty()) return "input of `" + std::string(service->name) + "`: " + problem;
+    }
     const std::lock_guard<std::mutex> hold(lock_);
     if (box.waiting.size() + box.overtaking.size() >= kMostWaiting)
       return "full: too many requests wait for `" + std::string(module_of(service->name)) + "`";

@@ -40,6 +40,8 @@ class Requests {
   /// Called on the engine's thread; set before it begins.
   std::function<void(const RequestReply&)> on_reply;
   /// Of the model's C++ (bip/codels.hpp): what an activity, or a service, tells with its final reply. May be null.
+  /// Also of the model's C++: what is wrong with an input of a service; empty if nothing is. Any thread; may be null.
+  const char* (*input_problem)(const char* service, const char* input) = nullptr;
   const char* (*result_of)(const char* whose, int is_activity) = nullptr;
 
   // ---- any thread

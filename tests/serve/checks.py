@@ -14,7 +14,7 @@ _counts = {True: 0, False: 0}
 def check(what, holds, got=None):
     _counts[bool(holds)] += 1
     if not holds:
-        print(f"FAIL {what}: {got}")
+        print(f"FAIL {what}: {got}", flush=True)
 
 
 def finish(name):

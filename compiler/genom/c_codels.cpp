@@ -1,0 +1,676 @@
+// See c_codels.hpp. Everything is found once (`Resolver`): which data a codel's arguments are, and of which type.
+//
+// Names in C are those of genom3: `demo_state` for `demo::state`, `demo_ids`, `demo_ids_body_s` for a struct inside of
+// the IDS, `demo_pause_main`, `demo_e_far(&detail, self)`, a port is a struct of functions.
+#include "compiler/genom/c_codels.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "compiler/genom/codels.hpp"
+#include "compiler/genom/names.hpp"
+#include "compiler/genom/plan.hpp"
+
+namespace bip::genom {
+namespace {
+
+using idl::Component;
+using idl::Direction;
+using idl::Kind;
+
+// ---- types in C
+
+// "double name[3]".
+std::string declared(const Component& c, std::size_t type, const std::string& name) {
+  const idl::Type& t = c.types[type];
+  switch (t.kind) {
+    case Kind::Array: return declared(c, t.element, fmt::format("{}[{}]", name, t.bound));
+    case Kind::String: return t.bound == 0 ? "char *" + name : fmt::format("char {}[{}]", name, t.bound + 1);
+    case Kind::Native: return fmt::format("{} *{}", t.c_name, name);
+    case Kind::Primitive:
+    case Kind::Sequence:
+    case Kind::Optional:
+    case Kind::Struct:
+    case Kind::Union:
+    case Kind::Enum:
+    case Kind::Alias: break;
+  }
+  return t.c_name + " " + name;
+}
+
+std::string members_text(const Component& c, const std::vector<idl::Member>& members, const std::string& indent) {
+  std::string out;
+  for (const idl::Member& m : members) out += indent + declared(c, m.type, m.name) + ";\n";
+  return out.empty() ? indent + "char genom_nothing;\n" : out;
+}
+
+// A type that several components know is defined once in a program.
+std::string guarded_definition(const std::string& name, const std::string& text) {
+  return fmt::format("\n#ifndef GENOM_TYPE_{0}\n#define GENOM_TYPE_{0}\n{1}#endif\n", name, text);
+}
+
+std::string definition(const Component& c, const idl::Type& t) {
+  switch (t.kind) {
+    case Kind::Primitive:
+    case Kind::String:
+    case Kind::Array: return {};
+    case Kind::Alias:
+      return guarded_definition(t.c_name, fmt::format("typedef {};\n", declared(c, t.element, t.c_name)));
+    case Kind::Native: return guarded_definition(t.c_name, fmt::format("typedef struct {0} {0};\n", t.c_name));
+    case Kind::Enum: {
+      std::string list;
+      for (const std::string& e : t.enumerators) list += (list.empty() ? "" : ", ") + t.prefix + e;
+      return guarded_definition(t.c_name, fmt::format("typedef enum {0} {{ {1} }} {0};\n", t.c_name, list));
+    }
+    case Kind::Struct:
+      return guarded_definition(
+          t.c_name, fmt::format("typedef struct {0} {{\n{1}}} {0};\n", t.c_name, members_text(c, t.members, "  ")));
+    case Kind::Union:
+      return guarded_definition(
+          t.c_name, fmt::format("typedef struct {0} {{\n  {1};\n  union {{\n{2}  }} _u;\n}} {0};\n", t.c_name,
+                                declared(c, t.element, "_d"), members_text(c, t.members, "    ")));
+    case Kind::Optional:
+      return guarded_definition(t.c_name, fmt::format("typedef struct {0} {{\n  bool _present;\n  {1};\n}} {0};\n",
+                                                      t.c_name, declared(c, t.element, "_value")));
+    case Kind::Sequence:
+      return guarded_definition(
+          t.c_name, t.bound == 0
+                        ? fmt::format("typedef struct {0} {{\n  uint32_t _maximum, _length;\n  {1};\n  void "
+                                      "(*_release)(void *);\n}} {0};\n",
+                                      t.c_name, declared(c, t.element, "*_buffer"))
+                        : fmt::format("typedef struct {0} {{\n  uint32_t _maximum, _length;\n  {1};\n}} {0};\n",
+                                      t.c_name, declared(c, t.element, fmt::format("_buffer[{}]", t.bound))));
+  }
+  return {};
+}
+
+bool is_passed_by_value(const idl::Type& t) {
+  return t.kind == Kind::Primitive || t.kind == Kind::Enum || t.kind == Kind::Native;
+}
+// In C the name of it is a pointer already.
+bool decays(const idl::Type& t) { return t.kind == Kind::Array || (t.kind == Kind::String && t.bound != 0); }
+
+// The type of a parameter, without its name.
+std::string parameter_type(const Component& c, std::size_t type, Direction direction) {
+  const idl::Type& plain = c.plain(type);
+  const bool is_in = direction == Direction::In;
+  std::string text;
+  if (is_in && plain.kind == Kind::Native) return fmt::format("const {} *", plain.c_name);
+  if (is_in && plain.kind == Kind::String) return "const char *";
+  if (decays(plain)) text = c.types[type].kind == Kind::Alias ? c.types[type].c_name + " " : declared(c, type, "");
+  else if (is_in && is_passed_by_value(plain)) return c.types[type].c_name;
+  else text = declared(c, type, "*");
+  return (is_in ? "const " : "") + text;
+}
+
+// ---- what codels are called with
+
+struct Argument {
+  std::string type, value;
+  std::string value_of(std::size_t owner) const {
+    std::string text = value;
+    if (const std::size_t at = text.find('@'); at != std::string::npos) text.replace(at, 1, std::to_string(owner));
+    return text;
+  }
+};
+
+// Names of one component.
+class Names {
+ public:
+  explicit Names(const Component& c) : c_(c) {}
+
+  // The member that a path leads to from one of `members`; nothing if it leads nowhere.
+  [[nodiscard]] std::optional<std::size_t> follow(const std::vector<idl::Member>& members,
+                                                  const std::vector<std::string>& path, std::string& text) const {
+    const std::vector<idl::Member>* here = &members;
+    std::optional<std::size_t> type;
+    for (const std::string& step : path) {
+      if (step.starts_with("[")) {
+        if (!type || c_.plain(*type).kind != Kind::Array) return std::nullopt;
+        type = c_.plain(*type).element;
+        text += step;
+      } else {
+        if (type) {
+          if (c_.plain(*type).kind != Kind::Struct) return std::nullopt;
+          here = &c_.plain(*type).members;
+        }
+        const auto found = std::find_if(here->begin(), here->end(), [&](const auto& m) { return m.name == step; });
+        if (found == here->end()) return std::nullopt;
+        type = found->type;
+        text += "." + step;
+      }
+    }
+    return type;
+  }
+
+  [[nodiscard]] std::vector<idl::Member> locals_of(const idl::Service& s) const {
+    std::vector<idl::Member> all;
+    for (const idl::Parameter& p : s.parameters) all.push_back({p.name, type_of(s, p).value_or(0), {}});
+    all.insert(all.end(), s.locals.begin(), s.locals.end());
+    return all;
+  }
+  [[nodiscard]] std::optional<std::size_t> type_of(const idl::Service& s, const idl::Parameter& p) const {
+    std::string ignored;
+    return s.is_attribute ? follow(c_.ids, p.path, ignored) : std::optional(p.type);
+  }
+
+  // `@` stands for the owner.
+  [[nodiscard]] std::optional<Argument> argument(const idl::Argument& a, const std::vector<idl::Member>& locals) const {
+    const std::string ids = "ids_" + c_.name;
+    if (a.path.empty()) return Argument{(a.direction == Direction::In ? "const " : "") + c_.name + "_ids *", "&" + ids};
+    const auto data = [&](const std::vector<idl::Member>& members, const std::string& base) -> std::optional<Argument> {
+      std::string value = base;
+      const std::optional<std::size_t> type = follow(members, a.path, value);
+      if (!type) return std::nullopt;
+      const idl::Type& t = c_.plain(*type);
+      const bool is_plain =
+          decays(t) || (a.direction == Direction::In && (is_passed_by_value(t) || t.kind == Kind::String));
+      return Argument{parameter_type(c_, *type, a.direction), is_plain ? value : "&" + value};
+    };
+    using enum idl::Place;
+    if (a.place == Any || a.place == Local) {
+      if (auto found = data(locals, "data_@")) return found;
+    }
+    if (a.place == Any || a.place == Ids) {
+      if (auto found = data(c_.ids, ids)) return found;
+    }
+    if (a.place == Any || a.place == Port) {
+      for (const idl::Port& p : c_.ports) {
+        if (p.name == a.path.front() && a.path.size() == 1)
+          return Argument{fmt::format("const {}_{} *", c_.name, p.name), fmt::format("&port_{}_{}", c_.name, p.name)};
+      }
+    }
+    return std::nullopt;
+  }
+
+  template <class Owner>
+  [[nodiscard]] const idl::Codel* codel(const Owner& owner, const std::string& name) const {
+    const auto found =
+        std::find_if(owner.codels.begin(), owner.codels.end(), [&](const auto& k) { return k.name == name; });
+    return found == owner.codels.end() ? nullptr : &*found;
+  }
+
+ private:
+  const Component& c_;
+};
+
+template <class Row>
+const Row* find_row(const std::vector<Row>& rows, const std::string& name) {
+  const auto found = std::find_if(rows.begin(), rows.end(), [&](const Row& r) { return r.name == name; });
+  return found == rows.end() ? nullptr : &*found;
+}
+
+// ---- headers
+
+std::string types_header(const Component& c) {
+  std::string out = fmt::format(
+      "/* Types of {0}, as genom3 names them in C. Written by `bipc genom --codels`. */\n#ifndef GENOM_{0}_C_TYPES_H\n"
+      "#define GENOM_{0}_C_TYPES_H\n#include \"bip/genom3.h\"\n\n#ifdef __cplusplus\nextern \"C\" {{\n#endif\n",
+      c.name);
+  for (const idl::Constant& k : c.constants)
+    out += fmt::format("\n#ifndef {0}\n#define {0} ({1})\n#endif\n", k.c_name, k.value);
+  for (const idl::Type& t : c.types) out += definition(c, t);
+  for (const idl::Exception& e : c.exceptions) {
+    std::string text = fmt::format("extern const genom_event {}_id;\n", e.c_name);
+    if (e.members.empty()) {
+      text += fmt::format("genom_event {}(genom_context self);\n", e.c_name);
+    } else {
+      text += fmt::format(
+          "typedef struct {0}_detail {{\n{1}}} {0}_detail;\ngenom_event {0}(const {0}_detail *detail, genom_context "
+          "self);\n",
+          e.c_name, members_text(c, e.members, "  "));
+    }
+    out += guarded_definition(e.c_name, text);
+  }
+  return out + "\n#ifdef __cplusplus\n}\n#endif\n#endif\n";
+}
+
+std::string port_struct(const Component& c, const idl::Port& p) {
+  const char* const id = p.is_multiple ? "const char *id, " : "";
+  std::string out = fmt::format("\ntypedef struct {}_{} {{\n  {};\n", c.name, p.name,
+                                declared(c, p.type, fmt::format("*(*data)({}genom_context self)", id)));
+  out += fmt::format("  genom_event (*{})({}genom_context self);\n", p.is_out ? "write" : "read", id);
+  if (p.is_multiple)
+    out +=
+        "  genom_event (*open)(const char *id, genom_context self);\n  genom_event (*close)(const char *id, "
+        "genom_context self);\n";
+  return out + fmt::format("}} {}_{};\n", c.name, p.name);
+}
+
+// States of all services and tasks.
+std::set<std::string> states_of(const Module& m) {
+  std::set<std::string> states{"ether"};
+  const auto add = [&](const Activity& activity) {
+    for (const State& s : activity.states) states.insert(s.name.text);
+  };
+  for (const Service& s : m.services) add(s.activity);
+  for (const Task& t : m.tasks) add(t.activity);
+  return states;
+}
+
+// One prototype a codel.
+std::string prototypes(const Module& m) {
+  const Component& c = *m.component;
+  const Names names(c);
+  std::string out;
+  std::set<std::string> done;
+  const auto add = [&](const std::vector<idl::Codel>& codels, const std::vector<idl::Member>& locals) {
+    for (const idl::Codel& codel : codels) {
+      if (!done.insert(codel.name).second) continue;
+      out += fmt::format("genom_event {}(", codel.name);
+      for (const idl::Argument& a : codel.arguments) out += names.argument(a, locals)->type + ", ";
+      out += "genom_context self);\n";
+    }
+  };
+  for (const idl::Task& t : c.tasks) add(t.codels, t.locals);
+  for (const idl::Service& s : c.services) add(s.codels, names.locals_of(s));
+  return out;
+}
+
+std::string component_header(const Module& m) {
+  const Component& c = *m.component;
+  std::string out = fmt::format(
+      "/* What codels of {0} see. Written by `bipc genom --codels`. */\n#ifndef GENOM_AC_{0}_H\n#define "
+      "GENOM_AC_{0}_H\n"
+      "#include \"{0}_c_types.h\"\n\n#ifdef __cplusplus\nextern \"C\" {{\n#endif\n",
+      c.name);
+  out += fmt::format("\ntypedef struct {0}_ids {{\n{1}}} {0}_ids;\n", c.name, members_text(c, c.ids, "  "));
+  for (const idl::Port& p : c.ports) out += port_struct(c, p);
+  out += "\n";
+  for (const std::string& state : states_of(m)) {
+    out += fmt::format("extern const genom_event {}_{};\n", c.name, state);
+    if (state != "ether") out += fmt::format("extern const genom_event {}_pause_{};\n", c.name, state);
+  }
+  out += "\n" + prototypes(m);
+  return out + "\n#ifdef __cplusplus\n}\n#endif\n#endif\n";
+}
+
+// ---- the C++ in between
+
+std::string members_functions(const Component& c, std::set<std::string>& done) {
+  std::string out;
+  const auto visits = [](const std::vector<idl::Member>& members) {
+    std::string text;
+    for (const idl::Member& m : members) text += fmt::format(" f(\"{0}\", v.{0});", m.name);
+    return text;
+  };
+  const auto function = [&](const std::string& type, const std::string& body) {
+    if (done.insert(type).second)
+      out += fmt::format("template <class F>\nvoid genom_members({}& v, F f) {{{} (void)v, (void)f; }}\n", type, body);
+  };
+  for (const idl::Type& t : c.types) {
+    if (t.kind == Kind::Struct) function(t.c_name, visits(t.members));
+    if (t.kind == Kind::Enum && done.insert(t.c_name).second) {
+      std::string rows;
+      for (const std::string& e : t.enumerators) rows += fmt::format("{{\"{}\", {}{}}}, ", e, t.prefix, e);
+      out += fmt::format(
+          "inline auto genom_enumerators({0}) {{\n  static constexpr std::pair<const char*, {0}> kRows[] = {{{1}}};\n  "
+          "return "
+          "std::span(kRows);\n}}\n",
+          t.c_name, rows);
+    }
+    if (t.kind != Kind::Union) continue;
+    std::string body = " f(\"_d\", v._d);\n  switch (v._d) {\n";
+    bool has_default = false;
+    for (const idl::Member& m : t.members) {
+      for (const std::string& label : m.labels) body += fmt::format("    case {}:\n", label);
+      if (m.labels.empty()) body += "    default:\n";
+      has_default = has_default || m.labels.empty();
+      body += fmt::format("      return f(\"{0}\", v._u.{0});\n", m.name);
+    }
+    function(t.c_name, body + (has_default ? "  }\n" : "    default: break;\n  }\n"));
+  }
+  for (const idl::Exception& e : c.exceptions) {
+    if (!e.members.empty()) function(e.c_name + "_detail", visits(e.members));
+  }
+  return out;
+}
+
+class Glue {
+ public:
+  Glue(const std::vector<Module>& modules, const GenerateOptions& options)
+      : modules_(modules), options_(options), plans_(make_plans(modules, options)) {}
+
+  std::string run() {
+    out_ = fmt::format(
+        "// Between {0}.bip and the codels of its components. Written by `bipc genom --codels`.\n#include "
+        "\"{0}_codels.hpp\"\n\n#include \"bip/genom3_codels.hpp\"\n",
+        options_.package);
+    for (const Module& m : modules_) out_ += fmt::format("#include \"ac{}.h\"\n", m.component->name);
+    out_ += "\n";
+    std::set<std::string> done;
+    for (const Module& m : modules_) out_ += members_functions(*m.component, done);
+    out_ += "\nnamespace g3 = bip::genom3;\n\nextern \"C\" {\n";
+    events();
+    out_ += "}\n\nnamespace {\n";
+    exceptions();
+    for (const Module& m : modules_) {
+      out_ += fmt::format("\n// ---- {}\n{}_ids ids_{};\n", m.component->name, m.component->name, m.component->name);
+      for (const idl::Port& p : m.component->ports) port(*m.component, p);
+    }
+    for (std::size_t i = 0; i < modules_.size(); ++i) data(i);
+    start();
+    out_ += "}  // namespace\n\nstatic void take_input(int owner);\n";
+    for (std::size_t i = 0; i < modules_.size(); ++i) codels(i);
+    requests();
+    return std::move(out_);
+  }
+
+ private:
+  void events() {
+    std::set<std::string> done;
+    for (const Module& m : modules_) {
+      const Component& c = *m.component;
+      for (const std::string& state : states_of(m)) {
+        out_ += fmt::format("extern const genom_event {}_{} = \"{}\";\n", c.name, state, state);
+        if (state != "ether")
+          out_ += fmt::format("extern const genom_event {}_pause_{} = \"pause::{}\";\n", c.name, state, state);
+      }
+      for (const idl::Exception& e : c.exceptions) {
+        if (!done.insert(e.c_name).second) continue;
+        out_ += fmt::format("extern const genom_event {}_id = \"{}\";\n", e.c_name, e.full_name);
+        out_ += e.members.empty()
+                    ? fmt::format(
+                          "genom_event {0}(genom_context self) {{ return self->raise({0}_id, nullptr, 0, self); }}\n",
+                          e.c_name)
+                    : fmt::format(
+                          "genom_event {0}(const {0}_detail* detail, genom_context self) {{ return self->raise({0}_id, "
+                          "detail, sizeof *detail, self); }}\n",
+                          e.c_name);
+      }
+    }
+  }
+
+  void exceptions() {
+    std::set<std::string> done;
+    std::string rows;
+    for (const Module& m : modules_) {
+      for (const idl::Exception& e : m.component->exceptions) {
+        if (!done.insert(e.c_name).second) continue;
+        rows += e.members.empty() ? fmt::format("    {{{}_id, nullptr}},\n", e.c_name)
+                                  : fmt::format(
+                                        "    {{{0}_id, [](std::string& json, const void* detail) {{ g3::to_json(json, "
+                                        "*static_cast<const {0}_detail*>(detail)); }}}},\n",
+                                        e.c_name);
+      }
+    }
+    out_ += fmt::format("const g3::ExceptionRow kExceptions[] = {{\n{}}};\n", rows);
+  }
+
+  void port(const Component& c, const idl::Port& p) {
+    const std::string type = fmt::format("{}Port_{}_{}", p.is_out ? "Out" : "In", c.name, p.name);
+    out_ += fmt::format("using {} = g3::{}Port<{}, {}>;\n", type, p.is_out ? "Out" : "In", c.types[p.type].c_name,
+                        ports_++);
+    const char* const of = p.is_multiple ? "_of" : "";
+    const char* const does = p.is_out ? "write" : "read";
+    out_ += fmt::format("const {0}_{1} port_{0}_{1} = {{&{2}::data{3}, &{2}::{4}{3}{5}}};\n", c.name, p.name, type, of,
+                        does, p.is_multiple ? fmt::format(", &{0}::open, &{0}::close", type) : "");
+  }
+
+  // Of each activity and task: its parameters and locals.
+  void data(std::size_t i) {
+    const Plan& plan = plans_[i];
+    const Component& c = *modules_[i].component;
+    const Names names(c);
+    out_ += "\n";
+    const auto one = [&](const std::string& name, const std::vector<idl::Member>& members,
+                         const std::vector<std::size_t>& owners, const Activity& activity,
+                         const std::vector<std::string>& reports) {
+      out_ += fmt::format("struct Data_{}_{} {{\n{}}}", c.name, name, members_text(c, members, "  "));
+      std::string list;
+      for (const std::size_t owner : owners) list += fmt::format("{} data_{}", list.empty() ? "" : ",", owner);
+      out_ += list + ";\n";
+      std::string states, texts;
+      for (const State& s : activity.states) states += fmt::format("\"{}\", ", s.name.text);
+      for (const std::string& r : reports) texts += fmt::format("\"{}\", ", r);
+      out_ += fmt::format(
+          "const char* const kStates_{0}_{1}[] = {{{2}\"\"}};\nconst char* const kReports_{0}_{1}[] = {{{3}\"\"}};\n",
+          c.name, name, states, texts);
+      out_ += fmt::format(
+          "const g3::Behaviour kBehaviour_{0}_{1}{{{{kStates_{0}_{1}, {2}}}, {{kReports_{0}_{1}, {3}}}}};\n", c.name,
+          name, activity.states.size(), reports.size());
+    };
+    for (std::size_t s = 0; s < plan.module->services.size(); ++s) {
+      const Service& service = plan.module->services[s];
+      const idl::Service& parameters = *find_row(c.services, service.name.text);
+      std::vector<std::size_t> owners;
+      for (const std::size_t activity : plan.services[s].activities) owners.push_back(plan.owner_of_activity(activity));
+      std::vector<std::string> reports;
+      for (const Name& r : service.reports) reports.push_back(r.text);
+      one(service.name.text, names.locals_of(parameters), owners, service.activity, reports);
+      reads(c, parameters);
+    }
+    for (std::size_t t = 0; t < plan.module->tasks.size(); ++t) {
+      const Task& task = plan.module->tasks[t];
+      one("task_" + task.name.text, find_row(c.tasks, task.name.text)->locals, {plan.owner_of_task(t)}, task.activity,
+          {});
+    }
+  }
+
+  // The functions that read a service's input and write its output.
+  void reads(const Component& c, const idl::Service& s) {
+    const std::string type = fmt::format("Data_{}_{}", c.name, s.name);
+    out_ += fmt::format(
+        "[[maybe_unused]] void read_{0}_{1}(std::string_view input, {2}& data) {{\n  const g3::Json json = "
+        "g3::read_input(input);\n",
+        c.name, s.name, type);
+    std::string names, outputs, cleared;
+    for (const idl::Parameter& p : s.parameters) {
+      if (p.direction != Direction::Out) {
+        names += fmt::format("\"{}\", ", p.name);
+        out_ += fmt::format("  g3::read_parameter(json, \"{0}\", R\"json({1})json\", data.{0});\n", p.name, p.initial);
+      } else {
+        cleared += fmt::format("  g3::release(data.{0}), g3::clear(data.{0});\n", p.name);
+      }
+      if (p.direction != Direction::In)
+        outputs += fmt::format("  g3::write_output(members, \"{0}\", data.{0});\n", p.name);
+    }
+    for (const idl::Member& m : s.locals)
+      cleared += fmt::format("  g3::release(data.{0}), g3::clear(data.{0});\n", m.name);
+    out_ += fmt::format("{}  g3::check_names(json, {{{}}});\n  (void)data;\n}}\n", cleared, names);
+    out_ += fmt::format(
+        "[[maybe_unused]] std::string outputs_{0}_{1}(const {2}& data) {{\n  std::string members;\n{3}  (void)data;\n  "
+        "return "
+        "g3::end_outputs(members);\n}}\n",
+        c.name, s.name, type, outputs);
+  }
+
+  // Bounds of sequences; and an in port reads the out port of its name and type.
+  void start() {
+    out_ += "\n// Before anything runs.\nconst bool kStarted = [] {\n";
+    for (std::size_t i = 0; i < modules_.size(); ++i) {
+      const Component& c = *modules_[i].component;
+      for (const idl::Member& m : c.ids) out_ += fmt::format("  g3::clear(ids_{}.{});\n", c.name, m.name);
+      for (std::size_t t = 0; t < modules_[i].tasks.size(); ++t) {
+        for (const idl::Member& m : find_row(c.tasks, modules_[i].tasks[t].name.text)->locals)
+          out_ += fmt::format("  g3::clear(data_{}.{});\n", plans_[i].owner_of_task(t), m.name);
+      }
+      for (const idl::Port& p : c.ports) {
+        if (p.is_out) continue;
+        for (const Module& other : modules_) {
+          const idl::Port* const out = find_row(other.component->ports, p.name);
+          if (out == nullptr || !out->is_out || out->is_multiple != p.is_multiple ||
+              other.component->types[out->type].c_name != c.types[p.type].c_name)
+            continue;
+          out_ += fmt::format("  InPort_{0}_{1}::source = &OutPort_{2}_{1}::written;\n", c.name, p.name,
+                              other.component->name);
+        }
+      }
+    }
+    out_ += "  return true;\n}();\n";
+  }
+
+  struct Owner {
+    std::size_t number;
+    std::string call, behaviour, outputs, before;
+  };
+
+  // What BIP calls: for each codel, by whose it is.
+  void codels(std::size_t i) {
+    const Plan& plan = plans_[i];
+    const Module& m = modules_[i];
+    const Component& c = *m.component;
+    const Names names(c);
+    std::map<std::string, std::vector<Owner>> steps, controls;
+    const auto add = [&](auto& into, const auto& owner_row, const std::vector<idl::Member>& locals, const Name& codel,
+                         std::size_t owner, const std::string& behaviour, const std::string& outputs,
+                         const std::string& before) {
+      if (!codel.is_set()) return;
+      const idl::Codel& called = *names.codel(owner_row, codel.text);
+      std::string call = codel.text + "(";
+      for (const idl::Argument& a : called.arguments) call += names.argument(a, locals)->value_of(owner) + ", ";
+      auto& all = into[codel.text];
+      if (std::none_of(all.begin(), all.end(), [&](const Owner& known) { return known.number == owner; }))
+        all.push_back({owner, call + "self)", behaviour, outputs, before});
+    };
+    for (std::size_t s = 0; s < m.services.size(); ++s) {
+      const Service& service = m.services[s];
+      const idl::Service& row = *find_row(c.services, service.name.text);
+      const std::vector<idl::Member> locals = names.locals_of(row);
+      const std::string id = c.name + "_" + service.name.text, behaviour = "kBehaviour_" + id;
+      for (const std::size_t activity : plan.services[s].activities) {
+        const std::size_t owner = plan.owner_of_activity(activity);
+        const std::string outputs = fmt::format("outputs_{}(data_{})", id, owner);
+        add(controls, row, locals, service.validate.name, owner, behaviour, "", fmt::format("take_input({}); ", owner));
+        for (const genom::Codel& codel : service.body) add(controls, row, locals, codel.name, owner, behaviour, "", "");
+        for (const State& state : service.activity.states)
+          add(steps, row, locals, state.codel.name, owner, behaviour, outputs, "");
+      }
+    }
+    for (std::size_t t = 0; t < m.tasks.size(); ++t) {
+      const idl::Task& row = *find_row(c.tasks, m.tasks[t].name.text);
+      for (const State& state : m.tasks[t].activity.states)
+        add(steps, row, row.locals, state.codel.name, plan.owner_of_task(t),
+            fmt::format("kBehaviour_{}_task_{}", c.name, row.name), "std::string()", "");
+    }
+    for (const auto& [name, owners] : controls) {
+      out_ += fmt::format("\nint {}(int owner) {{\n  switch (owner) {{\n", codel_function(name));
+      for (const Owner& o : owners)
+        out_ += fmt::format(
+            "    case {0}: return g3::run_control(\"{1}\", kCodelOwners[owner], kExceptions, {2}, [](genom_context "
+            "self) {{ {3}return {4}; }});\n",
+            o.number, name, o.behaviour, o.before, o.call);
+      out_ += "    default: return bip::kCodelRefuses;\n  }\n}\n";
+    }
+    for (const auto& [name, owners] : steps) {
+      out_ += fmt::format("\nint {}(int owner, int& report) {{\n  switch (owner) {{\n", codel_function(name));
+      for (const Owner& o : owners)
+        out_ += fmt::format(
+            "    case {0}: return g3::run_step(\"{1}\", kCodelOwners[owner], kExceptions, {2}, report, "
+            "[](genom_context self) {{ return {3}; }}, [] {{ return {4}; }});\n",
+            o.number, name, o.behaviour, o.call, o.outputs);
+      out_ += "    default: return bip::kCodelThrew;\n  }\n}\n";
+    }
+  }
+
+  // Inputs before the codels of a service, outputs after them; attributes are the IDS.
+  void requests() {
+    std::string begins, ends, checks;
+    for (std::size_t i = 0; i < modules_.size(); ++i) {
+      const Module& m = modules_[i];
+      const Component& c = *m.component;
+      for (std::size_t s = 0; s < m.services.size(); ++s) {
+        const idl::Service& row = *find_row(c.services, m.services[s].name.text);
+        const std::string id = c.name + "_" + row.name, service = m.name.text + "." + row.name;
+        checks += fmt::format(
+            "    if (name == \"{0}\") {{\n      static thread_local Data_{1} data;\n      read_{1}(input, data);\n    "
+            "}}\n",
+            service, id);
+        for (const std::size_t activity : plans_[i].services[s].activities) {
+          const std::size_t owner = plans_[i].owner_of_activity(activity);
+          begins += fmt::format("    case {}: return read_{}(input, data_{});\n", owner, id, owner);
+          if (m.services[s].kind != ServiceKind::Control) continue;
+          ends += fmt::format("    case {}: {{\n", owner);
+          for (const idl::Parameter& p : row.parameters) {
+            if (!row.is_attribute) continue;
+            std::string path;
+            for (const std::string& step : p.path) path += step.starts_with("[") ? step : "." + step;
+            if (p.direction != Direction::Out)
+              ends += fmt::format("      g3::assign(ids_{}{}, data_{}.{});\n", c.name, path, owner, p.name);
+            else ends += fmt::format("      g3::assign(data_{}.{}, ids_{}{});\n", owner, p.name, c.name, path);
+          }
+          ends += fmt::format(
+              "      bip::service_notes().note(kCodelOwners[owner].service, outputs_{}(data_{}));\n      return;\n    "
+              "}}\n",
+              id, owner);
+        }
+      }
+    }
+    out_ += fmt::format(
+        "\nstatic void take_input(int owner) {{\n  const std::string_view input = "
+        "g3::asked_inputs()[kCodelOwners[owner].service];\n"
+        "  switch (owner) {{\n{}    default: return;\n  }}\n}}\nvoid service_begin(int owner) {{ "
+        "g3::begin(kCodelOwners[owner], [&] {{ take_input(owner); }}); }}\n"
+        "\nvoid service_end(int owner) {{\n  switch (owner) {{\n{}    default: return;\n  }}\n}}\n",
+        begins, ends);
+    if (options_.executive != Executive::Served) return;
+    out_ +=
+        "\nvoid request_asked(const char* service, const char* input) { g3::note_asked(service, input); }\n"
+        "void request_input(const char*, const char*) {}\n"
+        "extern \"C\" const char* bip_input_problem(const char* service, const char* input) {\n"
+        "  static thread_local std::string problem;\n  const std::string_view name = service;\n  problem.clear();\n"
+        "  try {\n" +
+        checks +
+        "  } catch (const std::exception& wrong) {\n    problem = wrong.what();\n  }\n  return problem.c_str();\n}\n";
+  }
+
+  const std::vector<Module>& modules_;
+  const GenerateOptions& options_;
+  std::vector<Plan> plans_;
+  std::string out_;
+  int ports_ = 0;
+};
+
+}  // namespace
+
+bool check_c_codels(const std::vector<Module>& modules, Diagnostics& diags) {
+  bool is_sound = true;
+  for (const Module& m : modules) {
+    if (!m.component) {
+      // Of GenoM 3 what is wrong has been reported.
+      if (m.generation == 2) diags.report(Diag::kB6014, m.name.range, "component of GenoM 3");
+      is_sound = false;
+      continue;
+    }
+    const Component& c = *m.component;
+    const Names names(c);
+    const auto check = [&](const std::vector<idl::Codel>& codels, const std::vector<idl::Member>& locals) {
+      for (const idl::Codel& codel : codels) {
+        for (const idl::Argument& a : codel.arguments) {
+          if (names.argument(a, locals)) continue;
+          std::string path;
+          for (const std::string& step : a.path) path += (path.empty() || step.starts_with("[") ? "" : ".") + step;
+          diags.report(Diag::kB6021, a.range, path, codel.name);
+          is_sound = false;
+        }
+      }
+    };
+    for (const idl::Task& t : c.tasks) check(t.codels, t.locals);
+    for (const idl::Service& s : c.services) {
+      for (const idl::Parameter& p : s.parameters) {
+        if (names.type_of(s, p)) continue;
+        diags.report(Diag::kB6021, m.name.range, p.name, s.name);
+        is_sound = false;
+      }
+      check(s.codels, names.locals_of(s));
+    }
+  }
+  return is_sound;
+}
+
+std::vector<std::pair<std::string, std::string>> c_codel_files(const std::vector<Module>& modules,
+                                                               const GenerateOptions& options) {
+  std::vector<std::pair<std::string, std::string>> files;
+  for (const Module& m : modules) {
+    files.emplace_back(m.component->name + "_c_types.h", types_header(*m.component));
+    files.emplace_back(fmt::format("ac{}.h", m.component->name), component_header(m));
+  }
+  files.emplace_back(options.package + "_codels.hpp", codel_header(modules, options));
+  files.emplace_back(options.package + "_codels.cpp", Glue(modules, options).run());
+  return files;
+}
+
+}  // namespace bip::genom

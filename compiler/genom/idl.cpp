@@ -1,0 +1,685 @@
+// See idl.hpp. By recursive descent; a name is looked for in its scope, then in those around it.
+#include "compiler/genom/idl.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <deque>
+#include <set>
+#include <utility>
+
+#include "compiler/genom/condition.hpp"
+#include "compiler/genom/cursor.hpp"
+
+namespace bip::genom::idl {
+namespace {
+
+// Those of the interface `genom`, which every component provides.
+struct StandardException {
+  const char* name;
+  std::vector<std::pair<const char*, std::int64_t>> members;  // bounded strings; 0: a short
+};
+const std::vector<StandardException> kStandardExceptions{{"syserr", {{"code", 0}, {"what", 128}}},
+                                                         {"unkown_error", {{"what", 128}}},
+                                                         {"bad_transition", {{"from", 128}, {"to", 128}}},
+                                                         {"bad_cpu_usage", {}},
+                                                         {"too_many_activities", {}},
+                                                         {"disallowed", {}},
+                                                         {"interrupted", {}},
+                                                         {"no_such_data", {}},
+                                                         {"no_such_task", {}},
+                                                         {"no_such_service", {}},
+                                                         {"no_such_inport", {}},
+                                                         {"no_such_outport", {}},
+                                                         {"no_such_activity", {}},
+                                                         {"serialization", {}},
+                                                         {"port_io", {}},
+                                                         {"not_running", {}}};
+constexpr int kDeepest = 50;
+
+struct Unit {
+  Component part;
+  std::vector<std::string> inherited;
+};
+
+class Reader {
+ public:
+  Reader(const std::vector<Token>& tokens, FileId file, Diagnostics& diags) : in_(tokens, diags), file_(file) {
+    for (const auto& [idl_name, c_name] : {std::pair("boolean", "bool"),
+                                           {"octet", "uint8_t"},
+                                           {"char", "char"},
+                                           {"short", "int16_t"},
+                                           {"unsigned short", "uint16_t"},
+                                           {"long", "int32_t"},
+                                           {"unsigned long", "uint32_t"},
+                                           {"long long", "int64_t"},
+                                           {"unsigned long long", "uint64_t"},
+                                           {"float", "float"},
+                                           {"double", "double"}})
+      names_[idl_name] = add({.kind = Kind::Primitive, .c_name = c_name});
+    for (const StandardException& e : kStandardExceptions) {
+      Exception exception{fmt::format("genom_{}", e.name), fmt::format("::genom::{}", e.name), {}};
+      for (const auto& [name, bound] : e.members)
+        exception.members.push_back({name, bound == 0 ? names_["short"] : string_of(bound), {}});
+      exceptions_.push_back(std::move(exception));
+    }
+  }
+
+  std::optional<Component> run() {
+    while (!in_.at_end() && ok_) declaration();
+    if (!ok_ || !component_) return std::nullopt;
+    Unit unit = std::move(*component_);
+    std::set<std::string> done;
+    for (std::size_t i = 0; i < unit.inherited.size(); ++i) {
+      const auto found = units_.find(unit.inherited[i]);
+      if (found == units_.end() || !done.insert(unit.inherited[i]).second) continue;
+      inherit(unit, found->second);
+    }
+    unit.part.types = std::move(types_);
+    unit.part.constants = std::move(constants_);
+    unit.part.exceptions = std::move(exceptions_);
+    return std::move(unit.part);
+  }
+
+ private:
+  template <class Row>
+  static void add_missing(std::vector<Row>& rows, const std::vector<Row>& more) {
+    for (const Row& row : more) {
+      if (std::none_of(rows.begin(), rows.end(), [&](const Row& known) { return known.name == row.name; }))
+        rows.push_back(row);
+    }
+  }
+  static void inherit(Unit& unit, const Unit& from) {
+    add_missing(unit.part.ids, from.part.ids);
+    add_missing(unit.part.ports, from.part.ports);
+    add_missing(unit.part.services, from.part.services);
+    add_missing(unit.part.tasks, from.part.tasks);
+    unit.inherited.insert(unit.inherited.end(), from.inherited.begin(), from.inherited.end());
+  }
+
+  std::size_t add(Type type) {
+    types_.push_back(std::move(type));
+    return types_.size() - 1;
+  }
+  // One of each, by its name in C.
+  std::size_t unique(Type type) {
+    for (std::size_t k = 0; k < types_.size(); ++k) {
+      if (types_[k].c_name == type.c_name && types_[k].kind == type.kind && types_[k].bound == type.bound) return k;
+    }
+    return add(std::move(type));
+  }
+  std::size_t string_of(std::int64_t bound) {
+    return unique(
+        {.kind = Kind::String, .c_name = bound == 0 ? "string" : fmt::format("string{}", bound), .bound = bound});
+  }
+
+  [[nodiscard]] std::string scoped(const std::string& name) const {
+    std::string text;
+    for (const std::string& s : scope_) text += s + "::";
+    return text + name;
+  }
+  [[nodiscard]] static std::string in_c(std::string name) {
+    for (std::size_t at = name.find("::"); at != std::string::npos; at = name.find("::")) name.replace(at, 2, "_");
+    return name;
+  }
+  // In the innermost scope that has it.
+  template <class Map>
+  [[nodiscard]] auto look(const Map& map, const std::string& name) const {
+    for (std::size_t n = scope_.size() + 1; n-- > 0;) {
+      std::string text;
+      for (std::size_t k = 0; k < n; ++k) text += scope_[k] + "::";
+      if (const auto found = map.find(text + name); found != map.end()) return found;
+    }
+    return map.end();
+  }
+
+  bool fail(std::string_view expected) {
+    if (ok_) in_.unexpected(expected);
+    return ok_ = false;
+  }
+  bool expect(std::string_view sign) { return ok_ && (ok_ = in_.expect(sign)); }
+  std::string word(std::string_view what) {
+    if (in_.peek().kind == TokenKind::Word) return std::string(in_.take().text);
+    fail(what);
+    return {};
+  }
+  // a::b::c, after an optional `::`.
+  std::string path(std::string_view what) {
+    in_.accept("::");
+    std::string text = word(what);
+    while (ok_ && in_.at("::")) {
+      in_.take();
+      text += "::" + word(what);
+    }
+    return text;
+  }
+
+  // ---- declarations
+
+  void declaration() {
+    if (in_.accept(";")) return;
+    if (in_.at("module") && in_.peek(2).is("{")) return block();
+    if ((in_.at("interface") || in_.at("component")) && in_.peek(1).kind == TokenKind::Word) return unit();
+    item();
+  }
+
+  void block() {
+    in_.take();
+    if (++depth_ > kDeepest) fail("a module that is not so deep");
+    scope_.push_back(word("a name"));
+    expect("{");
+    while (ok_ && !in_.at("}") && !in_.at_end()) declaration();
+    expect("}");
+    scope_.pop_back();
+    --depth_;
+  }
+
+  void unit() {
+    const bool is_module = in_.at("component") && in_.peek().range.file == file_;
+    in_.take();
+    unit_ = {};
+    unit_.part.name = word("a name");
+    scope_.push_back(unit_.part.name);
+    const bool is_whole = in_.accept("{");
+    while (is_whole && ok_ && !in_.at("}") && !in_.at_end()) item();
+    if (is_whole) expect("}");
+    scope_.pop_back();
+    if (!is_whole || !ok_) return;
+    if (is_module && !component_) component_ = std::move(unit_);
+    else units_.insert_or_assign(unit_.part.name, std::move(unit_));
+  }
+
+  void item() {
+    if (in_.accept(";")) return;
+    const Token& t = in_.peek();
+    if (t.is("const")) return constant();
+    if (t.is("typedef")) {
+      in_.take();
+      const std::size_t base = type();
+      do {
+        const Member m = declarator(base);
+        names_[scoped(m.name)] = add({.kind = Kind::Alias, .c_name = in_c(scoped(m.name)), .element = m.type});
+      } while (ok_ && in_.accept(","));
+      expect(";");
+      return;
+    }
+    if (t.is("struct") || t.is("union") || t.is("enum")) {
+      type();
+      expect(";");
+      return;
+    }
+    if (t.is("native")) {
+      in_.take();
+      const std::string name = scoped(word("a name"));
+      names_[name] = add({.kind = Kind::Native, .c_name = in_c(name)});
+      expect(";");
+      return;
+    }
+    if (t.is("exception")) return exception();
+    if (t.is("ids") && in_.peek(1).is("{")) return ids();
+    if (t.is("port") && (in_.peek(1).is("in") || in_.peek(1).is("out") || in_.peek(1).is("multiple"))) return port();
+    if (t.is("task")) return task();
+    if (t.is("attribute") || t.is("function") || t.is("activity")) return service();
+    if (t.is("provides") || t.is("provide") || t.is("extends") || t.is("extend")) {
+      in_.take();
+      do unit_.inherited.push_back(word("the name of an interface"));
+      while (ok_ && in_.accept(","));
+      expect(";");
+      return;
+    }
+    skip();
+  }
+
+  void skip() {
+    while (!in_.at_end() && !in_.at(";") && !in_.at("}")) {
+      if (in_.at("{")) {
+        if (!in_.skip_group()) return;
+      } else {
+        in_.take();
+      }
+    }
+    expect(";");
+  }
+
+  void constant() {
+    in_.take();
+    type();
+    const std::string name = scoped(word("a name"));
+    expect("=");
+    const std::string value = expression({";"});
+    values_[name] = value;
+    constants_.push_back({in_c(name), value});
+    expect(";");
+  }
+
+  void exception() {
+    in_.take();
+    const std::string name = word("the name of an exception");
+    Exception e{in_c(scoped(name)), "::" + scoped(name), {}};
+    if (in_.accept("{")) {
+      scope_.push_back(name);
+      e.members = members();
+      scope_.pop_back();
+      expect("}");
+    }
+    exceptions_.push_back(std::move(e));
+    expect(";");
+  }
+
+  void ids() {
+    in_.take();
+    in_.take();
+    scope_.emplace_back("ids");
+    for (Member& m : members()) unit_.part.ids.push_back(std::move(m));
+    scope_.pop_back();
+    expect("}");
+    in_.accept(";");
+  }
+
+  // TYPE declarator {, declarator} ; … up to `}`.
+  std::vector<Member> members() {
+    std::vector<Member> all;
+    while (ok_ && !in_.at("}") && !in_.at_end()) {
+      const std::size_t base = type();
+      do all.push_back(declarator(base));
+      while (ok_ && in_.accept(","));
+      expect(";");
+    }
+    return all;
+  }
+
+  Member declarator(std::size_t base) {
+    Member m{word("a name"), base, {}};
+    std::vector<std::int64_t> bounds;
+    while (ok_ && in_.accept("[")) {
+      bounds.push_back(whole(expression({"]"})));
+      expect("]");
+    }
+    for (std::size_t k = bounds.size(); k-- > 0;)
+      m.type = add({.kind = Kind::Array, .element = m.type, .bound = bounds[k]});
+    return m;
+  }
+
+  // ---- types
+
+  std::size_t type() {
+    if (++depth_ > kDeepest) fail("a type that is not so deep");
+    const std::size_t result = ok_ ? type_here() : 0;
+    --depth_;
+    return result;
+  }
+
+  std::size_t type_here() {
+    const Token first = in_.peek();
+    if (in_.at("struct") || in_.at("union") || in_.at("enum")) return defined();
+    if (in_.accept("sequence") || in_.accept("optional")) {
+      expect("<");
+      const std::size_t element = type();
+      const bool is_sequence = first.is("sequence");
+      const std::int64_t bound = is_sequence && in_.accept(",") ? whole(expression({">"})) : 0;
+      expect(">");
+      const std::string of = c_part(element);
+      return unique({.kind = is_sequence ? Kind::Sequence : Kind::Optional,
+                     .c_name = !is_sequence ? "optional_" + of
+                               : bound == 0 ? "sequence_" + of
+                                            : fmt::format("sequence{}_{}", bound, of),
+                     .element = element,
+                     .bound = bound});
+    }
+    if (in_.accept("string")) {
+      std::int64_t bound = 0;
+      if (in_.accept("<")) {
+        bound = whole(expression({">"}));
+        expect(">");
+      }
+      return string_of(bound);
+    }
+    std::string name;
+    if (in_.accept("unsigned")) name = "unsigned ";
+    if (in_.at("long") && in_.peek(1).is("long")) {
+      in_.take();
+      name += "long ";
+    }
+    name += path("a type");
+    const auto found = look(names_, name);
+    if (found != names_.end()) return found->second;
+    if (ok_) in_.diags().report(Diag::kB6008, first.range, "type", name);
+    ok_ = false;
+    return 0;
+  }
+
+  // Of arrays: the array has no name in C.
+  [[nodiscard]] std::string c_part(std::size_t t) const {
+    return types_[t].kind == Kind::Array ? fmt::format("{}_{}", c_part(types_[t].element), types_[t].bound)
+                                         : types_[t].c_name;
+  }
+
+  std::size_t defined() {
+    const std::string what(in_.take().text);
+    const std::string name = word("a name");
+    if (!in_.at("{") && !in_.at("switch")) {
+      const auto known = look(names_, name);
+      if (known != names_.end()) return known->second;
+      fail("`{`");
+      return 0;
+    }
+    Type t{.kind = what == "enum"    ? Kind::Enum
+                   : what == "union" ? Kind::Union
+                                     : Kind::Struct,
+           .c_name = in_c(scoped(name))};
+    if (what == "enum") enumerators(t);
+    scope_.push_back(name);
+    if (what == "union") cases(t);
+    if (what == "struct") {
+      expect("{");
+      t.members = members();
+      expect("}");
+    }
+    scope_.pop_back();
+    return names_[scoped(name)] = add(std::move(t));
+  }
+
+  // They belong to the scope around the enumeration.
+  void enumerators(Type& t) {
+    t.prefix = in_c(scoped(""));
+    expect("{");
+    do {
+      t.enumerators.push_back(word("a name"));
+      enumerators_[scoped(t.enumerators.back())] = t.prefix + t.enumerators.back();
+    } while (ok_ && in_.accept(","));
+    expect("}");
+  }
+
+  void cases(Type& t) {
+    in_.take();
+    expect("(");
+    t.element = type();
+    expect(")");
+    expect("{");
+    while (ok_ && !in_.at("}") && !in_.at_end()) {
+      std::vector<std::string> labels;
+      bool is_default = false;
+      while (ok_ && (in_.at("case") || in_.at("default"))) {
+        if (in_.take().is("default")) is_default = true;
+        else labels.push_back(label());
+        expect(":");
+      }
+      Member m = declarator(type());
+      if (!is_default) m.labels = std::move(labels);
+      t.members.push_back(std::move(m));
+      expect(";");
+    }
+    expect("}");
+  }
+
+  std::string label() {
+    if (in_.peek().kind == TokenKind::Word || in_.at("::")) {
+      if (in_.at("TRUE") || in_.at("FALSE")) return in_.take().is("TRUE") ? "true" : "false";
+      const std::string name = path("a label");
+      if (const auto found = look(enumerators_, name); found != enumerators_.end()) return found->second;
+      if (const auto found = look(values_, name); found != values_.end()) return found->second;
+      fail("a constant");
+      return {};
+    }
+    return expression({":"});
+  }
+
+  // ---- expressions
+
+  // The value if it is a whole number, else the text in C.
+  std::string expression(std::initializer_list<std::string_view> ends) {
+    std::vector<Token> tokens;
+    std::string text;
+    std::size_t depth = 0;
+    const auto ends_here = [&] {
+      return in_.at_end() ||
+             (depth == 0 && std::any_of(ends.begin(), ends.end(), [&](auto end) { return in_.at(end); }));
+    };
+    while (ok_ && !ends_here()) {
+      Token token = in_.peek();
+      if (token.kind == TokenKind::Word || token.is("::")) {
+        token.kind = TokenKind::Word;
+        const std::string name = path("a constant");
+        if (const auto value = look(values_, name); value != values_.end()) {
+          token.kind = TokenKind::Number;
+          kept_.push_back(value->second);
+          token.text = kept_.back();
+        } else if (const auto e = look(enumerators_, name); e != enumerators_.end()) {
+          kept_.push_back(e->second);
+          token.text = kept_.back();
+        } else {
+          kept_.push_back(name == "TRUE" ? "true" : name == "FALSE" ? "false" : name);
+          token.text = kept_.back();
+        }
+      } else {
+        if (token.is("(")) ++depth;
+        if (token.is(")") && depth > 0) --depth;
+        in_.take();
+      }
+      text += (text.empty() ? "" : " ") +
+              (token.kind == TokenKind::String ? "\"" + std::string(token.text) + "\"" : std::string(token.text));
+      tokens.push_back(token);
+    }
+    if (tokens.empty()) fail("a value");
+    const bool is_named = tokens.size() == 1 && tokens[0].kind == TokenKind::Word;
+    if (is_named) return text;
+    if (const std::optional<std::int64_t> value = constant_value(tokens)) return std::to_string(*value);
+    return text;
+  }
+  std::int64_t whole(const std::string& text) {
+    std::int64_t value = 0;
+    if (!ok_ || (whole_number(text, value) && value > 0 && value <= 1'000'000'000)) return value;
+    fail("a number from 1 to 1000000000 before this");
+    return 0;
+  }
+
+  // An initial value as JSON: 2., "text", NAME, { .member = 0.1 : "doc", … }.
+  std::string initial() {
+    if (++depth_ > kDeepest) fail("a value that is not so deep");
+    std::string text;
+    if (!ok_) return text;
+    if (in_.accept("{")) {
+      const bool is_object = in_.at(".");
+      text = is_object ? "{" : "[";
+      while (ok_ && !in_.at("}") && !in_.at_end()) {
+        if (text.size() > 1) text += ",";
+        if (is_object) {
+          expect(".");
+          text += "\"" + word("a member") + "\":";
+          expect("=");
+        }
+        text += initial();
+        description();
+        if (!in_.accept(",")) break;
+      }
+      expect("}");
+      text += is_object ? "}" : "]";
+    } else if (in_.peek().kind == TokenKind::String) {
+      text = "\"";
+      while (in_.peek().kind == TokenKind::String) text += in_.take().text;
+      text += "\"";
+    } else if (in_.peek().kind == TokenKind::Word || in_.at("::")) {
+      const std::string name = path("a value");
+      if (const auto value = look(values_, name); value != values_.end()) text = value->second;
+      else if (name == "TRUE" || name == "FALSE") text = name == "TRUE" ? "true" : "false";
+      else text = "\"" + name.substr(name.rfind(':') == std::string::npos ? 0 : name.rfind(':') + 1) + "\"";
+    } else {
+      text = expression({",", ")", "}", ":"});
+      std::erase(text, ' ');
+      // JSON has no `2.` and no `.5`.
+      if (text.ends_with(".")) text += "0";
+      if (text.starts_with(".")) text.insert(0, "0");
+      if (text.starts_with("-.")) text.insert(1, "0");
+      if (text.starts_with("+")) text.erase(0, 1);
+    }
+    --depth_;
+    return text;
+  }
+  // [: "text" "text"]
+  void description() {
+    if (!in_.accept(":")) return;
+    while (in_.peek().kind == TokenKind::String) in_.take();
+  }
+
+  // ---- what a component has
+
+  void port() {
+    in_.take();
+    Port p;
+    p.is_multiple = in_.accept("multiple");
+    p.is_out = in_.take().is("out");
+    p.type = type();
+    const Member m = declarator(p.type);
+    p.type = m.type;
+    p.name = m.name;
+    unit_.part.ports.push_back(std::move(p));
+    if (in_.at("{")) in_.skip_group();
+    expect(";");
+  }
+
+  bool direction(Direction& into) {
+    if (in_.accept("in")) into = Direction::In;
+    else if (in_.accept("out")) into = Direction::Out;
+    else if (in_.accept("inout")) into = Direction::InOut;
+    else return fail("`in`, `out` or `inout`");
+    return true;
+  }
+
+  // codel [<ev, …>] id(arguments) …
+  Codel codel() {
+    Codel c;
+    if (in_.accept("<")) {
+      while (!in_.at(">") && !in_.at_end()) in_.take();
+      expect(">");
+    }
+    c.name = word("the name of a codel");
+    expect("(");
+    while (ok_ && !in_.at(")") && !in_.at_end()) {
+      c.arguments.push_back(argument());
+      if (!in_.accept(",")) break;
+    }
+    expect(")");
+    while (!in_.at(";") && !in_.at_end()) in_.take();
+    expect(";");
+    return c;
+  }
+
+  static bool is_direction(const Token& t) { return t.is("in") || t.is("out") || t.is("inout"); }
+
+  Argument argument() {
+    Argument a;
+    a.range = in_.peek().range;
+    if (in_.peek().kind == TokenKind::Word && is_direction(in_.peek(1)) && !is_direction(in_.peek())) {
+      const Token place = in_.take();
+      a.place = place.is("ids")     ? Place::Ids
+                : place.is("local") ? Place::Local
+                : place.is("port")  ? Place::Port
+                                    : Place::Any;
+      if (a.place == Place::Any) fail("`ids`, `local` or `port`");
+    }
+    if (!direction(a.direction)) return a;
+    if (!in_.accept("::")) {
+      a.path.push_back(word("a name"));
+      steps(a.path);
+      if (!in_.accept("::")) return a;
+    }
+    word("a name");
+    return a;
+  }
+
+  // .member, [3]
+  void steps(std::vector<std::string>& path_) {
+    while (ok_ && (in_.at(".") || in_.at("["))) {
+      if (in_.accept(".")) {
+        path_.push_back(word("a member"));
+        continue;
+      }
+      in_.take();
+      path_.push_back("[" + expression({"]"}) + "]");
+      expect("]");
+    }
+  }
+
+  void task() {
+    in_.take();
+    Task t;
+    t.name = word("the name of a task");
+    if (in_.accept("{")) {
+      while (ok_ && !in_.at("}") && !in_.at_end()) property(t.locals, t.codels, {t.name});
+      expect("}");
+    }
+    unit_.part.tasks.push_back(std::move(t));
+    expect(";");
+  }
+
+  void property(std::vector<Member>& locals, std::vector<Codel>& codels, const std::string& owner) {
+    if (in_.at("async") && in_.peek(1).is("codel")) in_.take();
+    if (in_.accept("codel") || in_.accept("validate")) {
+      codels.push_back(codel());
+    } else if (in_.accept("local")) {
+      scope_.push_back(owner);
+      const std::size_t base = type();
+      do locals.push_back(declarator(base));
+      while (ok_ && in_.accept(","));
+      scope_.pop_back();
+      expect(";");
+    } else {
+      skip();
+    }
+  }
+
+  void service() {
+    Service s;
+    s.is_attribute = in_.take().is("attribute");
+    s.name = word("the name of a service");
+    expect("(");
+    while (ok_ && !in_.at(")") && !in_.at_end()) {
+      Parameter p;
+      if (!direction(p.direction)) return;
+      if (s.is_attribute) {
+        p.path.push_back(word("a member of the IDS"));
+        steps(p.path);
+        p.name = p.path.back();
+        if (in_.accept("::")) p.name = word("a name");
+      } else {
+        const Member m = declarator(type());
+        p.name = m.name;
+        p.type = m.type;
+      }
+      if (in_.accept("=") && !in_.at(":") && !in_.at(",") && !in_.at(")")) p.initial = initial();
+      description();
+      s.parameters.push_back(std::move(p));
+      if (!in_.accept(",")) break;
+    }
+    expect(")");
+    if (in_.accept("{")) {
+      while (ok_ && !in_.at("}") && !in_.at_end()) property(s.locals, s.codels, s.name);
+      expect("}");
+    }
+    unit_.part.services.push_back(std::move(s));
+    expect(";");
+  }
+
+  Cursor in_;
+  FileId file_;
+  bool ok_ = true;
+  int depth_ = 0;
+  std::vector<std::string> scope_;
+  std::vector<Type> types_;
+  std::vector<Constant> constants_;
+  std::vector<Exception> exceptions_;
+  std::map<std::string, std::size_t> names_;                 // of types
+  std::map<std::string, std::string> values_, enumerators_;  // of constants, in C
+  std::deque<std::string> kept_;                             // tokens are views
+  Unit unit_;
+  std::optional<Unit> component_;
+  std::map<std::string, Unit> units_;
+};
+
+}  // namespace
+
+std::optional<Component> read_idl(const std::vector<Token>& tokens, FileId file, Diagnostics& diags) {
+  return Reader(tokens, file, diags).run();
+}
+
+}  // namespace bip::genom::idl

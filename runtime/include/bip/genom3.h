@@ -1,0 +1,34 @@
+/* What C codels of GenoM 3 see of the run time: events, the context, sequences. Included by the headers that
+ * `bipc genom --codels` writes; plain C, also for C++. */
+#ifndef BIP_GENOM3_H
+#define BIP_GENOM3_H
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* What a codel returns: a state, an exception, or genom_ok. */
+typedef const char* genom_event;
+#define genom_ok ((genom_event)0)
+
+typedef const struct genom_context_if* genom_context;
+struct genom_context_if {
+  /* Raises an exception with its details, which are copied. Returns `ex`. */
+  genom_event (*raise)(genom_event ex, const void* detail, size_t size, genom_context self);
+  /* The details of the exception that was raised last; its event goes to `ex`. */
+  const void* (*raised)(genom_event* ex, genom_context self);
+  void* data;
+};
+
+/* Room for `length` elements, the new ones zero; -1 if there is none. `_length` stays. */
+int genom_sequence_reserve_bytes(void* sequence, uint32_t length, size_t element);
+#define genom_sequence_reserve(sequence, length) \
+  genom_sequence_reserve_bytes((sequence), (length), sizeof(*(sequence)->_buffer))
+
+#ifdef __cplusplus
+}
+#endif
+#endif

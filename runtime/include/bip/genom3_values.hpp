@@ -1,0 +1,393 @@
+// Values of GenoM 3's types in C: deep copies, and JSON. Header only.
+//
+// A struct has a function `genom_members(value, f)`, which calls f(name, member) for each member (of a union: for the
+// discriminant, then for the member that it names), an enumeration `genom_enumerators(value)`; generated headers have
+// them. Everything else is seen from the type's form: sequences have `_buffer`, optionals `_present`.
+#pragma once
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <limits>
+#include <new>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "bip/codels.hpp"
+#include "bip/genom3.h"
+
+namespace bip::genom3 {
+
+/// A JSON value. Numbers stay texts, so that 64 bits are kept.
+struct Json {
+  enum class Kind { Null, Bool, Number, Text, Array, Object } kind = Kind::Null;
+  bool is_true = false;
+  std::string text;
+  std::vector<Json> items;
+  std::vector<std::pair<std::string, Json>> members;
+  [[nodiscard]] const Json* find(std::string_view name) const {
+    for (const auto& [key, value] : members) {
+      if (key == name) return &value;
+    }
+    return nullptr;
+  }
+};
+
+/// Throws std::runtime_error with what is wrong and where.
+class JsonReader {
+ public:
+  static Json read(std::string_view text) {
+    JsonReader reader(text);
+    Json value = reader.value(0);
+    reader.blanks();
+    if (reader.at_ != text.size()) reader.fail("nothing more");
+    return value;
+  }
+
+ private:
+  explicit JsonReader(std::string_view text) : text_(text) {}
+  [[noreturn]] void fail(const char* what) const {
+    throw std::runtime_error(std::string("this is no JSON: expected ") + what + " at byte " + std::to_string(at_));
+  }
+  void blanks() {
+    while (at_ < text_.size() && std::string_view(" \t\r\n").find(text_[at_]) != std::string_view::npos) ++at_;
+  }
+  bool accept(char c) {
+    blanks();
+    if (at_ >= text_.size() || text_[at_] != c) return false;
+    ++at_;
+    return true;
+  }
+  void expect(char c, const char* what) {
+    if (!accept(c)) fail(what);
+  }
+  bool accept_word(std::string_view word) {
+    if (text_.substr(at_, word.size()) != word) return false;
+    at_ += word.size();
+    return true;
+  }
+  Json value(int depth) {
+    if (depth > 64) fail("a value that is not so deep");
+    Json v;
+    if (accept('{')) {
+      v.kind = Json::Kind::Object;
+      while (!accept('}')) {
+        if (!v.members.empty()) expect(',', "`,`");
+        std::string name = string();
+        expect(':', "`:`");
+        v.members.emplace_back(std::move(name), value(depth + 1));
+      }
+      return v;
+    }
+    if (accept('[')) {
+      v.kind = Json::Kind::Array;
+      while (!accept(']')) {
+        if (!v.items.empty()) expect(',', "`,`");
+        v.items.push_back(value(depth + 1));
+      }
+      return v;
+    }
+    if (at_ < text_.size() && text_[at_] == '"') {
+      v.kind = Json::Kind::Text;
+      v.text = string();
+      return v;
+    }
+    if (accept_word("null")) return v;
+    if (accept_word("true") || accept_word("false")) {
+      v.kind = Json::Kind::Bool;
+      v.is_true = text_[at_ - 2] == 'u';
+      return v;
+    }
+    const std::size_t begin = at_;
+    while (at_ < text_.size() && std::string_view("+-.eE0123456789").find(text_[at_]) != std::string_view::npos) ++at_;
+    if (begin == at_) fail("a value");
+    v.kind = Json::Kind::Number;
+    v.text = text_.substr(begin, at_ - begin);
+    return v;
+  }
+  std::string string() {
+    expect('"', "a text");
+    std::string out;
+    while (true) {
+      if (at_ >= text_.size()) fail("`\"`");
+      const char c = text_[at_++];
+      if (c == '"') return out;
+      if (c != '\\') {
+        out += c;
+        continue;
+      }
+      const char escape = at_ < text_.size() ? text_[at_++] : ' ';
+      constexpr std::string_view kEscapes = "\"\\/bfnrt", kMeanings = "\"\\/\b\f\n\r\t";
+      if (escape == 'u') code_point(out);
+      else if (const std::size_t known = kEscapes.find(escape); known != std::string_view::npos)
+        out += kMeanings[known];
+      else fail("an escape of JSON");
+    }
+  }
+  unsigned unit() {
+    unsigned code = 0;
+    const char* const begin = text_.data() + at_;
+    if (at_ + 4 > text_.size() || std::from_chars(begin, begin + 4, code, 16).ptr != begin + 4) fail("four hex digits");
+    at_ += 4;
+    return code;
+  }
+  void code_point(std::string& out) {
+    unsigned code = unit();
+    if (code >= 0xd800 && code < 0xdc00 && accept_word("\\u"))
+      code = 0x10000 + ((code - 0xd800) << 10) + (unit() & 0x3ff);
+    const auto byte = [&](unsigned value) { out += static_cast<char>(value); };
+    if (code < 0x80) return byte(code);
+    if (code < 0x800) byte(0xc0 | (code >> 6));
+    else if (code < 0x10000) byte(0xe0 | (code >> 12)), byte(0x80 | ((code >> 6) & 0x3f));
+    else byte(0xf0 | (code >> 18)), byte(0x80 | ((code >> 12) & 0x3f)), byte(0x80 | ((code >> 6) & 0x3f));
+    byte(0x80 | (code & 0x3f));
+  }
+  std::string_view text_;
+  std::size_t at_ = 0;
+};
+
+// ---- forms of types
+
+template <class T>
+concept Sequence = requires(T& v) {
+  v._buffer, v._length, v._maximum;
+};
+template <class T>
+concept BoundedSequence = Sequence<T> && std::is_array_v<decltype(T::_buffer)>;
+template <class T>
+concept Optional = requires(T& v) {
+  v._present, v._value;
+};
+template <class T>
+concept Struct = requires(T& v) {
+  genom_members(v, [](const char*, auto&) {});
+};
+template <class T>
+concept Enumeration = requires(T& v) {
+  genom_enumerators(v);
+};
+/// A bounded string.
+template <class T>
+concept Text = std::is_array_v<T> && std::is_same_v < std::remove_extent_t<T>,
+char > ;
+
+/// All zero, and the bounds of sequences set.
+template <class T>
+void set_bounds(T& v) {
+  if constexpr (BoundedSequence<T>) {
+    v._maximum = sizeof v._buffer / sizeof v._buffer[0];
+    for (auto& element : v._buffer) set_bounds(element);
+  } else if constexpr (Optional<T>) {
+    set_bounds(v._value);
+  } else if constexpr (Struct<T>) {
+    genom_members(v, [](const char*, auto& member) { set_bounds(member); });
+  } else if constexpr (std::is_array_v<T> && !Text<T>) {
+    for (auto& element : v) set_bounds(element);
+  }
+}
+template <class T>
+void clear(T& v) {
+  std::memset(static_cast<void*>(&v), 0, sizeof v);
+  set_bounds(v);
+}
+
+/// Calls f(part) for what is in v.
+template <class T, class F>
+void for_each_part(T& v, F f) {
+  if constexpr (Sequence<T>) {
+    for (uint32_t k = 0; k < v._length; ++k) f(v._buffer[k]);
+  } else if constexpr (Optional<T>) {
+    if (v._present) f(v._value);
+  } else if constexpr (Struct<T>) {
+    genom_members(v, [&](const char*, auto& member) { f(member); });
+  } else if constexpr (std::is_array_v<T> && !Text<T>) {
+    for (auto& element : v) f(element);
+  }
+}
+/// Gives back the memory of strings and sequences.
+template <class T>
+void release(T& v) {
+  for_each_part(v, [](auto& part) { release(part); });
+  if constexpr (std::is_same_v<T, char*>) {
+    std::free(v);
+    v = nullptr;
+  } else if constexpr (Sequence<T> && !BoundedSequence<T>) {
+    if (v._release != nullptr) v._release(v._buffer);
+    v = T{};
+  }
+}
+/// After a copy byte by byte: makes what it points to its own.
+template <class T>
+void own(T& v) {
+  if constexpr (std::is_same_v<T, char*>) {
+    if (v != nullptr) v = ::strdup(v);
+  } else if constexpr (Sequence<T> && !BoundedSequence<T>) {
+    const T from = v;
+    v = T{};
+    if (genom_sequence_reserve(&v, from._length) != 0) throw std::bad_alloc();
+    if (from._length != 0) std::memcpy(static_cast<void*>(v._buffer), from._buffer, from._length * sizeof *v._buffer);
+    v._length = from._length;
+  }
+  for_each_part(v, [](auto& part) { own(part); });
+}
+/// A deep copy. Natives, which only codels know, stay shared.
+template <class T>
+void assign(T& to, const T& from) {
+  release(to);
+  std::memcpy(static_cast<void*>(&to), &from, sizeof to);
+  own(to);
+}
+
+// ---- JSON
+
+[[noreturn]] inline void refuse(const std::string& where, const std::string& what) {
+  throw std::runtime_error("`" + where + "` " + what);
+}
+
+template <class T>
+void read_number(const Json& json, T& v, const std::string& where) {
+  const char* const end = json.text.data() + json.text.size();
+  T value{};
+  std::from_chars_result read{};
+  if (json.kind == Json::Kind::Number) read = std::from_chars(json.text.data(), end, value);
+  if (json.kind != Json::Kind::Number || read.ec != std::errc() || read.ptr != end) {
+    if constexpr (std::is_floating_point_v<T>) refuse(where, "is a number");
+    else
+      refuse(where, "is a whole number from " + std::to_string(std::numeric_limits<T>::min()) + " to " +
+                        std::to_string(std::numeric_limits<T>::max()));
+  }
+  v = value;
+}
+
+/// `v` is a value that may be written over; members that JSON does not have keep what is there.
+template <class T>
+void from_json(const Json& json, T& v, const std::string& where) {
+  if constexpr (std::is_same_v<T, bool>) {
+    if (json.kind != Json::Kind::Bool) refuse(where, "is true or false");
+    v = json.is_true;
+  } else if constexpr (Enumeration<T>) {
+    const std::string name = json.text.substr(json.text.rfind(':') == std::string::npos ? 0 : json.text.rfind(':') + 1);
+    std::string all;
+    for (const auto& [enumerator, value] : genom_enumerators(v)) {
+      if ((json.kind == Json::Kind::Text && name == enumerator) ||
+          (json.kind == Json::Kind::Number && json.text == std::to_string(static_cast<int>(value)))) {
+        v = value;
+        return;
+      }
+      all.append(all.empty() ? "" : ", ").append(enumerator);
+    }
+    refuse(where, "is one of " + all);
+  } else if constexpr (std::is_same_v<T, char>) {
+    if (json.kind != Json::Kind::Text || json.text.size() != 1) refuse(where, "is a text of one character");
+    v = json.text[0];
+  } else if constexpr (std::is_arithmetic_v<T>) {
+    read_number(json, v, where);
+  } else if constexpr (std::is_same_v<T, char*>) {
+    if (json.kind != Json::Kind::Text) refuse(where, "is a text");
+    std::free(v);
+    v = ::strdup(json.text.c_str());
+  } else if constexpr (Text<T>) {
+    if (json.kind != Json::Kind::Text || json.text.size() >= sizeof v)
+      refuse(where, "is a text of at most " + std::to_string(sizeof v - 1) + " bytes");
+    std::memset(v, 0, sizeof v);
+    std::memcpy(v, json.text.data(), json.text.size());
+  } else if constexpr (std::is_array_v<T>) {
+    if (json.kind != Json::Kind::Array || json.items.size() != std::extent_v<T>)
+      refuse(where, "is an array of " + std::to_string(std::extent_v<T>));
+    for (std::size_t k = 0; k < json.items.size(); ++k)
+      from_json(json.items[k], v[k], where + "[" + std::to_string(k) + "]");
+  } else if constexpr (Sequence<T>) {
+    if (json.kind != Json::Kind::Array) refuse(where, "is an array");
+    const auto length = static_cast<uint32_t>(json.items.size());
+    if constexpr (BoundedSequence<T>) {
+      if (length > v._maximum) refuse(where, "has at most " + std::to_string(v._maximum) + " elements");
+    } else if (genom_sequence_reserve(&v, length) != 0) {
+      throw std::bad_alloc();
+    }
+    for (uint32_t k = v._length; k < length; ++k) clear(v._buffer[k]);
+    for (uint32_t k = length; k < v._length; ++k) release(v._buffer[k]);
+    v._length = length;
+    for (uint32_t k = 0; k < length; ++k) from_json(json.items[k], v._buffer[k], where + "[" + std::to_string(k) + "]");
+  } else if constexpr (Optional<T>) {
+    v._present = json.kind != Json::Kind::Null;
+    if (v._present) from_json(json, v._value, where);
+  } else if constexpr (Struct<T>) {
+    if (json.kind != Json::Kind::Object && json.kind != Json::Kind::Array) refuse(where, "is an object");
+    std::size_t known = 0, k = 0;
+    genom_members(v, [&](const char* name, auto& member) {
+      const Json* const given = json.kind == Json::Kind::Object ? json.find(name)
+                                : k < json.items.size()         ? &json.items[k]
+                                                                : nullptr;
+      ++k;
+      if (given == nullptr) return;
+      ++known;
+      from_json(*given, member, where + "." + name);
+    });
+    if (known == json.members.size() + json.items.size()) return;
+    for (const auto& [name, value] : json.members) {
+      bool is_member = false;
+      genom_members(v, [&](const char* member, auto&) { is_member = is_member || name == member; });
+      if (!is_member) refuse(where, "has no member `" + name + "`");
+    }
+    refuse(where, "has too many values");
+  } else {
+    refuse(where, "cannot be given");
+  }
+}
+
+template <class T>
+void to_json(std::string& out, const T& v) {
+  T& value = const_cast<T&>(v);  // genom_members is for both
+  const auto list = [&](const char* begin, const char* end, auto each) {
+    out += begin;
+    bool is_first = true;
+    each([&](const auto& write) {
+      if (!std::exchange(is_first, false)) out += ",";
+      write();
+    });
+    out += end;
+  };
+  if constexpr (std::is_same_v<T, bool>) {
+    out += v ? "true" : "false";
+  } else if constexpr (Enumeration<T>) {
+    for (const auto& [name, enumerator] : genom_enumerators(value)) {
+      if (enumerator == v) return void(out += json_text(name));
+    }
+    out += std::to_string(static_cast<int>(v));
+  } else if constexpr (std::is_same_v<T, char>) {
+    out += json_text(std::string_view(&v, v == '\0' ? 0 : 1));
+  } else if constexpr (std::is_arithmetic_v<T>) {
+    char text[40];
+    if constexpr (std::is_floating_point_v<T>) {
+      if (!std::isfinite(v)) return void(out += "null");
+    }
+    out.append(text, std::to_chars(text, text + sizeof text, v).ptr);
+  } else if constexpr (std::is_same_v<T, char*>) {
+    out += json_text(v == nullptr ? "" : v);
+  } else if constexpr (Text<T>) {
+    out += json_text(std::string_view(v, ::strnlen(v, sizeof v)));
+  } else if constexpr (Optional<T>) {
+    if (v._present) to_json(out, v._value);
+    else out += "null";
+  } else if constexpr (Struct<T>) {
+    list("{", "}", [&](auto add) {
+      genom_members(value, [&](const char* name, auto& member) {
+        add([&] {
+          out += json_text(name) + ":";
+          to_json(out, member);
+        });
+      });
+    });
+  } else if constexpr (Sequence<T> || std::is_array_v<T>) {
+    list("[", "]", [&](auto add) { for_each_part(value, [&](auto& part) { add([&] { to_json(out, part); }); }); });
+  } else {
+    out += "null";
+  }
+}
+
+}  // namespace bip::genom3
