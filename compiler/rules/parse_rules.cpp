@@ -11,9 +11,11 @@
 //   rule      = paths ( 'before' paths [ 'since' path ] [ 'within' TIME ] | 'does' 'not' 'overlap' paths [ ':' policy [
 //   ',' policy ] ] | 'only' 'during' path
 //             | 'requires' condition | 'maintains' condition | 'takes' 'at' 'most' TIME | 'at' 'least' TIME 'after'
-//             path ) | 'at' 'most' NUMBER 'of' paths
+//             path ) | 'at' 'most' NUMBER 'of' paths | 'never' path [ '.' 'active' ] '&&' path [ '.' 'active' ]
 //   policy    = 'reject' | 'wait' | 'interrupt'
 #include "compiler/rules/parse_rules.hpp"
+
+#include <utility>
 
 #include "compiler/rules/parser.hpp"
 
@@ -175,6 +177,11 @@ class RulesParser {
     }
     if (at_.at("at") && at_.peek(1).is("most")) {
       if (!count(r)) return false;
+    } else if (at_.at("never") && at_.peek(1).kind == genom::TokenKind::Word &&
+               (at_.peek(2).is("&&") || at_.peek(2).is("."))) {
+      at_.take();
+      r.verb = Verb::Apart;
+      if (!active(r.left) || !at_.expect("&&") || !active(r.right)) return false;
     } else if (!paths(r.left, "a rule") || !verb(r)) {
       return false;
     }
@@ -190,6 +197,19 @@ class RulesParser {
     }
     r.range.end = at_.take().range.begin;
     file_.rules.push_back(std::move(r));
+    return true;
+  }
+
+  // A service or a group, or `.active` of it.
+  bool active(std::vector<Path>& into) {
+    Path path;
+    if (!parse_path(at_, path, "a service")) return false;
+    if (at_.accept(".")) {
+      if (!at_.expect("active")) return false;
+    } else if (path.module.is_set() && path.name.text == "active") {
+      path.name = std::exchange(path.module, {});
+    }
+    into.push_back(std::move(path));
     return true;
   }
 
