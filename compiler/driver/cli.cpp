@@ -100,6 +100,7 @@ int dispatch(const CLI::App& app, const Arguments& arguments) {
   if (app.got_subcommand("simulate")) return command_simulate(arguments.simulate);
   if (app.got_subcommand("step")) return command_step(arguments.step);
   if (app.got_subcommand("view")) return command_view(arguments.view);
+  if (app.got_subcommand("trace")) return command_trace(arguments.trace);
   if (app.got_subcommand("dap")) return command_dap();
   if (app.got_subcommand("serve")) return command_serve(arguments.serve);
   if (app.got_subcommand("build")) return command_build(arguments.build);

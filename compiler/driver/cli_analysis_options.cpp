@@ -253,9 +253,7 @@ void add_view(CLI::App& app, ViewArguments& a) {
                           "show the run in TRACE: a trace in JSON lines, binary or bip2, a "
                           "counterexample of `bipc verify --trace`, or a record of `bipc run --record`");
   trace->type_name("TRACE");
-  command
-      ->add_option("--steps", a.steps,
-                   "show a run of at most N steps (default: 200); more than 100000 make a page too large for browsers")
+  command->add_option("--steps", a.steps, "show a run of at most N steps (default: 200)")
       ->check(is_number())
       ->excludes(trace)
       ->excludes(port)

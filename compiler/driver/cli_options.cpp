@@ -393,6 +393,7 @@ void add_commands(CLI::App& app, Arguments& arguments) {
   add_simulate(app, arguments.simulate);
   add_step(app, arguments.step);
   add_view(app, arguments.view);
+  add_trace(app, arguments.trace);
   add_dap(app);
   add_serve(app, arguments.serve);
   add_build(app, arguments.build);

@@ -12,6 +12,7 @@ struct Arguments {
   RunArguments run;
   StepArguments step;
   ViewArguments view;
+  TraceArguments trace;
   ServeArguments serve;
   VerifyArguments verify;
   ExploreArguments explore;
@@ -43,6 +44,7 @@ void add_simulate(CLI::App& app, SimulateArguments& a);
 void add_export(CLI::App& app, ExportArguments& a);
 void add_graph(CLI::App& app, GraphArguments& a);
 void add_view(CLI::App& app, ViewArguments& a);
+void add_trace(CLI::App& app, TraceArguments& a);
 /// The options about errors and warnings.
 void add_diagnostics(CLI::App& app, CompileOptions& options);
 /// The refusal of a value that an option does not take.

@@ -17,6 +17,7 @@ namespace bip::driver {
 /// Until the person quits or the input ends.
 [[nodiscard]] int command_step(const StepArguments& arguments);
 [[nodiscard]] int command_view(const ViewArguments& arguments);
+[[nodiscard]] int command_trace(const TraceArguments& arguments);
 /// The debug adapter, until its client disconnects.
 [[nodiscard]] int command_dap();
 /// Until a client shuts it down or its input ends.

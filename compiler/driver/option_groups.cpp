@@ -21,8 +21,11 @@ const Names<EmitKind> kEmits{{"tokens", EmitKind::Tokens}, {"syntax", EmitKind::
                              {"cpp", EmitKind::Cpp},       {"dot", EmitKind::Dot},       {"json", EmitKind::Json}};
 const Names<PrintAfter> kPrintAfter{
     {"parse", PrintAfter::Parse}, {"build-model", PrintAfter::BuildModel}, {"instantiate", PrintAfter::Instantiate}};
-const Names<GraphFormat> kGraphFormats{
-    {"dot", GraphFormat::Dot}, {"json", GraphFormat::Json}, {"svg", GraphFormat::Svg}, {"png", GraphFormat::Png}};
+const Names<GraphFormat> kGraphFormats{{"dot", GraphFormat::Dot},
+                                       {"json", GraphFormat::Json},
+                                       {"svg", GraphFormat::Svg},
+                                       {"png", GraphFormat::Png},
+                                       {"html", GraphFormat::Html}};
 const Names<graph::Show> kShows{
     {"all", graph::Show::All}, {"structure", graph::Show::Structure}, {"automata", graph::Show::Automata}};
 const Names<Shell> kShells{{"bash", Shell::Bash}, {"zsh", Shell::Zsh}, {"fish", Shell::Fish}};

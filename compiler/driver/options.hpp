@@ -6,6 +6,7 @@
 
 #include "bip/run.hpp"
 #include "compiler/graph/graph.hpp"
+#include "compiler/traces/selection.hpp"
 #include "compiler/library/decide.hpp"
 #include "compiler/pipeline/options.hpp"
 #include "runtime/engine/simulate.hpp"
@@ -49,6 +50,17 @@ struct ViewArguments : SessionArguments {
   bool is_live = false;
   std::uint16_t port = 0;  // of a live page; 0: a free one
   graph::PictureOptions picture;
+};
+enum class TraceAction : std::uint8_t { Convert, Filter, Stats };
+enum class TraceOutput : std::uint8_t { BySuffix, Json, Bip2, Binary, Mcap, Perfetto, Csv, Vcd, Svg };
+/// A recorded run in another format, a part of it, or counts.
+struct TraceArguments : SessionArguments {
+  TraceAction action = TraceAction::Convert;
+  std::string output;
+  TraceOutput format = TraceOutput::BySuffix;
+  bool json = false;      // Stats
+  bool compress = false;  // Mcap
+  traces::Selection selection;
 };
 /// A model that clients talk to.
 struct ServeArguments {

@@ -451,6 +451,10 @@ Halt DebugSession::follow_record(const std::string& path, const Record& record) 
 }
 
 bool DebugSession::append_trace(std::string& out, TraceFormat format) {
+  return append_trace(out, format, *row_of(format).make());
+}
+
+bool DebugSession::append_trace(std::string& out, TraceFormat format, TraceSink& sink) {
   if (std::string why = back_refusal(); !why.empty()) {
     problem_ = std::move(why);
     return false;
@@ -465,27 +469,25 @@ bool DebugSession::append_trace(std::string& out, TraceFormat format) {
     return false;
   }
   const std::uint64_t here = position_;
-  const TraceFormatRow& row = row_of(format);
-  const std::unique_ptr<TraceSink> sink = row.make();
   RunOptions run;
   run.policy = options_.policy;
   run.format = format;
   run.maximal_progress = options_.progress == MaximalProgress::On;
-  sink->begin(out, head_of(core_.image(), run, options_.seed));
+  sink.begin(out, head_of(core_.image(), run, options_.seed));
   (void)return_to(0);
   std::uint64_t steps = 0;
   while (position_ < here) {
     const Move move = moves_[position_];
     if (move.interaction < kAssign) {
-      sink->foresee(core_);
+      if (core_.is_timed()) sink.foresee(core_);
       if (core_.is_timed()) (void)advance(instants_[position_]);
       const EnabledSet::Position at{move.interaction, move.rank};
-      sink->step(out, core_, at, steps++, core_.enabled().number(at));
+      sink.step(out, core_, at, steps++, core_.enabled().number(at));
     }
     (void)forward(Track::No);
   }
   const bool is_end = core_.candidate_count() == 0 && !core_.is_timed();
-  sink->end(out, core_, is_end ? end_without_step(core_) : End::Limit, steps);
+  sink.end(out, core_, is_end ? end_without_step(core_) : End::Limit, steps);
   return true;
 }
 

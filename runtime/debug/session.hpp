@@ -65,6 +65,8 @@ struct LastMove {
   std::vector<AtomChange> changes;
 };
 
+class TraceSink;
+
 class DebugSession {
  public:
   /// A run that meets nothing to stop at ends after so many moves, which bounds the memory that they take.
@@ -131,6 +133,8 @@ class DebugSession {
   Halt follow_record(const std::string& path, const Record& record);
   /// Appends the steps from the initial state to here as a trace. False: problem() says why there is none.
   [[nodiscard]] bool append_trace(std::string& out, TraceFormat format);
+  /// The same by a sink that writes this format.
+  [[nodiscard]] bool append_trace(std::string& out, TraceFormat format, TraceSink& sink);
 
   // ---- breakpoints (breakpoint.hpp)
   [[nodiscard]] std::vector<Breakpoint>& breakpoints() { return breakpoints_; }

@@ -220,16 +220,18 @@ void McapWriter::step(std::string& out, Core& core, EnabledSet::Position positio
 
 void McapWriter::close_chunk(std::string& out) {
   if (open_.empty()) return;
-  Chunk chunk{first_, last_, written_, 0, 0, open_.size(), {}};
+  const std::string packed = compression_.compress ? compression_.compress(open_) : std::string();
+  const std::string_view records = compression_.compress ? packed : open_;
+  Chunk chunk{first_, last_, written_, 0, 0, open_.size(), records.size(), {}};
   std::string text;
   record(text, kChunkRecord, [&] {
     add(text, first_);
     add(text, last_);
     add(text, static_cast<u64>(open_.size()));
     add(text, crc_on(0, open_));
-    add_text(text, "");
-    add(text, static_cast<u64>(open_.size()));
-    text += open_;
+    add_text(text, compression_.name);
+    add(text, static_cast<u64>(records.size()));
+    text += records;
   });
   chunk.size = text.size();
   for (u32 row = 0; row < channels_.size(); ++row) {
@@ -316,8 +318,8 @@ void McapWriter::append_summary(std::string& out) {
           }
         });
         add(text, chunk.index_size);
-        add_text(text, "");
-        add(text, chunk.bytes);
+        add_text(text, compression_.name);
+        add(text, chunk.packed);
         add(text, chunk.bytes);
       });
     }

@@ -40,6 +40,7 @@ MAY_INCLUDE = {
     "library": LOWER | {"graph", "interp", "verify", "pipeline", "library"},
     "pipeline": LOWER | {"parse", "steps", "interp", "jit", "zmq", "emit_cpp", "verify", "pipeline"}, "zmq": {"runtime", "zmq"},
     "debug": LOWER | {"analysis", "verify", "debug"}, "view": LOWER | {"graph", "view"},
+    "traces": LOWER | {"graph", "traces"},
     "live": LOWER | {"analysis", "verify", "debug", "graph", "view", "serve", "live"}, "index": SYNTAX | {"index"}, "serve": {"runtime", "serve"},
     "runtime": {"runtime"},
 }
@@ -49,6 +50,7 @@ VENDORS = {
     "solvers": (re.compile(r"^(cadical|z3)"), ("compiler/verify/solver/", "tools/certcheck/")),
     "asio": (re.compile(r"^asio"), ("compiler/serve/",)),
     "Boost": (re.compile(r"^boost/"), ("compiler/live/",)),
+    "zstd": (re.compile(r"^zstd"), ("compiler/traces/",)),
     "libedit": (re.compile(r"^(editline/|histedit)"), ("compiler/debug/",)),
     "CLI11": (re.compile(r"^CLI/"), ("compiler/driver/", "tools/")),
 }

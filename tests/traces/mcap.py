@@ -1,9 +1,11 @@
-"""A reader of MCAP files (version 0 of the format, no compression), written from its specification and from nothing of bipc.
+"""A reader of MCAP files (version 0 of the format, uncompressed or zstd), written from its specification and from nothing of bipc.
 
 `Mcap(bytes)` checks what a strict reader checks: magic, lengths, CRCs, that channels stand before their messages, and that summary, statistics
 and every index say what is there. `messages` are (topic, instant, data) in the order of the file; `by_index()` reads them again
 through footer, chunk indexes and message indexes.
 """
+import ctypes
+import ctypes.util
 import json
 import struct
 import zlib
@@ -53,6 +55,19 @@ def records(data, start, end):
         assert at + 9 + size <= end, "a record goes beyond the end"
         yield opcode, at, data[at + 9:at + 9 + size], at + 9 + size
         at += 9 + size
+
+
+def unpacked_bytes(compression, packed, size):
+    """A chunk's records. zstd: by the system's library."""
+    if compression == "":
+        return packed
+    assert compression == "zstd", compression
+    zstd = ctypes.CDLL(ctypes.util.find_library("zstd"))
+    zstd.ZSTD_decompress.restype = ctypes.c_size_t
+    zstd.ZSTD_decompress.argtypes = [ctypes.c_char_p, ctypes.c_size_t, ctypes.c_char_p, ctypes.c_size_t]
+    out = ctypes.create_string_buffer(size)
+    assert zstd.ZSTD_decompress(out, size, packed, len(packed)) == size, "a chunk that cannot be decompressed"
+    return out.raw
 
 
 class Mcap:
@@ -107,7 +122,9 @@ class Mcap:
         elif opcode == CHUNK:
             first, last, size, crc, compression, inner = f.number(8), f.number(8), f.number(8), f.number(4), f.text(), f.bytes(8)
             f.done()
-            assert compression == "" and len(inner) == size and zlib.crc32(inner) == crc
+            packed = len(inner)
+            inner = unpacked_bytes(compression, inner, size)
+            assert len(inner) == size and zlib.crc32(inner) == crc
             found = {}
             for o, offset, c, _ in records(inner, 0, len(inner)):
                 if o == MESSAGE:
@@ -120,7 +137,7 @@ class Mcap:
                 else:
                     assert o in (SCHEMA, CHANNEL)
                     self.data_record(o, None, c)
-            self.chunks.append({"at": at, "size": 9 + len(content), "first": first, "last": last, "found": found, "index": {}, "inner": inner})
+            self.chunks.append({"at": at, "size": 9 + len(content), "first": first, "last": last, "found": found, "index": {}, "inner": inner, "packed": packed, "compression": compression})
         elif opcode == MESSAGE_INDEX:
             channel, rows = f.number(2), f.pairs(8, 8)
             f.done()
@@ -154,7 +171,7 @@ class Mcap:
                 f.done()
                 chunk = self.chunks[len(chunk_rows)]
                 assert (first, last, where, size, index) == tuple(chunk[k] for k in ("first", "last", "at", "size", "index"))
-                assert compression == "" and packed == unpacked == len(chunk["inner"])
+                assert (compression, packed, unpacked) == (chunk["compression"], chunk["packed"], len(chunk["inner"]))
                 assert index_size == sum(9 + struct.unpack_from("<Q", self.data, i + 1)[0] for i in index.values())
                 chunk_rows.append((where, index))
             elif opcode == SUMMARY_OFFSET:
@@ -179,8 +196,9 @@ class Mcap:
         out = {}
         for where, index in self.chunk_rows:
             f = Fields(self.data[where + 9:])
-            f.number(8), f.number(8), f.number(8), f.number(4), f.text()
-            inner = f.bytes(8)
+            size = [f.number(8), f.number(8), f.number(8)][2]
+            f.number(4)
+            inner = unpacked_bytes(f.text(), f.bytes(8), size)
             for channel, at in index.items():
                 rows = Fields(self.data[at + 9:at + 9 + struct.unpack_from("<Q", self.data, at + 1)[0]])
                 assert rows.number(2) == channel

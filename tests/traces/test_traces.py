@@ -8,6 +8,7 @@ track a component, whose slices follow each other without gap from 0 to the end.
 a snapshot meanwhile. Python's library only.
 """
 import argparse
+import csv
 import json
 import os
 import pathlib
@@ -123,6 +124,64 @@ def check_perfetto(data, steps, end):
     return len(slices)
 
 
+def check_converted(run, folder, steps, end):
+    """`bipc trace`: the same bytes as the run's own trace; compressed the same messages; waves and tables with the same steps."""
+    model, options = str(ROOT / run[0]), run[1:]
+
+    def convert(name, *more, action="convert"):
+        out = folder / name
+        done = subprocess.run([BIPC, "trace", action, model, str(folder / "json"), "-o", str(out), *options, *more], capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+        return out.read_bytes()
+    assert convert("c.jsonl").splitlines()[1:-1] == (folder / "json").read_bytes().splitlines()[1:-1], "JSON lines"
+    whole = convert("c.mcap")
+    check_mcap(whole, steps, {**end, "end": json.loads(convert("c.jsonl").splitlines()[-1])["end"]})
+    packed = convert("z.mcap", "--compress")
+    check_mcap(packed, steps, {**end, "end": json.loads(convert("c.jsonl").splitlines()[-1])["end"]})
+    assert len(packed) * 3 < len(whole) or len(steps) < 100, (len(packed), len(whole))
+    rows = list(csv.DictReader(convert("c.csv").decode().splitlines()))
+    assert [(int(r["step"]), "ROOT." + r["component"] + "." + r["port"]) for r in rows] == [(s["step"], p["port"]) for s in steps for p in s["ports"]], "CSV"
+    assert [(int(r["step"]), int(r["instant_ns"])) for r in rows] == [(s["step"], s.get("time", 0)) for s in steps for _ in s["ports"]], "instants of the CSV"
+    places, events = waves(convert("c.vcd").decode())
+    known = {s["interaction"] for s in steps}
+    assert [e for e in events] == [(s.get("time", s["step"] + 1), s["interaction"].removeprefix("ROOT.")) for s in steps if "." + s["interaction"] not in (".",) and s["interaction"].removeprefix("ROOT.") in {n for _, n in events}], "VCD"
+    # Each component is last where the table says.
+    last = {r["component"]: r["place"] for r in rows}
+    assert all(places["ROOT." + c] == p.replace(" ", "_") for c, p in last.items()), "places of the VCD"
+    return len(known)
+
+
+def waves(text):
+    """What a VCD says: the last place of each component, and (instant, interaction) of each event."""
+    names, scopes, now, places, events = {}, [], 0, {}, []
+    head, body = text.split("$enddefinitions $end\n")
+    for line in head.splitlines():
+        words = line.split()
+        if words[0] == "$scope":
+            scopes.append(words[2])
+        elif words[0] == "$upscope":
+            scopes.pop()
+        elif words[0] == "$var":
+            assert words[3] not in names, "an identifier twice"
+            names[words[3]] = (words[1], ".".join(scopes), words[4])
+    assert not scopes
+    before = -1
+    for line in body.splitlines():
+        if line.startswith("#"):
+            now = int(line[1:])
+            assert now > before, "instants go back"
+            before = now
+        elif line[0] == "s":
+            value, name = line[1:].split(" ")
+            if names[name][2] == "place":
+                places[names[name][1]] = value
+        elif line[0] in "01" and names[line[1:]][0] == "event":
+            events.append((now, names[line[1:]][2]))
+        else:
+            assert line[0] in "$br01", line
+    return places, events
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--limit", type=int, default=400)
@@ -137,6 +196,7 @@ def main():
             exact = [json.loads(line, parse_float=Decimal) for line in (folder / "json").read_text().splitlines()]
             chunks, channels = check_mcap(trace(run, steps, "mcap", folder), lines[1:-1], lines[-1])
             tracks = check_perfetto(trace(run, steps, "perfetto", folder), exact[1:-1], exact[-1])
+            check_converted(run, folder, lines[1:-1], lines[-1])
             most_chunks = max(most_chunks, chunks)
             print(f"traces: {run[0]}: {len(lines) - 2} steps, {chunks} chunks, {channels} channels, {tracks} tracks")
             refused = subprocess.run([BIPC, "run", "--trace-format", "mcap", str(ROOT / run[0]), *run[1:]], capture_output=True, text=True)

@@ -1,0 +1,13 @@
+// Chunks of MCAP files in the frame format of Zstandard (RFC 8878). The only folder that includes libzstd.
+#pragma once
+#include <string>
+#include <string_view>
+
+namespace bip::traces {
+
+/// Whether libzstd is built in.
+[[nodiscard]] bool has_zstd();
+/// Requires has_zstd(). Level 3, which is the library's own.
+[[nodiscard]] std::string zstd(std::string_view bytes);
+
+}  // namespace bip::traces
