@@ -2,6 +2,7 @@
 #include "compiler/view/run_record.hpp"
 
 #include <set>
+#include <unordered_map>
 
 #include "runtime/core/deadlock_explanation.hpp"
 #include "runtime/core/final_state.hpp"
@@ -184,22 +185,72 @@ Json RunRecorder::end(rt::Halt halt, std::uint64_t seed) {
   return {{"story", rt::end_story(core, session_.position(), seed)}, {"cycle", std::move(cycle)}};
 }
 
+namespace {
+
+// Equal rows are in the record once; steps and states are numbers of rows.
+class Rows {
+ public:
+  std::size_t number_of(const Json& row) {
+    std::string text = row.dump(-1, ' ', false, Json::error_handler_t::replace);
+    const std::size_t size = text.size();
+    const auto [found, is_new] = numbers_.try_emplace(std::move(text), rows_.size());
+    if (is_new) {
+      bytes_ += size;
+      rows_.push_back(row);
+    }
+    return found->second;
+  }
+  [[nodiscard]] std::size_t bytes() const { return bytes_; }
+  Json take() { return std::move(rows_); }
+
+ private:
+  std::unordered_map<std::string, std::size_t> numbers_;
+  Json rows_ = Json::array();
+  std::size_t bytes_ = 0;
+};
+
+}  // namespace
+
 Json record_run(const System& system, rt::DebugSession& session, std::uint64_t steps, std::uint64_t seed) {
   RunRecorder recorder(system, session);
   session.track(rt::Tracking::Every);
   Json out = recorder.state();
-  out["candidates"] = Json::array();
-  out["steps"] = Json::array();
+  const bool is_timed = session.core().is_timed();
+  Rows rows, states;
+  Json step_rows = Json::array(), state_rows = Json::array(), instants = Json::array(), sets = Json::array();
+  std::size_t bytes = 0;
   rt::Halt halt = session.is_at_fault() ? rt::Halt::Fault : rt::Halt::Done;
   while (halt == rt::Halt::Done) {
-    out["candidates"].push_back(recorder.candidates());
+    state_rows.push_back(states.number_of(recorder.candidates()));
     if (session.position() >= steps) break;
+    if (rows.bytes() + states.bytes() + bytes > kMostRecord) {
+      out["is_cut"] = true;
+      break;
+    }
     const std::uint64_t before = session.position();
     halt = session.step();
     if (session.position() == before) break;
-    if (const rt::LastMove* const move = session.last_move(); move != nullptr)
-      out["steps"].push_back(recorder.step(*move));
+    const rt::LastMove* const move = session.last_move();
+    if (move == nullptr) continue;
+    Json row = recorder.step(*move);
+    if (is_timed) {
+      instants.push_back(row[4]);
+      bytes += 12;
+      if (row.size() > 6) {
+        bytes += 40 * row[6].size();
+        sets.push_back({step_rows.size(), std::move(row[6])});
+        row.erase(6);
+      }
+    }
+    row[4] = 0;
+    step_rows.push_back(rows.number_of(row));
+    bytes += 8;
   }
+  out["rows"] = rows.take();
+  out["steps"] = std::move(step_rows);
+  if (is_timed) out.update({{"instants", std::move(instants)}, {"sets", std::move(sets)}});
+  out["states"] = states.take();
+  out["candidates"] = std::move(state_rows);
   out["end"] = recorder.end(halt, seed);
   out["names"] = Json(recorder.names());
   return out;

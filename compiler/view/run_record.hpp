@@ -1,11 +1,14 @@
 // A run as the page reads it: the initial state, what each step did and changed, the candidates of each state, the end.
 //
 // {"timed": bool, "places": [text by atom], "data": [[text by variable] by atom], "names": [candidate],
-//  "candidates": [{"rows": [row of names], "count": n} by state],
-//  "steps": [[connector or -1, text, [[atom, port, transition or -1]], [[atom, places or null, [[variable, value]]]],
-//             instant in ns, "file:line", [[atom, clock, value, since, speed]]]],
+//  "states": [{"rows": [row of names], "count": n}], "candidates": [row of states by state],
+//  "rows": [[connector or -1, text, [[atom, port, transition or -1]], [[atom, places or null, [[variable, value]]]],
+//           0, "file:line"]], "steps": [row of rows],
+//  "instants": [ns by step], "sets": [[step, [[atom, clock, value, since, speed]]]],
 //  "clock_names": [[name, unit] by clock, by type], "clocks": [[value, since, speed] by clock, by atom],
-//  "end": {"story": text, "cycle": [atom]}}
+//  "is_cut": true if the run goes on, "end": {"story": text, "cycle": [atom]}}
+// Of a live run (compiler/live) steps and candidates are whole rows, with the instant, and with what clocks were set to
+// behind the line.
 #pragma once
 #include <cstdint>
 #include <map>
@@ -53,11 +56,12 @@ class RunRecorder {
 };
 
 /// Takes the session from where it is, which is the initial state, to `steps` moves or to the end of the run, and
-/// returns what happened. Cost: the steps, the candidates of each state (at most kMostCandidates of them), and what
-/// changed.
+/// returns what happened; less if the record became larger than kMostRecord. Cost: the steps, the candidates of each
+/// state (at most kMostCandidates of them), and what changed. Size: equal steps and states are stored once.
 [[nodiscard]] nlohmann::ordered_json record_run(const System& system, rt::DebugSession& session, std::uint64_t steps,
                                                 std::uint64_t seed);
 
 inline constexpr std::uint64_t kMostCandidates = 100;
+inline constexpr std::size_t kMostRecord = std::size_t{64} << 20;
 
 }  // namespace bip::view

@@ -229,6 +229,28 @@ const actions = {
     expect((await page.locator("#canvas .invariant").count()) > 1, "the components of the invariant are not marked");
     expect((await page.locator("#automaton .invariant").count()) > 0, "the places of the invariant are not marked");
   },
+  /** A long run is scrubbed: each position is drawn in every panel within `most` ms on the average. */
+  async scrub(page, most) {
+    const slow = [];
+    for (const key of "12345678".slice(0, await page.locator("#tabs button").count())) {
+      await page.keyboard.press(key);
+      const took = await page.evaluate(async () => {
+        const p = window.page, times = [];
+        for (let k = 0; k < 40; ++k) {
+          const begin = performance.now();
+          p.go(Math.round((p.run.length * ((k * 17) % 40)) / 40));
+          document.body.offsetHeight;
+          times.push(performance.now() - begin);
+          await new Promise((done) => setTimeout(done));
+        }
+        // The first one may draw what all others show.
+        return times.slice(1).reduce((sum, time) => sum + time) / (times.length - 1);
+      });
+      slow.push(key + ": " + took.toFixed(1));
+      expect(took < most, "panel " + key + " takes " + took.toFixed(1) + " ms for a position");
+    }
+    return "ms for a position, by panel: " + slow.join(", ");
+  },
   async levels(page) {
     const count = await page.locator("#levels option").count();
     expect(count > 1, "there is one level only");
@@ -283,10 +305,11 @@ for (const { name, file, address, dark, steps, most } of cases) {
     }));
     expect(paint < most, "the first paint takes " + Math.round(paint) + " ms");
     if (address) await page.waitForFunction(() => window.page.live.greeted);
-    for (const [action, argument] of steps) await actions[action](page, argument);
+    const said = [];
+    for (const [action, argument] of steps) said.push(await actions[action](page, argument));
     await page.screenshot({ path: screenshots + "/" + name + ".png" });
     expect(complaints.length === 0, complaints.join("; "));
-    console.log("ok " + name + " (first paint " + Math.round(paint) + " ms)");
+    console.log("ok " + name + " (first paint " + Math.round(paint) + " ms)" + said.filter(Boolean).map((text) => " " + text).join(""));
   } catch (error) {
     ++failed;
     console.log("FAILED " + name + ": " + String(error.message).split("\n").slice(0, 3).join(" ") + (String(error.stack).match(/drive\.mjs:\d+/) || [""])[0]);

@@ -90,9 +90,12 @@ class Timeline {
       const y = this.row * k + 2, places = this.run.type(atom).places;
       g.fillStyle = ink;
       g.fillText(clipped(this.run.name(atom), 22), 2, y + 12);
+      // Of stays narrower than half a pixel only as many are drawn as can be seen.
+      let drawn = -1;
       stays[atom].forEach(([from, place], n) => {
         const x0 = this.x(from), x1 = n + 1 < stays[atom].length ? this.x(stays[atom][n + 1][0]) : this.x(this.run.length);
-        if (x1 <= x0) return;
+        if (x1 <= x0 || x1 < drawn + 0.5) return;
+        drawn = x1;
         g.fillStyle = PLACE_COLOURS[Math.max(0, places.indexOf(place)) % PLACE_COLOURS.length];
         g.fillRect(x0, y, Math.max(x1 - x0 - 0.5, 0.5), this.row - 4);
         if (x1 - x0 > g.measureText(place).width + 6) {
@@ -121,6 +124,23 @@ class Timeline {
   }
 }
 
+/** Points of a line of steps, at most the first, least, greatest and last of each pixel. */
+function fewer(points, x) {
+  if (points.length < 5000) return points;
+  const out = [];
+  for (let k = 0; k < points.length; ) {
+    const pixel = Math.floor(x(points[k][0]));
+    let low = k, high = k, last = k;
+    for (; last + 1 < points.length && Math.floor(x(points[last + 1][0])) === pixel; ++last) {
+      if (points[last + 1][1] < points[low][1]) low = last + 1;
+      if (points[last + 1][1] > points[high][1]) high = last + 1;
+    }
+    for (const n of [...new Set([k, low, high, last])].sort((a, b) => a - b)) out.push(points[n]);
+    k = last + 1;
+  }
+  return out;
+}
+
 /** Numbers of the run as steps of a line; each variable has its own colour, all share the axes. */
 class Plot {
   constructor(run) {
@@ -131,7 +151,7 @@ class Plot {
   variables() {
     if (this.found) return this.found;
     const seen = new Set();
-    for (const step of this.run.steps) for (const [atom, , values] of step.changes) for (const [row, value] of values) if (!Number.isNaN(Number(value))) seen.add(atom + " " + row);
+    for (const step of new Set(this.run.steps)) for (const [atom, , values] of step.changes) for (const [row, value] of values) if (!Number.isNaN(Number(value))) seen.add(atom + " " + row);
     this.found = [...seen].map((key) => key.split(" ").map(Number)).sort((a, b) => a[0] - b[0] || a[1] - b[1])
       .map(([atom, row]) => [atom, row, this.run.name(atom) + "." + this.run.type(atom).variables[row]]);
     // Clocks are lines, not steps.
@@ -142,6 +162,10 @@ class Plot {
     const variables = this.variables();
     if (variables.length === 0) return panel.replaceChildren("No number changes in this run, and there is no clock.");
     if (!this.chosen) this.chosen = new Set(variables.slice(0, 4).map((v) => v[2]));
+    // The lines are drawn once; then the cursor moves.
+    const drawn = [...this.chosen, this.run.version, this.run.length, panel.clientWidth, panel.clientHeight].join();
+    if (this.drawn === drawn && panel.contains(this.svg)) return this.moveCursor(position);
+    this.drawn = drawn;
     const list = document.createElement("div");
     for (const [, , name] of variables.slice(0, 200)) {
       const label = document.createElement("label"), box = document.createElement("input");
@@ -159,9 +183,15 @@ class Plot {
     }
     list.style.cssText = "max-height:64px;overflow:auto";
     this.position = position;
-    panel.replaceChildren(list, this.lines(panel, position, variables.filter((v) => this.chosen.has(v[2]))));
+    this.svg = this.lines(panel, variables.filter((v) => this.chosen.has(v[2])));
+    panel.replaceChildren(list, this.svg);
+    this.moveCursor(position);
   }
-  lines(panel, position, variables) {
+  moveCursor(position) {
+    const cursor = this.svg.querySelector(".cursor");
+    if (cursor) for (const end of ["x1", "x2"]) cursor.setAttribute(end, this.x(position));
+  }
+  lines(panel, variables) {
     const width = Math.max(300, panel.clientWidth - 24), height = Math.max(120, panel.clientHeight - 90), left = 60, bottom = 20;
     const svg = svgElement("svg", { class: "chart", width, height, role: "img", "aria-label": "values of " + variables.map((v) => v[2]).join(", ") });
     const series = variables.map(([atom, row, , kind]) => kind ? this.run.clockLine(atom, row) : this.run.values(atom, row).map(([at, value]) => [at, Number(value)]).filter(([, value]) => Number.isFinite(value)));
@@ -171,7 +201,7 @@ class Plot {
     if (low === high) high = low + 1;
     const whole = this.run.isTimed ? this.run.instant(this.run.length) : this.run.length;
     const xOfInstant = (instant) => left + (instant / (whole || 1)) * (width - left - 10);
-    const x = (at) => xOfInstant(this.run.isTimed ? this.run.instant(at) : at);
+    const x = (this.x = (at) => xOfInstant(this.run.isTimed ? this.run.instant(at) : at));
     const y = (value) => height - bottom - ((value - low) / (high - low)) * (height - bottom - 12);
     for (const part of [0, 0.5, 1]) {
       const value = low + (high - low) * part;
@@ -188,10 +218,10 @@ class Plot {
         svg.append(svgElement("path", { class: "clock", d: path, fill: "none", "stroke-width": 1.5, stroke: PLACE_COLOURS[k % PLACE_COLOURS.length] }));
         return;
       }
-      points.forEach(([at, value], n) => (path += (n === 0 ? "M" + x(at) + " " + y(value) : "H" + x(at) + "V" + y(value))));
+      fewer(points, x).forEach(([at, value], n) => (path += (n === 0 ? "M" + x(at) + " " + y(value) : "H" + x(at) + "V" + y(value))));
       svg.append(svgElement("path", { d: path + "H" + x(this.run.length), fill: "none", "stroke-width": 2, stroke: PLACE_COLOURS[k % PLACE_COLOURS.length] }));
     });
-    svg.append(svgElement("line", { class: "cursor", x1: x(position), x2: x(position), y1: 0, y2: height - bottom }));
+    svg.append(svgElement("line", { class: "cursor", x1: 0, x2: 0, y1: 0, y2: height - bottom }));
     return svg;
   }
 }

@@ -167,7 +167,7 @@ class Page {
   }
   render() {
     $("scrubber").value = this.position;
-    let where = "step " + this.position + " of " + this.run.length;
+    let where = (this.run.isCut ? "cut: " : "") + "step " + this.position + " of " + this.run.length;
     if (this.run.isTimed) where += ", " + timeText(this.run.instant(this.position));
     $("where").textContent = where;
     for (const id of ["to-begin", "back"]) $(id).disabled = this.position === 0;
@@ -225,7 +225,7 @@ class Page {
       this.run.clocksOf(atom).forEach(([name], k) => {
         if (data.hasChildNodes()) data.append(", ");
         data.append(name + " = ");
-        const wasSet = this.step && (this.step.clocks || []).some(([other, row]) => other === atom && row === k);
+        const wasSet = this.step && (this.run.sets.get(this.position - 1) || []).some(([other, row]) => other === atom && row === k);
         const span = document.createElement("span");
         span.textContent = this.run.clock(this.state, atom, k, this.position);
         if (wasSet) span.className = "changed";
@@ -257,7 +257,7 @@ class Page {
     if (this.live) this.live.showLater(list);
   }
   showSteps(panel) {
-    const around = 200, first = Math.max(0, this.position - around), last = Math.min(this.run.length, this.position + around);
+    const around = 50, first = Math.max(0, this.position - around), last = Math.min(this.run.length, this.position + around);
     const table = document.createElement("table"), body = table.createTBody();
     const add = (position, text) => {
       const row = body.insertRow(), link = document.createElement("button");
@@ -278,7 +278,7 @@ class Page {
   }
   showEnd(panel) {
     const text = document.createElement("pre");
-    text.textContent = (this.run.end && this.run.end.story) || "The run was recorded up to here; it can go on.";
+    text.textContent = (this.run.end && this.run.end.story) || (this.run.isCut ? "The run goes on: more of it would be too large for a page. `bipc trace filter` writes a part, `bipc step` goes anywhere." : "The run was recorded up to here; it can go on.");
     panel.replaceChildren(text);
   }
 }

@@ -2,15 +2,17 @@
 "use strict";
 
 class Run {
-  static stride = 256;
-
   constructor(data) {
     this.atoms = data.atoms; // [path, type]
     this.types = data.types;
     this.connectors = data.connectors; // paths
     const run = data.run;
     this.steps = [];
-    this.candidates = run ? run.candidates : []; // by state: rows of names, or the number of all if there are more
+    this.instants = []; // by step, ns
+    this.sets = new Map(); // by step: what clocks were set to
+    // By state: rows of names, and the number of all. Equal states and steps are one object.
+    this.candidates = run ? run.candidates.map((row) => (run.states ? run.states[row] : row)) : [];
+    this.isCut = Boolean(run && run.is_cut);
     this.names = run ? run.names : [];
     this.end = run ? run.end : null;
     this.isTimed = run ? run.timed : false;
@@ -18,21 +20,39 @@ class Run {
     const first = { places: run ? run.places : data.atoms.map(() => ""), data: run ? run.data : data.atoms.map(() => []), clocks: (run && run.clocks) || [] };
     this.clockNames = (run && run.clock_names) || []; // by type: [name, unit in ns]
     this.kept = [first];
-    if (run) this.append(run.steps);
+    // Kept states are bounded to some millions of texts.
+    this.stride = 256;
+    if (!run) return;
+    const texts = first.places.length + first.data.reduce((sum, row) => sum + row.length, 0);
+    while ((run.steps.length / this.stride) * texts > 4e6) this.stride *= 2;
+    if (!run.rows) return this.append(run.steps);
+    for (const [step, sets] of run.sets || []) this.sets.set(step, sets);
+    this.instants = run.instants || [];
+    const rows = run.rows.map(Run.step), state = this.copy(first);
+    for (const row of run.steps) this.add(state, rows[row]);
   }
-  append(steps) {
+  static step([connector, text, parts, changes, , line]) {
+    return { connector, text, parts, changes, line };
+  }
+  append(rows) {
     const state = this.at(this.length);
-    for (const [connector, text, parts, changes, instant, line, clocks] of steps) {
-      const step = { connector, text, parts, changes, instant, line, clocks };
-      this.apply(state, step);
-      this.steps.push(step);
-      if (this.length % Run.stride === 0) this.kept.push(this.copy(state));
+    for (const row of rows) {
+      this.instants.push(row[4]);
+      if (row[6]) this.sets.set(this.length, row[6]);
+      this.add(state, Run.step(row));
     }
+  }
+  add(state, step) {
+    this.apply(state, step, this.sets.get(this.length));
+    this.steps.push(step);
+    if (this.length % this.stride === 0) this.kept.push(this.copy(state));
   }
   /** The run after the first `from` steps is another one. */
   replace({ from, steps, candidates, names_from, names, end }) {
     this.steps.length = from;
-    this.kept.length = Math.floor(from / Run.stride) + 1;
+    this.instants.length = from;
+    for (const step of this.sets.keys()) if (step >= from) this.sets.delete(step);
+    this.kept.length = Math.floor(from / this.stride) + 1;
     this.candidates.length = from + 1;
     this.candidates.push(...candidates);
     names.forEach((name, k) => (this.names[names_from + k] = name));
@@ -48,18 +68,18 @@ class Run {
   copy(state) {
     return { places: state.places.slice(), data: state.data.map((row) => row.slice()), clocks: state.clocks.map((row) => row.slice()) };
   }
-  apply(state, step) {
+  apply(state, step, sets) {
     for (const [atom, places, values] of step.changes) {
       if (places !== null) state.places[atom] = places;
       for (const [variable, value] of values) state.data[atom][variable] = value;
     }
-    for (const [atom, clock, ...set] of step.clocks || []) state.clocks[atom][clock] = set;
+    for (const [atom, clock, ...set] of sets || []) state.clocks[atom][clock] = set;
   }
   /** The state after so many steps. */
   at(position) {
-    const kept = Math.floor(position / Run.stride);
+    const kept = Math.floor(position / this.stride);
     const state = this.copy(this.kept[kept]);
-    for (let k = kept * Run.stride; k < position; ++k) this.apply(state, this.steps[k]);
+    for (let k = kept * this.stride; k < position; ++k) this.apply(state, this.steps[k], this.sets.get(k));
     return state;
   }
   /** Names and units of the atom's clocks. */
@@ -78,8 +98,8 @@ class Run {
     const unit = this.clocksOf(atom)[clock][1], line = [];
     let now = this.kept[0].clocks[atom][clock];
     line.push([0, this.clockAt(now, unit, 0)]);
-    for (const step of this.steps)
-      for (const [other, row, ...set] of step.clocks || []) {
+    for (const sets of this.sets.values())
+      for (const [other, row, ...set] of sets) {
         if (other !== atom || row !== clock) continue;
         line.push([set[1], this.clockAt(now, unit, set[1])], [set[1], this.clockAt(set, unit, set[1])]);
         now = set;
@@ -114,6 +134,12 @@ class Run {
   }
   /** Values of a variable as [position, value]. */
   values(atom, variable) {
+    const key = atom + " " + variable + " " + (this.version || 0);
+    if (!this.madeValues || this.madeValues.version !== this.version) this.madeValues = { version: this.version, rows: new Map() };
+    if (!this.madeValues.rows.has(key)) this.madeValues.rows.set(key, this.findValues(atom, variable));
+    return this.madeValues.rows.get(key);
+  }
+  findValues(atom, variable) {
     const out = [[0, this.kept[0].data[atom][variable]]];
     this.steps.forEach((step, k) => {
       for (const [changed, , values] of step.changes)
@@ -122,7 +148,7 @@ class Run {
     return out;
   }
   instant(position) {
-    return position === 0 ? 0 : this.steps[position - 1].instant;
+    return position === 0 || !this.isTimed ? 0 : this.instants[position - 1];
   }
 }
 
