@@ -101,7 +101,12 @@ bool build_program(Compilation& c, const BuildArguments& arguments) {
     command.push_back(runtime.library);
   }
   for (const std::string& dir : cpp.include_dirs) command.push_back("-I" + dir);
-  for (const auto* files : {&cpp.sources, &cpp.objects}) command.insert(command.end(), files->begin(), files->end());
+  for (const std::string& file : cpp.sources) {
+    // The C++ compiler takes a file of C for C++ unless it is told.
+    if (std::filesystem::path(file).extension() == ".c") command.insert(command.end(), {"-x", "c", file, "-x", "none"});
+    else command.push_back(file);
+  }
+  command.insert(command.end(), cpp.objects.begin(), cpp.objects.end());
   // Beside the goal, then renamed over it: a program that runs just now is replaced, not written into.
   Result<NewFile> program = NewFile::create(arguments.output);
   if (!program) {
