@@ -14,9 +14,25 @@ enum class Declarations : std::uint8_t { Excluded, Included };
 // hover.cpp
 [[nodiscard]] Reply hover(Workspace& w, const Document& d, std::uint32_t offset);
 
+// lenses.cpp
+[[nodiscard]] Reply code_lenses(Workspace& w, const Document& d);
+[[nodiscard]] Reply folding_ranges(Workspace& w, const Document& d);
+[[nodiscard]] Reply document_highlights(Workspace& w, const Document& d, std::uint32_t offset);
+[[nodiscard]] Json selection_range(Workspace& w, const Document& d, std::uint32_t offset);
+[[nodiscard]] Reply workspace_symbols(Workspace& w, const std::string& query);
+[[nodiscard]] Reply document_links(Workspace& w, const Document& d);
+
+// signature.cpp
+/// The parameters of what is called or instantiated at the offset.
+[[nodiscard]] Reply signature_help(Workspace& w, const Document& d, std::uint32_t offset);
+
 // symbols.cpp
+/// The protocol's SymbolKind; 0: not in an outline.
+[[nodiscard]] int outline_kind(index::SymbolKind kind);
 [[nodiscard]] Reply document_symbols(Workspace& w, const Document& d);
-[[nodiscard]] Reply semantic_tokens(Workspace& w, const Document& d);
+/// Of the names between the offsets.
+[[nodiscard]] Reply semantic_tokens(Workspace& w, const Document& d, std::uint32_t begin = 0,
+                                    std::uint32_t end = ~std::uint32_t{0});
 [[nodiscard]] Json semantic_legend();
 
 // completion.cpp

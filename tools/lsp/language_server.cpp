@@ -27,7 +27,15 @@ Json capabilities(Encoding encoding) {
           {"completionProvider", {{"triggerCharacters", {".", "@"}}}},
           {"documentFormattingProvider", true},
           {"codeActionProvider", {{"codeActionKinds", {"quickfix"}}}},
-          {"semanticTokensProvider", {{"legend", semantic_legend()}, {"full", true}}}};
+          {"codeLensProvider", {{"resolveProvider", false}}},
+          {"foldingRangeProvider", true},
+          {"documentHighlightProvider", true},
+          {"selectionRangeProvider", true},
+          {"workspaceSymbolProvider", true},
+          {"documentLinkProvider", {{"resolveProvider", false}}},
+          {"signatureHelpProvider", {{"triggerCharacters", {"(", ","}}}},
+          {"diagnosticProvider", {{"interFileDependencies", true}, {"workspaceDiagnostics", false}}},
+          {"semanticTokensProvider", {{"legend", semantic_legend()}, {"full", true}, {"range", true}}}};
 }
 
 }  // namespace
@@ -121,13 +129,20 @@ Reply Server::answer(const std::string& method, const Json& params) {
     state_ = State::ShutDown;
     return Json(nullptr);
   }
+  if (method == "workspace/symbol") {
+    const std::string* query = string_member(params, "query");
+    return query == nullptr ? Reply(bad_params("`query` is missing")) : workspace_symbols(workspace_, *query);
+  }
   constexpr std::string_view kOfDocuments = "textDocument/";
   if (!method.starts_with(kOfDocuments)) return RpcError{ErrorCode::MethodNotFound, "no method `" + method + "`"};
   const std::string name = method.substr(kOfDocuments.size());
-  const bool is_whole =
-      name == "documentSymbol" || name == "formatting" || name == "semanticTokens/full" || name == "codeAction";
+  const bool is_whole = name == "documentSymbol" || name == "formatting" || name == "semanticTokens/full" ||
+                        name == "codeAction" || name == "codeLens" || name == "foldingRange" ||
+                        name == "selectionRange" || name == "documentLink" || name == "diagnostic" ||
+                        name == "semanticTokens/range";
   const bool is_at = name == "definition" || name == "references" || name == "hover" || name == "rename" ||
-                     name == "prepareRename" || name == "completion";
+                     name == "prepareRename" || name == "completion" || name == "documentHighlight" ||
+                     name == "signatureHelp";
   if (!is_whole && !is_at) return RpcError{ErrorCode::MethodNotFound, "no method `" + method + "`"};
   if (is_at) return at_position(name, params);
   const std::string* uri = uri_in(params);
@@ -137,12 +152,32 @@ Reply Server::answer(const std::string& method, const Json& params) {
   if (name == "documentSymbol") return document_symbols(workspace_, *d);
   if (name == "formatting") return formatting(workspace_, *d);
   if (name == "semanticTokens/full") return semantic_tokens(workspace_, *d);
+  if (name == "codeLens") return code_lenses(workspace_, *d);
+  if (name == "foldingRange") return folding_ranges(workspace_, *d);
+  if (name == "documentLink") return document_links(workspace_, *d);
+  if (name == "diagnostic") return Json{{"kind", "full"}, {"items", workspace_.diagnostics_in(*d)}};
+  if (name == "selectionRange") return selection_ranges(*d, params);
   const Json* range = member(params, "range");
   const auto begin = range == nullptr ? std::nullopt : position_of(member(*range, "start"));
   const auto end = range == nullptr ? std::nullopt : position_of(member(*range, "end"));
   if (!begin || !end) return bad_params("`range` is two positions");
+  if (name == "semanticTokens/range")
+    return semantic_tokens(workspace_, *d, d->text.clamped_offset(*begin, workspace_.encoding),
+                           d->text.clamped_offset(*end, workspace_.encoding));
   return code_actions(workspace_, *d, d->text.clamped_offset(*begin, workspace_.encoding),
                       d->text.clamped_offset(*end, workspace_.encoding));
+}
+
+Reply Server::selection_ranges(const Document& d, const Json& params) {
+  const Json* positions = member(params, "positions");
+  if (positions == nullptr || !positions->is_array()) return bad_params("`positions` is a list");
+  Json out = Json::array();
+  for (const Json& one : *positions) {
+    const auto at = position_of(&one);
+    if (!at) return bad_params("`positions` is a list of positions");
+    out.push_back(selection_range(workspace_, d, d.text.clamped_offset(*at, workspace_.encoding)));
+  }
+  return out;
 }
 
 Reply Server::at_position(const std::string& method, const Json& params) {
@@ -157,6 +192,8 @@ Reply Server::at_position(const std::string& method, const Json& params) {
     return bad_params("the document has " + std::to_string(d->text.line_count()) + " lines, there is no line " +
                       std::to_string(at->line));
   if (method == "definition") return definition(workspace_, *d, *offset);
+  if (method == "documentHighlight") return document_highlights(workspace_, *d, *offset);
+  if (method == "signatureHelp") return signature_help(workspace_, *d, *offset);
   if (method == "hover") return hover(workspace_, *d, *offset);
   if (method == "completion") return completion(workspace_, *d, *offset);
   if (method == "prepareRename") return prepare_rename(workspace_, *d, *offset);

@@ -36,6 +36,7 @@ class Server {
   void notification(const std::string& method, const Json& params);
   [[nodiscard]] Reply answer(const std::string& method, const Json& params);
   [[nodiscard]] Reply initialize(const Json& params);
+  [[nodiscard]] Reply selection_ranges(const Document& d, const Json& params);
   [[nodiscard]] Reply at_position(const std::string& method, const Json& params);
 
   void did_open(const Json& params);

@@ -4,7 +4,6 @@
 #include "tools/lsp/features.hpp"
 
 namespace bip::lsp {
-namespace {
 
 using index::Index;
 using index::Symbol;
@@ -12,7 +11,6 @@ using index::SymbolId;
 using index::SymbolKind;
 using index::UseKind;
 
-/// The protocol's SymbolKind; 0: not in the outline.
 int outline_kind(SymbolKind kind) {
   switch (kind) {
     case SymbolKind::Package: return 4;
@@ -38,6 +36,8 @@ int outline_kind(SymbolKind kind) {
   }
   return 0;
 }
+
+namespace {
 
 constexpr const char* kTokenTypes[] = {"namespace", "type",     "class",      "interface", "function", "parameter",
                                        "variable",  "property", "enumMember", "event",     "method"};
@@ -107,11 +107,11 @@ Json semantic_legend() {
   return {{"tokenTypes", kTokenTypes}, {"tokenModifiers", {"declaration", "readonly", "modification"}}};
 }
 
-Reply semantic_tokens(Workspace& w, const Document& d) {
+Reply semantic_tokens(Workspace& w, const Document& d, std::uint32_t from, std::uint32_t to) {
   Json data = Json::array();
   Position last;
   for (const index::Use& u : d.analysis.index.uses) {
-    if (u.range.file != d.analysis.file) continue;
+    if (u.range.file != d.analysis.file || u.range.end <= from || u.range.begin >= to) continue;
     const Position begin = d.text.position(u.range.begin, w.encoding);
     const Position end = d.text.position(u.range.end, w.encoding);
     if (begin.line != end.line || begin.character >= end.character) continue;

@@ -52,6 +52,7 @@ void Server::did_change(const Json& params) {
       return log("`didChange` with a change that makes no sense; the document stays as it was");
   }
   d->text = std::move(text);
+  ++d->edits;
   d->version = int_member(*document, "version").value_or(d->version);
   check_later(d->path);
 }

@@ -36,6 +36,7 @@ Document* Workspace::find_path(const std::string& path) {
 }
 
 void Workspace::analyse(Document& d) {
+  d.checked_edits = d.edits;
   pipeline::CompileOptions options;
   options.folders = folders;
   auto c = std::make_unique<pipeline::Compilation>(std::move(options));
@@ -85,7 +86,12 @@ Json Workspace::range(const Analysis& a, SourceRange r) const {
   const std::string* path = a.path_of(r.file);
   const auto open = path == nullptr ? documents_.end() : documents_.find(*path);
   // An open document was checked with the text that it has: any other text here would be a stale answer.
-  if (open != documents_.end() && a.compilation->sources.text(r.file) == open->second->text.str()) {
+  // To compare the texts for each range would be quadratic.
+  const auto is_checked = [&](const Document& d) {
+    return (&d.analysis == &a && r.file == a.file && d.edits == d.checked_edits) ||
+           a.compilation->sources.text(r.file) == d.text.str();
+  };
+  if (open != documents_.end() && is_checked(*open->second)) {
     const Text& text = open->second->text;
     return {{"start", json_of(text.position(r.begin, encoding))}, {"end", json_of(text.position(r.end, encoding))}};
   }
@@ -119,6 +125,15 @@ Json Workspace::diagnostic(const Document& d, const Diagnostic& from) const {
   for (const Help& help : from.helps) add(help.replace.is_valid() ? help.replace : from.range, "help: " + help.text);
   if (!related.empty()) to["relatedInformation"] = std::move(related);
   return to;
+}
+
+Json Workspace::diagnostics_in(const Document& d) const {
+  Json list = Json::array();
+  for (const Diagnostic* found : d.analysis.diagnostics) {
+    const std::string* in = d.analysis.path_of(found->range.file);
+    if (in == nullptr || *in == d.path) list.push_back(diagnostic(d, *found));
+  }
+  return list;
 }
 
 std::vector<Json> Workspace::publish() {

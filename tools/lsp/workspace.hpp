@@ -28,6 +28,7 @@ struct Document {
   std::string uri;
   std::string path;
   std::int64_t version = 0;
+  std::uint64_t edits = 0, checked_edits = 0;  // of the text, and of the one that was checked
   Text text{std::string()};
   Analysis analysis;
   /// Names as they were when the text could last be read: for completion while it cannot.
@@ -49,6 +50,8 @@ class Workspace {
   /// Checks the document and those that use its package. Returns the parameters of publishDiagnostics that are due.
   [[nodiscard]] std::vector<Json> check(const std::string& path);
 
+  /// What the check of an open document found in it.
+  [[nodiscard]] Json diagnostics_in(const Document& d) const;
   /// A range of an analysis in the protocol's form. Files that are not open are read from the analysis' own text.
   [[nodiscard]] Json range(const Analysis& a, SourceRange r) const;
   /// {uri, range}
