@@ -1,5 +1,10 @@
-// Starts bipc-lsp for .bip files and hands the editor's requests to it. All knowledge of the language is in the server.
+// Starts bipc-lsp for .bip files and hands the editor's requests to it, and bipc for what lenses and commands ask. All
+// knowledge of the language is in these two.
 "use strict";
+const { execFile, spawn } = require("child_process");
+const fs = require("fs");
+const os = require("os");
+const path = require("path");
 const vscode = require("vscode");
 const { LanguageClient, TransportKind } = require("vscode-languageclient/node");
 
@@ -31,7 +36,99 @@ async function stop() {
   if (running) await running.stop();
 }
 
+const bipc = () => vscode.workspace.getConfiguration("bip").get("bipc.path", "bipc");
+const folders = () => vscode.workspace.getConfiguration("bip").get("packageFolders", []).flatMap((folder) => ["-I", folder]);
+
+/** The model that a lens or the active editor means; undefined, after a message, if there is none. */
+function modelOf(uri) {
+  const document = uri ? vscode.Uri.parse(uri) : vscode.window.activeTextEditor?.document.uri;
+  if (!vscode.workspace.isTrusted) {
+    vscode.window.showWarningMessage("BIP: models are run in trusted workspaces only.");
+    return undefined;
+  }
+  if (document && document.scheme === "file") return document.fsPath;
+  vscode.window.showWarningMessage("BIP: there is no saved model.");
+  return undefined;
+}
+
+/** A task of bipc: its words are passed one by one, not through a shell. */
+function taskOf(command, args) {
+  const execution = new vscode.ProcessExecution(bipc(), [command, ...folders(), ...args]);
+  return new vscode.Task({ type: "bipc", command, args }, vscode.TaskScope.Workspace, command, "bipc", execution, "$bipc");
+}
+
+async function runTask(command, uri, args) {
+  const model = modelOf(uri);
+  if (!model) return;
+  await vscode.workspace.saveAll(false);
+  await vscode.tasks.executeTask(taskOf(command, ["--diagnostics=short", ...args, model]));
+}
+
+const rootOf = (root) => (root ? ["--root", root] : []);
+const pages = new Set(); // processes that serve a page
+
+/** A live page, in the browser; its process ends with the editor. */
+async function openPage(uri, root) {
+  const model = modelOf(uri);
+  if (!model) return;
+  const page = spawn(bipc(), ["view", "--port", "0", "--diagnostics=short", ...folders(), ...rootOf(root), model]);
+  pages.add(page);
+  let problems = "";
+  page.stderr.on("data", (data) => (problems += data));
+  page.on("error", (error) => vscode.window.showErrorMessage(`BIP: \`${bipc()}\` did not start (${error.message}).`));
+  page.stdout.once("data", (data) => vscode.env.openExternal(vscode.Uri.parse(String(data).trim())));
+  page.on("exit", (code) => {
+    pages.delete(page);
+    if (code) vscode.window.showErrorMessage("BIP: " + problems.split("\n")[0]);
+  });
+}
+
+/** The page of the structure and the automata beside the text; made anew when the model is saved. */
+async function showDiagram(context) {
+  const model = modelOf();
+  if (!model) return;
+  const pane = vscode.window.createWebviewPanel("bip.diagram", path.basename(model), vscode.ViewColumn.Beside, { enableScripts: true, retainContextWhenHidden: true });
+  const draw = () => {
+    const file = path.join(os.tmpdir(), `bip-${process.pid}-${Date.now()}.html`);
+    execFile(bipc(), ["graph", "--diagnostics=short", ...folders(), "-o", file, model], (error, _, problems) => {
+      if (error) return vscode.window.showErrorMessage("BIP: " + problems.split("\n")[0]);
+      pane.webview.html = fs.readFileSync(file, "utf8");
+      fs.unlinkSync(file);
+    });
+  };
+  const saved = vscode.workspace.onDidSaveTextDocument((document) => document.uri.fsPath === model && draw());
+  pane.onDidDispose(() => saved.dispose(), undefined, context.subscriptions);
+  draw();
+}
+
+function startDebugging(uri, root) {
+  const model = modelOf(uri);
+  if (model) return vscode.debug.startDebugging(undefined, { type: "bip", request: "launch", name: path.basename(model), program: model, ...(root ? { root } : {}), folders: vscode.workspace.getConfiguration("bip").get("packageFolders", []) });
+}
+
+function addCommands(context) {
+  const commands = {
+    "bip.run": (uri, root) => runTask("run", uri, ["--limit", "1000", ...rootOf(root)]),
+    "bip.verify": (uri, root) => runTask("verify", uri, rootOf(root)),
+    "bip.verifyProperty": (uri, property) => runTask("verify", uri, ["--property", property]),
+    "bip.explore": (uri, root) => runTask("explore", uri, rootOf(root)),
+    "bip.debug": startDebugging,
+    "bip.view": openPage,
+    "bip.diagram": () => showDiagram(context),
+  };
+  for (const [name, act] of Object.entries(commands)) context.subscriptions.push(vscode.commands.registerCommand(name, act));
+  context.subscriptions.push(
+    vscode.debug.registerDebugAdapterDescriptorFactory("bip", { createDebugAdapterDescriptor: () => new vscode.DebugAdapterExecutable(bipc(), ["dap"]) }),
+    vscode.tasks.registerTaskProvider("bipc", {
+      provideTasks: () => [],
+      resolveTask: (task) => Object.assign(taskOf(task.definition.command, task.definition.args || []), { definition: task.definition }),
+    }),
+    { dispose: () => pages.forEach((page) => page.kill()) },
+  );
+}
+
 async function activate(context) {
+  addCommands(context);
   const restart = async () => {
     await stop();
     await start();
