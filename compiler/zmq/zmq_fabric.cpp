@@ -153,27 +153,35 @@ class ZmqFabric final : public rt::Fabric {
     sockets_ = items_.size();
   }
 
-  // Everything that is there.
+  // Takes a message whole; returns the number of its parts, of which `bytes` is the last. 0: there is none.
+  static int take_parts(void* socket, Bytes& bytes) {
+    int parts = 0;
+    do {
+      if (zmq_msg_recv(&bytes.message, socket, ZMQ_DONTWAIT) < 0) return 0;
+      ++parts;
+    } while (zmq_msg_more(&bytes.message) != 0);
+    return parts;
+  }
+
+  // Everything that is there. Frames have one part; more are of nobody that speaks this protocol.
   void receive(std::vector<rt::Arrival>& arrivals) {
     for (std::uint32_t peer = 0; peer < connected_.size(); ++peer) {
-      for (Bytes bytes; zmq_msg_recv(&bytes.message, connected_[peer].get(), ZMQ_DONTWAIT) >= 0;) {
-        // Frames have one part; more are of nobody that speaks this protocol.
-        if (zmq_msg_more(&bytes.message) == 0) arrivals.push_back({peer, std::string(bytes.view())});
+      Bytes bytes;
+      while (const int parts = take_parts(connected_[peer].get(), bytes)) {
+        if (parts == 1) arrivals.push_back({peer, std::string(bytes.view())});
+        else refused_.fetch_add(1, std::memory_order_relaxed);
       }
     }
     if (!listener_) return;
     for (Bytes identity; zmq_msg_recv(&identity.message, listener_->get(), ZMQ_DONTWAIT) >= 0;) {
       Bytes bytes;
-      bool is_first = true;
-      while (zmq_msg_more(is_first ? &identity.message : &bytes.message) != 0 &&
-             zmq_msg_recv(&bytes.message, listener_->get(), ZMQ_DONTWAIT) >= 0)
-        is_first = false;
-      const char* user = is_first ? nullptr : zmq_msg_gets(&bytes.message, "User-Id");
-      if (user == nullptr) continue;
-      const auto peer = static_cast<std::uint32_t>(std::strtoul(user, nullptr, 10));
+      const bool is_whole = zmq_msg_more(&identity.message) != 0 && take_parts(listener_->get(), bytes) == 1;
+      const char* user = is_whole ? zmq_msg_gets(&bytes.message, "User-Id") : nullptr;
+      const auto peer = user == nullptr ? 0 : static_cast<std::uint32_t>(std::strtoul(user, nullptr, 10));
       // Who says that he is another is not heard, and would get what is the other's.
-      if (identity.view() != identity_of(peer)) continue;
-      arrivals.push_back({peer, std::string(bytes.view())});
+      if (user != nullptr && identity.view() == identity_of(peer))
+        arrivals.push_back({peer, std::string(bytes.view())});
+      else refused_.fetch_add(1, std::memory_order_relaxed);
     }
   }
 

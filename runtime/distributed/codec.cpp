@@ -135,6 +135,11 @@ void Codec::read_cells(ByteReader& reader, u32 atom, std::vector<u64>& cells) co
   for (u32 i = 0; i < rows.size && reader.is_sound(); ++i) cells.push_back(read_cell(reader, rows[i]));
 }
 
+// A transition of the type, with a port: code of another type would touch what is not the atom's.
+bool Codec::has_port(const LinkedType& type, u32 row) const {
+  return row - type.first_transition < type.transition_count && tables_.transitions[row].port != kNone;
+}
+
 void Codec::read(ByteReader& reader, u32 from, Offer& offer) const {
   offer.atom = reader.row(tables_.image->atoms.size);
   if (!reader.is_sound()) return;
@@ -144,13 +149,14 @@ void Codec::read(ByteReader& reader, u32 from, Offer& offer) const {
   offer.n = reader.number();
   const u32 place = reader.row(u64{atom_type.places.size} + 1);
   offer.offer.place = place == 0 ? kNone : place - 1;
-  if (type.simple && place == 0) return reader.refuse();
+  if (type.mark_words == 0 && place == 0) return reader.refuse();
   for (u32 i = 0; i < type.mark_words; ++i) offer.offer.marks.push_back(reader.number());
   const u64 count = reader.count();
   for (u64 i = 0; i < count && reader.is_sound(); ++i) {
     const u32 row = reader.row(tables_.transitions.size());
-    // Of another type's transition the port may be none of this atom.
-    if (reader.is_sound() && tables_.transitions[row].port >= atom_type.ports.size) return reader.refuse();
+    if (!reader.is_sound() || !has_port(type, row)) return reader.refuse();
+    // An automaton offers what leaves its place.
+    if (type.mark_words == 0 && tables_.transitions[row].from != offer.offer.place) return reader.refuse();
     offer.offer.transitions.push_back(row);
   }
   offer.offer.step = reader.number();
@@ -182,8 +188,8 @@ void Codec::read(ByteReader& reader, u32 self, Begin& begin) const {
     part.n = reader.number();
     part.transition = reader.row(tables_.transitions.size());
     part.order = reader.row(kNone);
-    if (!reader.is_sound()) return;
-    if (tables_.transitions[part.transition].port >= tables_.atom_type(part.atom).ports.size) return reader.refuse();
+    const LinkedType& type = tables_.types[tables_.atoms[part.atom].type];
+    if (!reader.is_sound() || !has_port(type, part.transition)) return reader.refuse();
     read_cells(reader, part.atom, part.cells);
     begin.parts.push_back(std::move(part));
   }

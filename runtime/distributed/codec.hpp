@@ -74,6 +74,7 @@ class Codec {
   void read(ByteReader& reader, u32 from, Offer& offer) const;
   void read(ByteReader& reader, u32 self, Begin& begin) const;
   static void read(ByteReader& reader, Control& control);
+  [[nodiscard]] bool has_port(const LinkedType& type, u32 row) const;
   void read_cells(ByteReader& reader, u32 atom, std::vector<u64>& cells) const;
 
   const Tables& tables_;

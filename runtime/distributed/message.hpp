@@ -37,7 +37,6 @@ struct Stop {
 struct Control {
   enum class Kind : std::uint8_t {
     // To a node.
-    Start,   // what the run is: see Launcher
     Credit,  // begin so many steps more
     Recall,  // give back what credit is not needed
     Count,   // round
@@ -57,7 +56,7 @@ struct Control {
     Atom,     // a last state: atom, place, marks, then its variables' bits; their strings
     Finished  // what it counted
   };
-  Kind kind = Kind::Start;
+  Kind kind = Kind::Credit;
   std::vector<u64> numbers;
   std::vector<std::string> texts;
 };

@@ -5,9 +5,10 @@
 // ordering of events in a distributed system", CACM 1978): every frame carries it. The time of day is given by who
 // calls.
 #pragma once
-#include <memory>
+#include <algorithm>
 #include <vector>
 
+#include "runtime/core/time/interval.hpp"
 #include "runtime/distributed/codec.hpp"
 #include "runtime/distributed/fabric.hpp"
 

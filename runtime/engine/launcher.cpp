@@ -75,7 +75,8 @@ class Launcher {
     }
     station_->send(wall_clock());
     end(initial);
-    station_->tick(kForever - 1);
+    // What they said last has come: they may go.
+    for (u32 node = 0; node < members_.size(); ++node) station_->greet(node);
     team_.wait_for_all(1000);
     return std::move(result_);
   }
@@ -201,6 +202,7 @@ class Launcher {
       }
       case Control::Kind::Begun:
         member.is_idle = false;
+        ++member.steps;
         if (writes_ && !merge_.take_begun(heard.from, *control)) ++odd_;
         return;
       case Control::Kind::Landed:
@@ -220,7 +222,6 @@ class Launcher {
         result_.refused += number(7);
         result_.cpu[heard.from] = number(8);
         return;
-      case Control::Kind::Start:
       case Control::Kind::Credit:
       case Control::Kind::Recall:
       case Control::Kind::Count:

@@ -1,5 +1,5 @@
-// The launcher of a distributed run: starts the nodes as processes (node_process.hpp), or meets those that run already,
-// gives out the steps that --limit allows, puts the steps of all nodes in one order, and finds out how the run ends.
+// The launcher of a distributed run: starts the nodes as processes (node_process.hpp), gives out the steps that --limit
+// allows, puts the steps of all nodes in one order, and finds out how the run ends.
 //
 // It is no part of a step. Steps are written in the order of their clocks as soon as no earlier one can come and all of
 // their parts have ended; that is a run of the sequential semantics, as with simulated.hpp. The run has ended when all
@@ -14,16 +14,11 @@
 
 namespace bip::rt {
 
-/// Nodes that others start, on any computer.
-struct Deployment {
-  FabricPlan plan;  // of the launcher: the last peer
-};
-
 struct DistributedResult : SimulatedResult {
-  std::string error;             // the run could not begin, or all nodes are lost; one line
-  u64 bytes = 0, refused = 0;    // of frames; frames and connections
-  std::vector<u64> cpu;          // by node: microseconds
-  i64 started = 0, noticed = 0;  // ns until all nodes were there; from the end of a process to its notice
+  std::string error;           // why the run could not begin; empty: it could
+  u64 bytes = 0, refused = 0;  // of frames; frames and connections
+  std::vector<u64> cpu;        // by node: microseconds
+  i64 started = 0;             // ns until all nodes were there
 };
 
 /// Of an initialized core without time. Leaves the core in the last state; core.fault() tells of a fault.

@@ -118,7 +118,6 @@ void NodeProcess::take_control(const Control& control) {
       return;
     case Control::Kind::Finish: return say_last_state();
     case Control::Kind::Beat: return say(Control::Kind::Beat, {station_.clock(), steps_});
-    case Control::Kind::Start:
     case Control::Kind::Ready:
     case Control::Kind::Idle:
     case Control::Kind::Want:

@@ -24,7 +24,6 @@ enum class Engine : std::uint8_t { Sequential, Threads, Batch, Simulated, Distri
 enum class OnLoss : std::uint8_t { Stop, GoOn };
 struct Placement;
 class FabricFactory;
-struct Deployment;
 
 struct RunOptions {
   std::uint64_t seed = 0;
@@ -42,8 +41,6 @@ struct RunOptions {
   std::string network_faults;  // what goes wrong (runtime/distributed/faults.hpp)
   OnLoss on_loss = OnLoss::Stop;
   const FabricFactory* fabrics = nullptr;  // of processes (runtime/distributed/fabric.hpp); null: there is no network
-  const Deployment* deployment =
-      nullptr;  // nodes that run already (runtime/engine/launcher.hpp); null: they are started
   // Models with time. Without `speed` time is logical: nothing sleeps.
   bool asap = false;     // each step at the first instant at which one is possible
   double speed = 0;      // model seconds a second of the wall clock

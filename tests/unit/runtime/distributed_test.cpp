@@ -139,11 +139,11 @@ TEST_CASE("frames come back as they were, and odd bytes are refused") {
     for (const u32 cell : distribution.cells[atom]) cells.push_back(core.cell(cell).bits + (u64{1} << 40));
     return cells;
   };
-  u32 row = 0;
-  const LinkedTransition& transition = core.tables().transitions[row];
-  AtomOffer at_rest{transition.from, {}, {row}, 5, 1};
-  frame.messages = {Offer{0, 4, at_rest, cells_of(0)}, Begin{12, {Part{1, 2, row, 1, cells_of(1)}}}, Stop{~u64{0}},
-                    Control{Control::Kind::Begun, {1, ~u64{0}, 0}, {"a text", ""}}};
+  const auto first_of = [&](u32 atom) { return core.tables().types[core.tables().atoms[atom].type].first_transition; };
+  const u32 row = first_of(0), taken_row = first_of(1);
+  AtomOffer at_rest{core.tables().transitions[row].from, {}, {row}, 5, 1};
+  frame.messages = {Offer{0, 4, at_rest, cells_of(0)}, Begin{12, {Part{1, 2, taken_row, 1, cells_of(1)}}},
+                    Stop{~u64{0}}, Control{Control::Kind::Begun, {1, ~u64{0}, 0}, {"a text", ""}}};
   std::string bytes;
   codec.write(frame, bytes);
   Frame read;
@@ -177,6 +177,10 @@ TEST_CASE("frames come back as they were, and odd bytes are refused") {
   CHECK(refused(Offer{1, 4, at_rest, cells_of(1)}));
   CHECK(refused(Begin{12, {Part{0, 2, row, 1, cells_of(0)}}}));
   CHECK(refused(Begin{12, {Part{1, 2, static_cast<u32>(core.tables().transitions.size()), 1, cells_of(1)}}}));
+  // Of an atom of another type: its code would touch what is not the atom's.
+  u32 other = 2;
+  while (first_of(other) == first_of(1)) ++other;
+  CHECK(refused(Begin{12, {Part{1, 2, first_of(other), 1, cells_of(1)}}}));
   AtomOffer odd_place = at_rest;
   odd_place.place = 1000;
   CHECK(refused(Offer{0, 4, odd_place, cells_of(0)}));
