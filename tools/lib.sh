@@ -40,12 +40,11 @@ configure_and_build() {
   # On a terminal one line that changes; piped, a line each ten steps, with an estimate of the time that is left. What a
   # failing step says is shown whole.
   ninja -C "$build_dir" -j"$jobs" "$@" 2>&1 9>&- | awk -v terminal=$terminal '
-    function now() { srand(); return srand() }
-    BEGIN { start = now() }
+    BEGIN { start = systime() }
     /^ninja: (Entering|no work)/ || /Re-checking globbed|Re-running CMake/ || /^-- / { next }
     /^\[[0-9]+\/[0-9]+\] / {
       split($1, n, /[\[\/\]]/)
-      spent = now() - start
+      spent = systime() - start
       left = n[2] < 3 ? "" : sprintf("  (%d s, about %d s left)", spent, spent * (n[3] - n[2]) / n[2] + 0.5)
       if (terminal) { printf "\r\033[K%.90s%s", $0, left; open = 1 }
       else if (n[2] % 10 == 0 || n[2] == n[3]) print $0 left

@@ -67,11 +67,22 @@ std::size_t first_problem(const std::string& said) {
   return 0;
 }
 
+// A class has an alias of ours, which GCC names first: "‘using a = struct T’ {aka ‘struct T’}" becomes "‘struct T’".
+std::string without_alias(std::string error) {
+  constexpr std::string_view kAlias = "‘using ", kMeant = "’ {aka ";
+  const std::size_t begin = error.find(kAlias);
+  const std::size_t meant = begin == std::string::npos ? begin : error.find(kMeant, begin);
+  const std::size_t end = meant == std::string::npos ? meant : error.find('}', meant);
+  if (end == std::string::npos) return error;
+  error.erase(end, 1);
+  return error.erase(begin, meant + kMeant.size() - begin);
+}
+
 std::string first_error(const std::string& said) {
   const std::size_t at = first_problem(said);
   const std::string error = said.substr(at, said.find('\n', at) - at);
   // It would suggest our wrapper.
-  return error.substr(0, error.find("; did you mean"));
+  return without_alias(error.substr(0, error.find("; did you mean")));
 }
 
 DiagnosticBuilder missing_file(Compilation& c, const std::string& name) {

@@ -5,7 +5,7 @@
 
 - walks: five ways through the first lesson, as a reader may go it: get the model, run it, see the deadlock in the page, repair it, prove the
   repair. Each takes at most 12 commands, the installation included, and few seconds. The installation itself is one command that is counted
-  but not executed here: tools/try_package installs the package in a bare Debian.
+  but not executed here: tools/try_package installs the package in a bare Debian, and walks there ($BIPC_MODELS: the models of the package).
 - exercises: `bipc check --lesson N` accepts tests/book/solutions/lessonNN.bip (or lessonNN_K.bip, for one exercise each), refuses each exercise for
   the lesson's own model, and has a hint for every check; each lesson has two exercises. Of rules, the level that they make is judged.
 - site: tools/docs makes the site without a warning, each page is known to its search, and nothing is asked of the network. Needs Sphinx
@@ -28,7 +28,7 @@ BIPC = os.path.abspath(os.environ.get("BIPC") or BUILD / "bipc")
 BOOK = ROOT / "compiler/docs/book"
 
 INSTALL = "sudo apt install ./bipc_*.deb"
-COPY = f"cp -r {ROOT}/models/tutorial models && cd models"
+COPY = f"cp -r {os.environ.get('BIPC_MODELS') or ROOT / 'models'}/tutorial models && cd models"
 MOST_COMMANDS = 12
 MOST_SECONDS = 60  # of each walk: 1 or 2 here, more under sanitizers
 DEADLOCK = r"2 components wait for each other"

@@ -229,7 +229,7 @@ const actions = {
     expect((await page.locator("#canvas .invariant").count()) > 1, "the components of the invariant are not marked");
     expect((await page.locator("#automaton .invariant").count()) > 0, "the places of the invariant are not marked");
   },
-  /** A long run is scrubbed: each position is drawn in every panel within `most` ms on the average. */
+  /** A long run is scrubbed in every panel. What it takes is printed; `most` ms only tell what draws all steps. */
   async scrub(page, most) {
     const slow = [];
     for (const key of "12345678".slice(0, await page.locator("#tabs button").count())) {
