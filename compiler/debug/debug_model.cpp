@@ -1,4 +1,5 @@
 // See debug_model.hpp.
+#include "compiler/base/ascii.hpp"
 #include "compiler/debug/debug_model.hpp"
 
 #include <algorithm>
@@ -36,12 +37,6 @@ std::uint32_t row_of_name(const Rows& rows, std::string_view name) {
 
 bool is_number_text(std::string_view text) {
   return !text.empty() && text.size() <= 9 && text.find_first_not_of("0123456789") == std::string_view::npos;
-}
-
-std::string_view trimmed(std::string_view text) {
-  while (text.starts_with(' ')) text.remove_prefix(1);
-  while (text.ends_with(' ')) text.remove_suffix(1);
-  return text;
 }
 
 std::string_view file_name(std::string_view path) { return path.substr(path.rfind('/') + 1); }

@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <optional>
@@ -25,7 +26,8 @@ std::optional<library::Verdict> first_runs(const library::VerifyRequest& request
                                            const verify::Question& question) {
   const bool asks_errors = question.what == verify::QuestionKind::NoErrors;
   if (!asks_errors && question.what != verify::QuestionKind::DeadlockFreedom) return std::nullopt;
-  const auto seconds = static_cast<unsigned>(request.timeout / kShareOfRuns + 1);
+  const double limit = request.wall_timeout > 0 ? std::min(request.timeout, request.wall_timeout) : request.timeout;
+  const auto seconds = static_cast<unsigned>(limit / kShareOfRuns + 1);
   const std::optional<std::string> run =
       run_to_end(c, request.backend, asks_errors ? rt::End::Fault : rt::End::Deadlock, seconds);
   if (!run) return std::nullopt;

@@ -30,7 +30,10 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
           },
           ""))
       ->type_name("none|weak|strong|weak:atoms|strong:atoms");
-  add_number(*command, "--timeout", a.timeout, "give up after SECONDS of processor time (default: 60)", "SECONDS");
+  add_number(*command, "--timeout", a.timeout,
+             "give up after SECONDS of processor time, of all threads together (default: 60)", "SECONDS");
+  add_number(*command, "--wall-timeout", a.wall_timeout,
+             "give up after SECONDS of wall-clock time too (default: no limit)", "SECONDS");
   add_number(*command, "--memory", a.megabytes,
              "memory limit for the states that a search stores, and for the circuit (default: 2048)", "MB");
   command
@@ -84,7 +87,7 @@ void add_explore(CLI::App& app, ExploreArguments& a) {
   add_number(*command, "--threads", a.threads, "number of worker threads (default: one per processor)");
   add_number(*command, "--memory", a.megabytes,
              "memory limit of the search (default: three quarters of the free memory)", "MB");
-  add_number(*command, "--timeout", a.seconds, "stop after SECONDS (default: no limit)", "SECONDS");
+  add_number(*command, "--timeout", a.seconds, "stop after SECONDS of wall-clock time (default: no limit)", "SECONDS");
   add_number(*command, "--limit", a.explore.limit, "stop after N states (default: no limit)");
   command->add_flag("--json", a.json, "print the result as JSON");
   command

@@ -100,7 +100,7 @@ void add_rules(CLI::App& app, GenomArguments& a) {
       ->type_name("");
   command->add_flag("--prove", a.prove,
                     "first search for services that the rules never admit, and name the rules responsible");
-  command->add_option("--timeout", a.timeout, "time limit of --prove in seconds (default: 60)")
+  command->add_option("--timeout", a.timeout, "time limit of --prove in seconds of processor time (default: 60)")
       ->check(is_number(1, 100000000))
       ->type_name("S");
   add_generation(command, a);

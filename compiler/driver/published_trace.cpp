@@ -6,17 +6,13 @@
 #include <cctype>
 #include <charconv>
 
+#include "compiler/base/ascii.hpp"
+
 namespace bip::driver {
 namespace {
 
 constexpr std::string_view kPrefix = "[BIP ENGINE]:";
 constexpr std::string_view kAtTime = " at global time ";
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.front())) != 0) text.remove_prefix(1);
-  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back())) != 0) text.remove_suffix(1);
-  return text;
-}
 
 // The number at the front, taken off. False if there is none.
 bool take_number(std::string_view& text, std::uint64_t& number) {

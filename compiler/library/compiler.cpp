@@ -329,6 +329,7 @@ Verdict Model::verify(const VerifyOptions& options) const {
   library::VerifyRequest request;
   request.backend = backend_of(impl_->options.backend);
   request.timeout = options.timeout;
+  request.wall_timeout = options.wall_timeout;
   request.megabytes = options.megabytes;
   request.property = options.property;
   if (!options.fairness.empty()) {

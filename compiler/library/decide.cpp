@@ -140,7 +140,9 @@ std::optional<Verdict> decide_initial_fault(const Compilation& c, const verify::
 }
 
 Verdict decide(const VerifyRequest& request, Compilation& c, const verify::Question& question, const std::string& note,
-               const verify::CancellationToken& token, const verify::Report& report) {
+               const verify::CancellationToken& asked, const verify::Report& report) {
+  const verify::CancellationToken token =
+      request.wall_timeout > 0 ? asked.within_wall_clock(request.wall_timeout) : asked;
   if (question.what == verify::QuestionKind::Runs) return decide_liveness(request, c, question, note, token, report);
   if (system::is_timed(*c.system)) return decide_timed(request, c, question, note, token);
   verify::PortfolioLimits limits;

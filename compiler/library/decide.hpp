@@ -15,7 +15,8 @@ using namespace pipeline;
 
 struct VerifyRequest {
   Backend backend = Backend::Auto;
-  double timeout = 60;             // seconds
+  double timeout = 60;             // seconds of the processor
+  double wall_timeout = 0;         // seconds of wall-clock time; 0: no limit
   std::uint64_t megabytes = 2048;  // of the states that a search keeps
   std::string property;            // empty: deadlock-freedom
   verify::Fairness fairness;       // of properties of runs

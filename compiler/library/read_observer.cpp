@@ -5,6 +5,9 @@
 #include <optional>
 #include <string_view>
 
+#include <fmt/format.h>
+
+#include "compiler/base/ascii.hpp"
 #include "compiler/verify/property/property.hpp"
 
 namespace bip::library {
@@ -42,11 +45,6 @@ std::optional<std::string> after(std::string_view words, std::string_view text) 
   }
 }
 
-std::string trimmed(const std::string& text) {
-  const std::size_t begin = text.find_first_not_of(" \t"), end = text.find_last_not_of(" \t");
-  return begin == std::string::npos ? "" : text.substr(begin, end - begin + 1);
-}
-
 Result<rt::Observer> read_count(const std::string& name, const System& system, rt::Observer observer) {
   const auto is_called = [&](const std::string& path) { return path == name || path == "ROOT." + name; };
   for (std::size_t row = 0; row < system.connectors.size(); ++row) {
@@ -73,12 +71,13 @@ Result<rt::Observer> read_count(const std::string& name, const System& system, r
 
 Result<rt::Observer> read_observer(const std::string& text, const System& system) {
   rt::Observer observer;
-  observer.text = trimmed(text);
-  if (const auto name = after("count", text)) return read_count(trimmed(*name), system, std::move(observer));
+  observer.text = std::string(trimmed(text));
+  if (const auto name = after("count", text))
+    return read_count(std::string(trimmed(*name)), system, std::move(observer));
   for (const Form& form : kExpressionForms) {
     const std::optional<std::string> rest = after(form.words, text);
     if (!rest) continue;
-    const std::string expression_text = trimmed(*rest);
+    const std::string expression_text(trimmed(*rest));
     if (expression_text.empty()) break;
     Result<verify::Property> expression = verify::parse_value(expression_text, system);
     if (!expression) return Failure{"`" + expression_text + "`, " + expression.error()};
@@ -94,8 +93,9 @@ Result<rt::Observer> read_observer(const std::string& text, const System& system
 
 Result<std::function<bool(const rt::Core&)>> read_condition(const std::string& text, const System& system) {
   Result<verify::Property> expression = verify::parse_value(text, system);
-  if (!expression) return Failure{"`" + trimmed(text) + "`, " + expression.error()};
-  if (!verify::is_condition(*expression)) return Failure{"`" + trimmed(text) + "` is a number, not a condition"};
+  if (!expression) return Failure{fmt::format("`{}`, {}", trimmed(text), expression.error())};
+  if (!verify::is_condition(*expression))
+    return Failure{fmt::format("`{}` is a number, not a condition", trimmed(text))};
   return std::function<bool(const rt::Core&)>(
       [property = std::make_shared<const verify::Property>(std::move(*expression))](const rt::Core& core) {
         return verify::value_in(*property, core) != 0;

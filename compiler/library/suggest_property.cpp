@@ -30,12 +30,6 @@ constexpr std::string_view kWords[] = {"never", "always", "can",   "happens", "e
 
 bool is_name_char(char c) { return is_letter(c) || is_digit(c) || c == '_'; }
 
-std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t\n");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\n") - first + 1);
-}
-
 /// `deadlok`, `deadlock-free`, `A[] not deadlock`, `error`; empty if the text speaks of something else.
 std::string meant_question(std::string_view text) {
   std::vector<std::string> words(1);

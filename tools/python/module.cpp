@@ -381,12 +381,13 @@ PYBIND11_MODULE(_bipc, m) {
              return found;
            })
       .def("_verify",
-           [](PyModel& p, const std::string& property, bool partial, double timeout, std::uint64_t megabytes,
-              bool certificate, bool explains, const std::string& fairness) {
+           [](PyModel& p, const std::string& property, bool partial, double timeout, double wall_timeout,
+              std::uint64_t megabytes, bool certificate, bool explains, const std::string& fairness) {
              bc::VerifyOptions options{.property = property,
                                        .fairness = fairness,
                                        .partial = partial,
                                        .timeout = timeout,
+                                       .wall_timeout = wall_timeout,
                                        .megabytes = megabytes,
                                        .wants_certificate = certificate,
                                        .explains = explains,

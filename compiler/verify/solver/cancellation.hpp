@@ -6,7 +6,8 @@
 // deadline of its own, so that proofs in one process stop independently of each other. Nothing here is global.
 //
 // Time is the processor time of the whole process, all threads together: an answer within a limit does not depend on
-// what else the machine does, and a limit that two threads share is used up in half the time. Reading the clock is a
+// what else the machine does, and a limit that two threads share is used up in half the time. A person who waits may
+// set a second deadline, of wall-clock time. Reading the clock is a
 // system call: poll it now and then, not at every step.
 #pragma once
 #include <algorithm>
@@ -65,23 +66,36 @@ class CancellationToken {
     return sooner;
   }
 
+  /// Returns a token of the same source that ends in `seconds` of wall-clock time, or with this one if that is sooner.
+  [[nodiscard]] CancellationToken within_wall_clock(double seconds) const {
+    CancellationToken sooner = *this;
+    if (seconds < kMaxSeconds)
+      sooner.wall_deadline_ =
+          std::min(wall_deadline_, WallClock::now() + std::chrono::duration_cast<WallClock::duration>(
+                                                          std::chrono::duration<double>(std::max(seconds, 0.0))));
+    return sooner;
+  }
+
   /// Was the source cancelled? A passed deadline is no cancellation. Cost: one load.
   [[nodiscard]] bool is_cancelled() const noexcept { return source_ != nullptr && source_->is_cancelled(); }
   /// Must the holder stop: cancelled, or past the deadline? Cost: up to one system call.
   [[nodiscard]] bool is_over() const { return seconds_left() <= 0; }
-  /// Returns the seconds of processor time to the deadline, at most `kMaxSeconds`; 0 if cancelled, negative or 0 past
-  /// the deadline.
+  /// Returns the seconds of processor time to the deadline, at most `kMaxSeconds`; 0 if cancelled or past a deadline of
+  /// wall-clock time, negative or 0 past the deadline.
   [[nodiscard]] double seconds_left() const {
     if (is_cancelled()) return 0;
+    if (wall_deadline_ != WallClock::time_point::max() && WallClock::now() >= wall_deadline_) return 0;
     if (deadline_ == ProcessClock::time_point::max()) return kMaxSeconds;
     return std::chrono::duration<double>(deadline_ - ProcessClock::now()).count();
   }
 
  private:
+  using WallClock = std::chrono::steady_clock;
   /// Three years: what is more counts as no deadline, and does not overflow the clock's nanoseconds.
   static constexpr double kMaxSeconds = 1e8;
   const CancellationSource* source_ = nullptr;
   ProcessClock::time_point deadline_ = ProcessClock::time_point::max();
+  WallClock::time_point wall_deadline_ = WallClock::time_point::max();
 };
 
 /// Returns a token that cannot be cancelled and ends in `seconds` of processor time.

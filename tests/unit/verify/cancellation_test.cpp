@@ -105,6 +105,11 @@ void ignore_progress(const char*, std::uint64_t, const char*) {}
 TEST_CASE("a token is over when its own source is cancelled or its deadline has passed") {
   verify::CancellationSource mine, other;
   const verify::CancellationToken token(mine), soon = token.within(0), later = token.within(1e6);
+  CHECK(token.within_wall_clock(0).is_over());
+  CHECK(!token.within_wall_clock(1e6).is_over());
+  CHECK(token.within_wall_clock(0).within(1e6).is_over());
+  CHECK(!token.within_wall_clock(0).is_cancelled());
+  CHECK(!token.is_over());
   CHECK_FALSE(token.is_over());
   CHECK(soon.is_over());
   CHECK_FALSE(soon.is_cancelled());

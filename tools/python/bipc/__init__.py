@@ -134,14 +134,14 @@ class Model:
         """Visits all reachable states, of a model with clocks all zones, and returns an `Exploration`."""
         return self._model._explore(max_states, seconds, megabytes, threads, reduction, maximal_progress, trust_cpp)
 
-    def verify(self, property="", *, partial=False, timeout=60.0, megabytes=2048, certificate=False, explain=False, fair="none"):
+    def verify(self, property="", *, partial=False, timeout=60.0, wall_timeout=0.0, megabytes=2048, certificate=False, explain=False, fair="none"):
         """Decides a property: "" (deadlock-freedom), "errors", "never EXPR", "always EXPR", or of runs: "eventually EXPR", "EXPR leads to EXPR" and the like.
         Returns a `Verdict`; raises ValueError if it is none. fair: the runs that count for a property of runs, "none" (all), "weak", "strong", "weak:atoms" or
         "strong:atoms"; `counterexample.cycle` is the number of the first step that repeats for ever.
 
-        timeout: seconds of the processor. certificate: `Verdict.certificate` is a text for certcheck. explain: the invariants are part of `text`.
+        timeout: seconds of the processor; wall_timeout: of wall-clock time, 0 means no limit. certificate: `Verdict.certificate` is a text for certcheck. explain: the invariants are part of `text`.
         """
-        return self._model._verify(property, partial, timeout, megabytes, certificate, explain, fair)
+        return self._model._verify(property, partial, timeout, wall_timeout, megabytes, certificate, explain, fair)
 
     def graph(self, format="dot", part="all"):
         """The system as "svg", "dot" or "json"; part: "all", "structure" (components and connectors) or "automata"."""

@@ -92,8 +92,9 @@ struct VerifyOptions {
   std::string property;
   // Properties of runs: which count. "none" or empty, "weak", "strong", "weak:atoms", "strong:atoms".
   std::string fairness;
-  bool partial = false;  // instead: does a component wait for ever while others move?
-  double timeout = 60;   // seconds of the processor
+  bool partial = false;     // instead: does a component wait for ever while others move?
+  double timeout = 60;      // seconds of the processor
+  double wall_timeout = 0;  // seconds of wall-clock time; 0: no limit
   std::uint64_t megabytes = 2048;
   bool wants_certificate = false;  // for certcheck; takes longer
   bool explains = false;           // the invariants of the proof are part of the text
