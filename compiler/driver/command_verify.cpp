@@ -17,6 +17,7 @@
 #include "compiler/driver/check_outputs.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/emit_stage.hpp"
+#include "compiler/pipeline/cache_folder.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/driver/read_question.hpp"
 #include "compiler/library/decide.hpp"
@@ -121,6 +122,7 @@ int command_verify(const VerifyArguments& arguments) {
   request.wants_run = arguments.json;
   const std::optional<std::vector<NamedQuestion>> questions = read_questions(arguments, *c.system);
   if (!questions || !may_write_files(arguments, *questions)) return kUsage;
+  if (request.reuses) warn_of_unusable_cache(c, c.options.cache);
   const std::string note = library::remove_unread_cpp(request, c, data_of(*questions));
   std::vector<NamedVerdict> verdicts;
   bool are_answered = true;

@@ -38,6 +38,17 @@ class SoundPart {
   std::vector<const syntax::Decl*> find() {
     for (const Diagnostic* d : compilation_.diags.sorted())
       if (d->severity == Severity::Error && !drop_at(d->range)) return {};
+    return close();
+  }
+  /// The same, where declarations with names that are not known cannot be judged. Other errors are ignored.
+  std::vector<const syntax::Decl*> find_known(const std::vector<const Diagnostic*>& unknown) {
+    for (const Diagnostic* d : unknown) (void)drop_at(d->range);
+    return close();
+  }
+
+ private:
+  // Drops what names a dropped declaration.
+  std::vector<const syntax::Decl*> close() {
     for (std::size_t k = 0; k < decls_.size(); ++k) {
       if (dropped_[k]) continue;
       each_word(compilation_.sources.text(decls_[k]->range), [&](std::string_view word) { users_[word].push_back(k); });
@@ -56,7 +67,6 @@ class SoundPart {
     return sound;
   }
 
- private:
   // What stands between two declarations belongs to the one before: recovery skips it.
   bool drop_at(SourceRange range) {
     if (!range.is_valid() || range.file != compilation_.file || decls_.empty() ||
@@ -101,12 +111,34 @@ class SoundPart {
   std::vector<std::string_view> open_;
 };
 
-void copy(const Diagnostic& from, Diagnostics& to) {
+DiagnosticBuilder copy(const Diagnostic& from, Diagnostics& to) {
   DiagnosticBuilder d = to.add(from.kind, from.range, from.message);
   if (!from.label.empty()) d.label(from.label);
   for (const Label& label : from.labels) d.label(label.range, label.text);
   for (const std::string& note : from.notes) d.note(note);
   for (const Help& help : from.helps) d.help(help.text, help.replace, help.with);
+  return d;
+}
+
+// Errors that a package which is not there may cause: its types, functions, constants and operators are not known.
+bool is_unknown_name(const Diagnostic& d) {
+  constexpr Diag kUnknown[] = {Diag::kB1001, Diag::kB1003, Diag::kB1005, Diag::kB1006, Diag::kB1042};
+  return std::find(std::begin(kUnknown), std::end(kUnknown), d.kind) != std::end(kUnknown);
+}
+
+// "`Thing`, `Two`": names of which nothing is known, in the order of the file.
+std::string listed_names(const std::vector<const Diagnostic*>& unknown, const SourceMap& sources) {
+  constexpr std::size_t kListed = 8;
+  std::vector<std::string_view> names;
+  for (const Diagnostic* d : unknown) {
+    const std::string_view name = sources.text(d->range);
+    if (!name.empty() && begins_word(name.front()) && std::find(names.begin(), names.end(), name) == names.end())
+      names.push_back(name);
+  }
+  std::string text;
+  for (std::size_t k = 0; k < std::min(names.size(), kListed); ++k)
+    text += fmt::format("{}`{}`", k == 0 ? "" : ", ", names[k]);
+  return text + (names.size() > kListed ? ", …" : "");
 }
 
 }  // namespace
@@ -132,7 +164,35 @@ void check_rest(Compilation& c) {
   c.used.clear();
   std::swap(syntax_errors, c.diags);
   for (const Diagnostic* d : others.sorted())
-    if (d->severity == Severity::Error) copy(*d, c.diags);
+    if (d->severity == Severity::Error) (void)copy(*d, c.diags);
+}
+
+void check_without_missing(Compilation& c) {
+  const auto is_missing = [&](const Diagnostic* d) { return d->kind == Diag::kB1060 && d->range.file == c.file; };
+  const std::vector<const Diagnostic*> reported = c.diags.sorted();
+  if (reported.empty() || !std::all_of(reported.begin(), reported.end(), is_missing)) return;
+  Diagnostics others;
+  (void)model::build_model(c.packages, c.sources, others);
+  std::vector<const Diagnostic*> unknown;
+  for (const Diagnostic* d : others.sorted())
+    // `p.v` is a variable of a port, whose type is known or told itself.
+    if (is_unknown_name(*d) && d->range.file == c.file && c.sources.text(d->range).find('.') == std::string_view::npos)
+      unknown.push_back(d);
+  const std::vector<const syntax::Decl*> sound = SoundPart(c).find_known(unknown);
+  const auto is_judged = [&](SourceRange range) {
+    return std::any_of(sound.begin(), sound.end(), [&](const syntax::Decl* decl) {
+      return decl->range.file == range.file && decl->range.begin <= range.begin && range.begin < decl->range.end;
+    });
+  };
+  Diagnostics all;
+  const std::string names = listed_names(unknown, c.sources);
+  for (const Diagnostic* d : reported) {
+    DiagnosticBuilder missing = copy(*d, all);
+    if (d == reported.front() && !names.empty()) missing.note("not known without it: " + names);
+  }
+  for (const Diagnostic* d : others.sorted())
+    if (d->severity == Severity::Error && is_judged(d->range)) (void)copy(*d, all);
+  std::swap(c.diags, all);
 }
 
 }  // namespace bip::pipeline

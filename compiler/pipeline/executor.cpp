@@ -50,6 +50,7 @@ CacheOptions Executor::cache_of(const Compilation& c) const {
 bool Executor::prepare(Compilation& c, Backend backend, Optimisation optimisation, ForDebuggers for_debuggers) {
   const StageScope doing("preparing the code of", c.path);
   BIP_ASSERT(c.lowered != nullptr, "`{}` was not lowered", c.path);
+  if (backend != Backend::Interp || uses_ffi(c)) warn_of_unusable_cache(c, cache_of(c));
   if (!load_ffi(c, cache_of(c))) return false;
   lowered_ = c.lowered.get();
   if (backend != Backend::Interp && (backend == Backend::Jit || !c.lowered->units.empty())) {
@@ -83,6 +84,7 @@ bool Executor::prepare(Compilation& c, Backend backend, Optimisation optimisatio
 }
 
 bool Executor::prepare_tiered(Compilation& c) {
+  warn_of_unusable_cache(c, cache_of(c));
   if (!prepare(c, Backend::Interp, Optimisation::Auto)) return false;
   tiers_ = std::make_unique<Tiers>(*c.lowered, jit_options(cache_of(c), jit::OptLevel::O2), kPatienceMs);
   return true;

@@ -40,7 +40,11 @@ bool parse_source(Compilation& c) {
   return c.syntax.has_value() && !c.diags.has_errors();
 }
 
-bool read_packages(Compilation& c) { return c.is_bsys() || load_packages(c); }
+bool read_packages(Compilation& c) {
+  if (c.is_bsys() || load_packages(c)) return true;
+  if (c.syntax && c.syntax->package != nullptr) check_without_missing(c);
+  return false;
+}
 
 bool parse_root(Compilation& c) {
   if (c.options.root.empty()) {
