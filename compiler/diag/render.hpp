@@ -25,6 +25,8 @@ struct Palette {
 [[nodiscard]] std::string with_hidden_escaped(std::string_view json);
 
 void render_frame(std::string& out, const Diagnostic& d, const SourceMap& sources, const Palette& colors);
+/// One place with its line, as in the frame of an error. Columns count bytes, from 1.
+[[nodiscard]] std::string excerpt(const SourceMap& sources, Loc at, const Palette& colors);
 void render_short(std::string& out, const Diagnostic& d, const SourceMap& sources, const Palette& colors);
 void render_json(std::string& out, const Diagnostic& d, const SourceMap& sources);
 /// All of them: SARIF is one document.

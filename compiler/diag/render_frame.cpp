@@ -226,4 +226,16 @@ void render_frame(std::string& out, const Diagnostic& d, const SourceMap& source
   for (const Help& help : d.helps) frame.attached("help", help.text);
 }
 
+std::string excerpt(const SourceMap& sources, Loc at, const Palette& colors) {
+  std::string out;
+  Frame frame(out, colors, Severity::Error, std::to_string(at.line).size());
+  const FileId file(at.file);
+  const std::string_view line = sources.line(file, at.line);
+  const std::size_t begin = std::min<std::size_t>(at.column == 0 ? 0 : at.column - 1, line.size());
+  frame.place("-->", sources.name(file), at);
+  frame.gutter('|');
+  frame.source_line(at.line, line, {{.begin_byte = begin, .end_byte = begin, .primary = true, .text = {}}});
+  return out;
+}
+
 }  // namespace bip::diag

@@ -5,11 +5,13 @@
 #include <malloc.h>
 #endif
 
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 
 #include "compiler/base/write_file.hpp"
+#include "compiler/diag/render.hpp"
 #include "compiler/driver/check_outputs.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/pipeline/ffi_build.hpp"
@@ -20,6 +22,7 @@
 #include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/driver/profile_text.hpp"
 #include "compiler/driver/report.hpp"
+#include "compiler/driver/terminal.hpp"
 #include "runtime/trace/trace_formats.hpp"
 
 namespace bip::driver {
@@ -57,9 +60,8 @@ int run_folder(const RunArguments& arguments) {
   return kUsage;
 }
 
-int run_profiled(Compilation& c, const RunArguments& arguments) {
+int run_profiled(Compilation& c, const RunArguments& arguments, rt::RunOptions options) {
   rt::Profile profile(c.lowered->codes);
-  rt::RunOptions options = arguments.run;
   options.profile = &profile;
   const rt::RunResult result = rt::run(c.lowered->image, options, stdout, stderr);
   if (result.exit_code == 2) return result.exit_code;
@@ -84,6 +86,36 @@ bool begins_interpreted(const Compilation& c, const RunArguments& a) {
          a.run.engine == rt::Engine::Sequential && !(a.run.speed > 0) && !a.run.explore && !a.run.interactive &&
          !uses_ffi(c);
 }
+
+// How a place of the model is shown below a run-time error: with its line, if the text was read.
+std::string show_place(const Compilation& c, rt::SourceLine at, const diag::Palette& colors) {
+  const FileId file(at.file);
+  if (at.file >= c.sources.size() || c.sources.name(file) != c.lowered->image.files[at.file]) return {};
+  return diag::excerpt(c.sources, {at.file, at.line, at.column}, colors);
+}
+
+// Steps so far and their rate: on a terminal, of a run that says nothing else.
+class StepsProgressLine {
+  using WallClock = std::chrono::steady_clock;
+
+ public:
+  void show(std::uint64_t steps) {
+    const WallClock::time_point now = WallClock::now();
+    if (now < next_) return;
+    const double seconds = std::chrono::duration<double>(now - start_).count();
+    write_now(stderr, fmt::format("\r\x1b[K{} steps, {:.1f} million a second   {:.0f} s (Ctrl-C ends it)", steps,
+                                  static_cast<double>(steps) / seconds / 1e6, seconds));
+    next_ = now + std::chrono::milliseconds(200);
+    is_shown_ = true;
+  }
+  void clear() {
+    if (std::exchange(is_shown_, false)) write_now(stderr, "\r\x1b[K");
+  }
+
+ private:
+  WallClock::time_point start_ = WallClock::now(), next_ = start_ + std::chrono::seconds(1);
+  bool is_shown_ = false;
+};
 
 // The image has all of the instances; what is compiled or told from now on asks for types and code.
 void release_instances(Compilation& c) {
@@ -131,7 +163,15 @@ int command_run(const RunArguments& arguments) {
     }
     options.fabrics = *fabrics;
   }
-  const int code = profiles ? run_profiled(c, arguments) : rt::run(c.lowered->image, options, stdout, stderr).exit_code;
+  const diag::Palette colors = diag::palette(wants_color(c.options.color, STDERR_FILENO) ? Color::On : Color::Off);
+  options.show_source = [&](rt::SourceLine at) { return show_place(c, at, colors); };
+  StepsProgressLine progress;
+  if (options.silent && ::isatty(STDERR_FILENO) == 1) {
+    options.on_progress = [&](std::uint64_t steps) { progress.show(steps); };
+    options.before_end = [&] { progress.clear(); };
+  }
+  const int code =
+      profiles ? run_profiled(c, arguments, options) : rt::run(c.lowered->image, options, stdout, stderr).exit_code;
   if (options.stats) std::fputs(executor.summary().c_str(), stderr);
   return code;
 }

@@ -95,9 +95,10 @@ void Output::drain_trace(std::size_t threshold) {
 }
 
 void Output::drain() {
-  // What C++ prints comes after the line of its step.
+  // What C++ prints comes after the line of its step, and C++ that crashes takes no step with it.
   drain_out(image_calls_cpp_ ? 0 : kPiece);
-  drain_trace(kPiece);
+  if (image_calls_cpp_) std::fflush(out_file_);
+  drain_trace(image_calls_cpp_ ? 0 : kPiece);
 }
 
 // A run against the clock is watched: its lines are shown when their steps happen.

@@ -21,6 +21,8 @@ namespace {
 
 // With --stats the enabled set is sampled between so many compiled steps.
 constexpr u64 kStepsPerSample = u64{1} << 20;
+// Between two reports of progress: some tenths of a second.
+constexpr u64 kStepsPerProgress = u64{1} << 22, kQuietStepsPerProgress = u64{1} << 16;
 
 void write_text(std::FILE* file, const std::string& text) { std::fwrite(text.data(), 1, text.size(), file); }
 
@@ -161,6 +163,7 @@ void RunLoop::finish() {
   seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
   if (options_.profile != nullptr) options_.profile->finish(seconds_);
   cpu_seconds_ = static_cast<double>(std::clock() - cpu_started_) / CLOCKS_PER_SEC;
+  if (options_.before_end) options_.before_end();
   report_end();
   end_record();
   close_files();
@@ -225,10 +228,13 @@ void RunLoop::take_compiled_steps() {
     most = std::min(most, kStepsPerSample);
   }
   if (writes_) most = std::min<u64>(most, Core::kHistory);
+  if (options_.on_progress) most = std::min(most, kStepsPerProgress);
   BIP_ASSERT(can_be_compiled(), "steps of this run are taken one by one");
   const u64 done = scheduler_.run_steps(core_, most, is_interrupted, is_sound_, options_.profile);
   BIP_ASSERT(done <= most, "{} steps of {}", done, most);
+  is_step_faulty_ = !is_sound_;
   result_.steps += done;
+  if (options_.on_progress) options_.on_progress(result_.steps);
   if (writes_) output_.record(core_.history().recent(done + (is_sound_ ? 0 : 1)));
 }
 
@@ -239,8 +245,10 @@ void RunLoop::take_quiet_steps() {
     const EnabledSet::Position at = scheduler_.choose(core_);
     is_sound_ = core_.take(at);
     scheduler_.fired(at.interaction);
+    is_step_faulty_ = !is_sound_;
     if (!is_sound_) return;
     ++result_.steps;
+    if (options_.on_progress && result_.steps % kQuietStepsPerProgress == 0) options_.on_progress(result_.steps);
   } while (result_.steps < options_.limit && core_.candidate_count() != 0 && !is_interrupted() && !is_new_code_ready());
 }
 
@@ -290,6 +298,7 @@ void RunLoop::fire(EnabledSet::Position at) {
     is_sound_ = core_.take(at);
     scheduler_.fired(at.interaction);
   }
+  is_step_faulty_ = !is_sound_;
   if (!is_sound_) return;
   if (options_.profile != nullptr) options_.profile->end_step(at.interaction);
   collect_strings(core_);
@@ -312,7 +321,7 @@ void RunLoop::report_end() {
   output_.end(core_, result_.end, result_.steps);
   if (options_.show_state) write_text(files_.out, state_text(core_));
   if (result_.end == End::Fault) {
-    write_text(files_.err, fault_text(core_, seed_, result_.steps));
+    write_text(files_.err, fault_text(core_, seed_, result_.steps, options_.show_source) + last_steps());
     // Scripts made for the published engine look at its numbers.
     result_.exit_code = options_.format == TraceFormat::Bip2 ? published_exit_code(core_.fault().code) : 1;
   }
@@ -327,6 +336,25 @@ void RunLoop::report_end() {
   }
   // As a shell says of a program that the signal ended; the end of --interactive's input is none.
   if (result_.end == End::Interrupted && is_interrupted()) result_.exit_code = 128 + interrupting_signal();
+}
+
+// The steps before a run-time error, where standard output does not show them. The engines that take several steps at
+// once have no such order.
+std::string RunLoop::last_steps() const {
+  constexpr u64 kShown = 5;
+  if (!options_.silent || options_.engine != Engine::Sequential) return {};
+  const u64 fired = result_.steps + (is_step_faulty_ ? 1 : 0);
+  const u64 count = std::min(fired, kShown);
+  std::string text = count == 0 ? "" : "  last steps:\n";
+  u64 number = fired - count;
+  for (const u32 interaction : core_.history().recent(count)) {
+    text += "    #";
+    append_number(text, number++);
+    text += "  ";
+    append_interaction(text, core_, interaction);
+    text += '\n';
+  }
+  return text;
 }
 
 void RunLoop::end_record() {

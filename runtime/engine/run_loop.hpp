@@ -79,6 +79,7 @@ class RunLoop {
 
   // Parts of finish().
   void report_end();
+  [[nodiscard]] std::string last_steps() const;
   void end_record();
   void close_files();
   void compare_with_recorded_end();
@@ -109,11 +110,12 @@ class RunLoop {
   DistributedResult distributed_;  // of engines with several nodes
 
   Phase phase_ = Phase::Created;
-  bool writes_;               // the steps, somewhere
-  bool sleeps_ = false;       // until the instants of steps come on the wall clock
-  bool is_sound_ = false;     // false: the core has a fault
-  bool is_compiled_ = false;  // steps are taken in bulk
-  bool is_quiet_ = false;     // steps are taken without a look at anything but the core and the limit
+  bool writes_;                  // the steps, somewhere
+  bool sleeps_ = false;          // until the instants of steps come on the wall clock
+  bool is_sound_ = false;        // false: the core has a fault
+  bool is_step_faulty_ = false;  // the fault is of a step that was begun: the last one of the history
+  bool is_compiled_ = false;     // steps are taken in bulk
+  bool is_quiet_ = false;        // steps are taken without a look at anything but the core and the limit
   RunResult result_;
   EnabledSizes enabled_sizes_;
   std::chrono::steady_clock::time_point started_;

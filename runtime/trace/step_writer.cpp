@@ -41,6 +41,19 @@ void append_candidate(std::string& out, const Core& core, const Candidate& candi
   out += core.tables().atom_type(candidate.atom).ports[candidate.port].name;
 }
 
+void append_interaction(std::string& out, const Core& core, u32 interaction) {
+  const Tables& tables = core.tables();
+  const InteractionInfo info = tables.interactions[interaction];
+  Candidate candidate;
+  if (info.kind == InteractionKind::Port) {
+    candidate.atom = tables.port_atom[info.row];
+    candidate.port = info.row - tables.port_base(candidate.atom);
+  } else {
+    candidate.connector = info.row;
+  }
+  append_candidate(out, core, candidate);
+}
+
 void StepWriter::begin(std::string& out, const TraceHead& head) {
   out += "bipc: seed ";
   append_number(out, head.seed);

@@ -18,6 +18,8 @@ inline constexpr std::uint64_t kNoChoice = ~std::uint64_t{0};
 
 /// The candidate's name: the connector's path, or atom.port.
 void append_candidate(std::string& out, const Core& core, const Candidate& candidate);
+/// The same of an interaction that was fired.
+void append_interaction(std::string& out, const Core& core, u32 interaction);
 /// A value as JSON has it; what JSON has no word for, quoted.
 void append_json_value(std::string& out, const Image& image, CellType type, Cell value);
 /// `{"v":1}`: what a port shows.

@@ -66,7 +66,8 @@ void append_position(std::string& out, const Image& image, SourceLine loc) {
 
 }  // namespace
 
-std::string fault_text(const Core& core, std::uint64_t seed, std::uint64_t step) {
+std::string fault_text(const Core& core, std::uint64_t seed, std::uint64_t step,
+                       const std::function<std::string(SourceLine)>& show_source) {
   const Fault& fault = core.fault();
   const Image& image = core.image();
   std::string out = "error[";
@@ -81,14 +82,13 @@ std::string fault_text(const Core& core, std::uint64_t seed, std::uint64_t step)
   out += ", seed ";
   append_number(out, seed);
   out += ")\n";
-  if (fault.loc.line != 0) {
+  for (const SourceLine place : {fault.loc, fault.other}) {
+    if (place.line == 0) continue;
+    const std::string shown = show_source ? show_source(place) : std::string();
+    out += shown;
+    if (!shown.empty()) continue;
     out += "  --> ";
-    append_position(out, image, fault.loc);
-    out += '\n';
-  }
-  if (fault.other.line != 0) {
-    out += "  --> ";
-    append_position(out, image, fault.other);
+    append_position(out, image, place);
     out += '\n';
   }
   if (!fault.data.empty()) out += "  data: " + fault.data + '\n';

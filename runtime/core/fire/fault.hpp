@@ -1,6 +1,7 @@
 // A run-time error (an R code): data about where and what, and its text. The run stops at a fault.
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "bip/image.hpp"
@@ -47,7 +48,8 @@ struct Fault {
 
 class Core;
 /// The core's fault as the tools print it, with the instant if the model has time: several lines with a newline at the
-/// end.
-[[nodiscard]] std::string fault_text(const Core& core, std::uint64_t seed, std::uint64_t step);
+/// end. `show_source`: as in RunOptions.
+[[nodiscard]] std::string fault_text(const Core& core, std::uint64_t seed, std::uint64_t step,
+                                     const std::function<std::string(SourceLine)>& show_source = {});
 
 }  // namespace bip::rt

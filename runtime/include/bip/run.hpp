@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <cstdio>
+#include <functional>
 #include <string>
 
 #include "bip/image.hpp"
@@ -57,10 +58,15 @@ struct RunOptions {
   NewCode* new_code = nullptr;  // the image's code is replaced when it is ready (runtime/engine/code_replacement.hpp)
   Profile* profile = nullptr;   // measures the steps (runtime/core/profile.hpp)
   bool debug = false;           // every state's candidates
-  bool interactive = false;     // the candidates are listed and a number is read for each step
-  std::FILE* input = nullptr;   // interactive: where from; null: standard input
-  bool explore = false;         // no run: all reachable states, at most `limit`
-  TraceFormat format = TraceFormat::Steps;  // of standard output; Binary, Mcap, Perfetto: there as Steps
+  // Lines that show a place of the source, with a newline at the end, below a run-time error. Empty, or what returns an
+  // empty text: the place alone.
+  std::function<std::string(SourceLine)> show_source;
+  std::function<void(std::uint64_t steps)> on_progress;  // between many steps of a silent run
+  std::function<void()> before_end;                      // before the end is reported
+  bool interactive = false;                              // the candidates are listed and a number is read for each step
+  std::FILE* input = nullptr;                            // interactive: where from; null: standard input
+  bool explore = false;                                  // no run: all reachable states, at most `limit`
+  TraceFormat format = TraceFormat::Steps;               // of standard output; Binary, Mcap, Perfetto: there as Steps
   std::string trace_path;  // JSON lines, or as `format` says if it is none of Steps and Json; empty: none
 };
 
