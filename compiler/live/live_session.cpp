@@ -284,6 +284,16 @@ LiveSession::Answer LiveSession::stop(const Asked&) {
   return Json::object();
 }
 
+// After a move from position `at`, which may have been refused.
+LiveSession::Answer LiveSession::moved(const Asked& asked, std::uint64_t at, rt::Halt halt) {
+  if (halt == rt::Halt::Refused) return refused();
+  keep(at);
+  note_move(at);
+  end_ = dumped(recorder_.end(halt, seed_));
+  tell(asked.page, halt_text(halt));
+  return Json{{"position", session_.position()}};
+}
+
 LiveSession::Answer LiveSession::delay(const Asked& asked) {
   const std::string text = (*asked.body)["time"].get<std::string>();
   const bool is_span = text.starts_with('+');
@@ -292,12 +302,7 @@ LiveSession::Answer LiveSession::delay(const Asked& asked) {
   const std::uint64_t at = session_.position();
   if (at >= kMostSteps) return Json{{"error", halt_text(rt::Halt::Limit)}};
   const rt::Halt halt = session_.delay(is_span ? session_.core().now() + time : time);
-  if (halt == rt::Halt::Refused) return refused();
-  keep(at);
-  note_move(at);
-  end_ = dumped(recorder_.end(halt, seed_));
-  tell(asked.page, halt_text(halt));
-  return Json{{"position", session_.position()}};
+  return moved(asked, at, halt);
 }
 
 LiveSession::Answer LiveSession::post(const Asked& asked) {
@@ -307,12 +312,7 @@ LiveSession::Answer LiveSession::post(const Asked& asked) {
   if (at >= kMostSteps) return Json{{"error", halt_text(rt::Halt::Limit)}};
   const rt::Halt halt = session_.post((*asked.body)["port"].get<std::string>(),
                                       debug::event_values(values == nullptr ? "" : values->get<std::string>()));
-  if (halt == rt::Halt::Refused) return refused();
-  keep(at);
-  note_move(at);
-  end_ = dumped(recorder_.end(halt, seed_));
-  tell(asked.page, halt_text(halt));
-  return Json{{"position", session_.position()}};
+  return moved(asked, at, halt);
 }
 
 LiveSession::Answer LiveSession::set_breakpoints(const Asked& asked) {

@@ -90,6 +90,7 @@ class LiveSession {
   Answer later(const Asked& asked);
   Answer save(const Asked& asked);
 
+  Answer moved(const Asked& asked, std::uint64_t at, rt::Halt halt);
   [[nodiscard]] Json refused();
   [[nodiscard]] std::string go_to(std::uint64_t position);
   void note_move(std::uint64_t before);

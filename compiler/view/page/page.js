@@ -28,6 +28,7 @@ class Page {
     }
     if (data.live) {
       this.live = new Live(this);
+      this.open = this.panels.findIndex(([name]) => name === "Choices");
       this.panels.push(["Drive", (p) => this.live.show(p)]);
       document.querySelector("footer").append(" · w random step · r run · s stop");
     }
