@@ -100,11 +100,16 @@ def check_embedding(model, program, work):
     return None
 
 
+def without_source(text):
+    """Below a run-time error `bipc run` shows the line of the model, which an emitted program does not have."""
+    return re.sub(rb"^ +-->", b"  -->", re.sub(rb"^ *[0-9]* *\|.*\n", b"", text, flags=re.M), flags=re.M)
+
+
 def outcome(command, work):
     trace = work / "trace"
     trace.unlink(missing_ok=True)
     done = subprocess.run([*command, "--trace", str(trace)], capture_output=True, timeout=TIMEOUT, stdin=subprocess.DEVNULL)
-    return {"trace": trace.read_bytes() if trace.exists() else b"", "stdout": done.stdout, "stderr": done.stderr,
+    return {"trace": trace.read_bytes() if trace.exists() else b"", "stdout": done.stdout, "stderr": without_source(done.stderr),
             "exit code": done.returncode}
 
 
