@@ -68,6 +68,7 @@ def write_files(folder):
     (folder / "rover.rules").write_text((folder / "arm.rules").read_text(encoding="utf-8").replace("rules arm;", "rules rover;", 1), encoding="utf-8")
     with open(folder / "run.txt", "w", encoding="utf-8") as trace:
         subprocess.run([BIPC, "run", "--limit", "5", "--seed", "1", "--trace-format", "bip2", "model.bip"], cwd=folder, stdout=trace, check=True)
+    subprocess.run([BIPC, "run", "--silent", "--limit", "20", "--seed", "1", "--trace", "run.jsonl", "model.bip"], cwd=folder, stdout=subprocess.DEVNULL, check=True)
 
 
 def examples(command):

@@ -137,7 +137,7 @@ def main():
         seconds, metres = rolled_after(record, hangs)
         check(f"the wheel stands {STOPPED_AFTER:.3f} s after the codel began to hang", hangs and seconds < STOPPED_AFTER, (seconds, metres, events))
         why = [what for _, what in events if what.startswith("no step")]
-        check("the safe-stop function hears why", len(why) == 1 and "has returned" in why[0] and "wheelHang(int&)" in why[0].replace("int)", "int&)"), events)
+        check("the safe-stop function hears why", len(why) == 1 and "has returned" in why[0] and "wheelHang(int, int" in why[0], events)
         check("while it hangs, not after", hangs < [t for t, what in events if what.startswith("no step")][0] < [t for t, what in events if what == "returns"][0], events)
         check("the log says why", "warning[R0046]: no step has returned for" in log and "wheelHang" in log and "`safe_stop` was called" in log, log)
         check("and when it goes on", "the engine runs again" in log, log)
