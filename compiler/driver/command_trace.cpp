@@ -17,6 +17,7 @@
 #include "compiler/traces/compress_chunk.hpp"
 #include "compiler/traces/run_statistics.hpp"
 #include "compiler/traces/run_writer.hpp"
+#include "runtime/core/text.hpp"
 #include "runtime/trace/mcap.hpp"
 
 namespace bip::driver {
@@ -64,11 +65,13 @@ traces::WrittenAs written_as(TraceOutput output) {
   return output == TraceOutput::Vcd ? traces::WrittenAs::Vcd : traces::WrittenAs::Chart;
 }
 
-// "#3  @1s500ms  ROOT.k  p.put(v=1)"
-std::string interaction_of(std::string text) {
-  for (const char sign : {'#', '@'})
-    if (text.starts_with(sign)) text.erase(0, std::min(text.find_first_not_of(' ', text.find(' ')), text.size()));
-  return text.substr(0, text.find(' '));
+// "ROOT.k"; of an internal port "p.eat", as step lines have it.
+std::string interaction_of(const rt::Core& core, const rt::LastMove& move) {
+  const rt::Image& image = core.image();
+  if (move.connector != rt::kNone) return image.connectors[move.connector].path();
+  std::string name;
+  rt::append_relative(name, image.atoms[move.parts.front().atom]);
+  return name + '.' + core.tables().atom_type(move.parts.front().atom).ports[move.parts.front().port].name;
 }
 
 // Repeats the run from its begin; visit(step) after each step. What is no step (time that passes, events) is passed
@@ -83,7 +86,7 @@ void visit_steps(rt::DebugSession& session, std::uint64_t length, const Visit& v
     const rt::LastMove* const move = session.last_move();
     if (session.position() == before || move == nullptr) return;
     if (move->kind != rt::MoveKind::Step) continue;
-    visit(traces::TracedStep{number++, session.core().now(), interaction_of(move->text), &move->parts});
+    visit(traces::TracedStep{number++, session.core().now(), interaction_of(session.core(), *move), &move->parts});
   }
 }
 

@@ -17,8 +17,7 @@ namespace {
 
 std::string without_root(const std::string& path) { return path.starts_with("ROOT.") ? path.substr(5) : path; }
 
-std::string value_text(const System& system, const rt::Core& core, rt::u32 atom, std::size_t variable) {
-  (void)system;
+std::string value_text(const rt::Core& core, rt::u32 atom, std::size_t variable) {
   std::string out;
   rt::append_value(out, core.image(), core.tables().atom_type(atom).variables[variable].type,
                    core.cell(core.image().atoms[atom].first_cell + static_cast<rt::u32>(variable)));
@@ -42,7 +41,7 @@ class CsvWriter final : public RunWriter {
       const AtomType& type = system_.atom_types[system_.atoms[AtomId(part.atom)].type];
       std::string data;
       for (std::size_t k = 0; k < type.visible_variables(); ++k)
-        data += (k > 0 ? "; " : "") + type.variables[k].name + "=" + value_text(system_, core, part.atom, k);
+        data += (k > 0 ? "; " : "") + type.variables[k].name + "=" + value_text(core, part.atom, k);
       out += fmt::format("{},{},{},{},{},{},{}\r\n", step.number, step.instant, quoted(without_root(step.interaction)),
                          quoted(without_root(path)), type.ports[part.port].name, quoted(rt::places_of(core, part.atom)),
                          quoted(data));
@@ -114,7 +113,7 @@ class VcdWriter final : public RunWriter {
     last_ = instant;
     out += changes;
   }
-  void end(std::string& out) override { (void)out; }
+  void end(std::string&) override {}
 
  private:
   static constexpr rt::u32 kPlace = ~rt::u32{0};
@@ -158,8 +157,8 @@ class VcdWriter final : public RunWriter {
   }
   void write_changes(std::string& out, const rt::Core& core) {
     for (Wave& wave : waves_) {
-      std::string now = wave.variable == kPlace ? rt::places_of(core, wave.atom)
-                                                : value_text(system_, core, wave.atom, wave.variable);
+      std::string now =
+          wave.variable == kPlace ? rt::places_of(core, wave.atom) : value_text(core, wave.atom, wave.variable);
       if (now == wave.last) continue;
       wave.last = now;
       switch (wave.kind) {

@@ -23,9 +23,7 @@ rt::u32 clock_count(const rt::Core& core, rt::u32 atom) {
 
 }  // namespace
 
-RunRecorder::RunRecorder(const System& system, rt::DebugSession& session) : system_(system), session_(session) {
-  for (std::size_t k = 0; k < system.connectors.size(); ++k) connectors_[system.connectors[ConnectorId(k)].path] = k;
-}
+RunRecorder::RunRecorder(const System& system, rt::DebugSession& session) : system_(system), session_(session) {}
 
 Json RunRecorder::state() {
   const rt::Core& core = session_.core();
@@ -145,9 +143,7 @@ Json RunRecorder::step(const rt::LastMove& move) {
   std::string text = move.text;
   for (const char sign : {'#', '@'})
     if (text.starts_with(sign)) text.erase(0, std::min(text.find_first_not_of(' ', text.find(' ')), text.size()));
-  std::int64_t connector = -1;
-  if (const auto found = connectors_.find(text.substr(0, text.find(' '))); found != connectors_.end())
-    connector = static_cast<std::int64_t>(found->second);
+  const std::int64_t connector = move.connector == rt::kNone ? -1 : std::int64_t{move.connector};
   Json parts = Json::array(), changes = Json::array();
   for (const rt::MovePart& part : move.parts) parts.push_back({part.atom, part.port, transition(part)});
   for (const rt::AtomChange& change : move.changes) {

@@ -51,7 +51,7 @@ class RunRecorder {
 
   const System& system_;
   rt::DebugSession& session_;
-  std::map<std::string, std::size_t> connectors_, rows_;
+  std::map<std::string, std::size_t> rows_;
   std::vector<std::string> names_;
 };
 

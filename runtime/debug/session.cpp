@@ -561,6 +561,7 @@ void DebugSession::begin_tracking(const Move& move) {
   const Candidate candidate = core_.candidate(EnabledSet::Position{move.interaction, move.rank});
   StepWriter().step(last_.text, core_, candidate, position_);
   last_.text.pop_back();
+  last_.connector = candidate.connector;
   if (candidate.connector != kNone) last_.loc = core_.image().connectors[candidate.connector].loc;
   std::vector<Participant> parts;
   core_.participants(candidate, parts);

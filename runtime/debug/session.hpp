@@ -59,8 +59,9 @@ struct MovePart {
 /// The last move, as a person wants to see it.
 struct LastMove {
   MoveKind kind = MoveKind::Step;
-  std::string text;  // a line without its newline: `#3  ROOT.k  p.put(v=1) c.get(v=0)`
-  SourceLine loc;    // of the connector; none for an internal port
+  std::string text;       // a line without its newline: `#3  ROOT.k  p.put(v=1) c.get(v=0)`
+  u32 connector = kNone;  // of a step; none for an internal port
+  SourceLine loc;         // of the connector
   std::vector<MovePart> parts;
   std::vector<AtomChange> changes;
 };

@@ -214,37 +214,4 @@ void Codec::read(ByteReader& reader, Control& control) {
   for (u64 i = 0; i < count && reader.is_sound(); ++i) control.texts.emplace_back(reader.text());
 }
 
-u64 fingerprint(const Tables& tables, const Placement& placement) {
-  u64 state = 0xcbf29ce484222325u;
-  const auto add = [&state](u64 word) {
-    state = (state ^ word) * 0x100000001b3u;
-    state ^= state >> 29;
-  };
-  const auto add_text = [&add](std::string_view text) {
-    add(text.size());
-    for (const char c : text) add(static_cast<unsigned char>(c));
-  };
-  const Image& image = *tables.image;
-  add(kProtocol);
-  add_text(image.name);
-  for (u32 atom = 0; atom < image.atoms.size; ++atom) {
-    add_text(image.atoms[atom].path());
-    add(tables.atoms[atom].type);
-    add(tables.atoms[atom].first_cell);
-  }
-  for (u32 i = 0; i < image.connectors.size; ++i) add_text(image.connectors[i].path());
-  for (const LinkedTransition& row : tables.transitions) {
-    add(row.port);
-    add(row.from);
-    add(row.to);
-  }
-  for (u32 type = 0; type < image.atom_types.size; ++type) {
-    for (u32 i = 0; i < image.atom_types[type].variables.size; ++i)
-      add(static_cast<u64>(image.atom_types[type].variables[i].type));
-  }
-  for (const std::string& node : placement.nodes) add_text(node);
-  for (const u32 home : placement.home) add(home);
-  return state;
-}
-
 }  // namespace bip::rt

@@ -83,7 +83,4 @@ class Codec {
   std::vector<std::uint8_t> is_text_;  // by cell of the atoms. Empty: none is
 };
 
-/// A number that differs between images, placements and versions of the protocol, with high probability.
-[[nodiscard]] u64 fingerprint(const Tables& tables, const Placement& placement);
-
 }  // namespace bip::rt

@@ -231,7 +231,7 @@ class Launcher {
     }
   }
 
-  static u64 bound_of(u64 clock) { return clock << kNodeBits | (kMostNodes - 1); }
+  static u64 bound_of(u64 clock) { return step_at(clock, kMostNodes - 1); }
 
   void take_fault(const Control& control) {
     if (control.numbers.size() != 12 || control.texts.size() != 4) return;

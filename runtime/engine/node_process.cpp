@@ -178,7 +178,7 @@ bool NodeProcess::has_begun() {
   }
   wants_ = false;
   if (credit_ != ~u64{0}) --credit_;
-  const u64 step = station_.tick_clock() << kNodeBits | setup_.self;
+  const u64 step = step_at(station_.tick_clock(), setup_.self);
   if (writes_) describe(at);
   scheduler_.fired(at.interaction);
   atoms_.clear();

@@ -28,6 +28,8 @@ struct NodeSetup {
 /// Steps in the order of the clocks of all nodes; of equal clocks the smaller node comes first.
 inline constexpr unsigned kNodeBits = 6;
 static_assert(kMostNodes == 1u << kNodeBits);
+[[nodiscard]] constexpr u64 step_at(u64 clock, u32 node) { return clock << kNodeBits | node; }
+[[nodiscard]] constexpr u32 node_of_step(u64 step) { return static_cast<u32>(step & (kMostNodes - 1)); }
 /// The number that stands where the number of a step will be known later.
 inline constexpr u64 kStepToCome = 18446744073709551610u;
 

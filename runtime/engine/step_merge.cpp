@@ -21,8 +21,7 @@ bool StepMerge::take_begun(u32 node, const Control& control) {
   constexpr std::size_t kHead = 4;
   if (control.numbers.size() < kHead || control.texts.size() != 2) return false;
   const u64 step = control.numbers[0];
-  if ((step & ((u64{1} << kNodeBits) - 1)) != node || step <= bounds_[node] ||
-      control.numbers[1] >= core_.tables().interactions.size())
+  if (node_of_step(step) != node || step <= bounds_[node] || control.numbers[1] >= core_.tables().interactions.size())
     return false;
   Flight& flight = flights_[step];
   flight.is_told = true;
@@ -74,7 +73,7 @@ void StepMerge::write_first() {
   if (flight.out_number != 0) flight.text.out.insert(flight.out_number - 1, number);
   if (flight.trace_number != 0) flight.text.trace.insert(flight.trace_number - 1, number);
   core_.remember(flight.interaction);
-  output_.put_of_node(flight.text, distribution_.placement.nodes[first->first & ((u64{1} << kNodeBits) - 1)]);
+  output_.put_of_node(flight.text, distribution_.placement.nodes[node_of_step(first->first)]);
   flights_.erase(first);
   ++written_;
 }
