@@ -3,8 +3,11 @@
 
 #include <dlfcn.h>
 
+#include <csignal>
+#include <cstdlib>
 #include <filesystem>
 
+#include "bip/process.hpp"
 #include "compiler/pipeline/parts.hpp"
 
 namespace bip::pipeline {
@@ -17,6 +20,30 @@ std::filesystem::path find_plugin() {
   for (const std::filesystem::path& path : places_of_part(kFileName))
     if (std::filesystem::exists(path, error)) return path;
   return {};
+}
+
+// While it lives, abort() ends the process as a lack of resources does. The constructors of LLVM's globals run in
+// dlopen, before LLVM can be given a handler (see jit.cpp); what makes them abort, after a report of their own, is that
+// memory is missing.
+class AbortIsLackOfMemory {
+ public:
+  AbortIsLackOfMemory() {
+    struct sigaction action {};
+    action.sa_handler = [](int) { std::_Exit(kNoResources); };
+    ::sigaction(SIGABRT, &action, &before_);
+  }
+  ~AbortIsLackOfMemory() { ::sigaction(SIGABRT, &before_, nullptr); }
+  AbortIsLackOfMemory(const AbortIsLackOfMemory&) = delete;
+  AbortIsLackOfMemory& operator=(const AbortIsLackOfMemory&) = delete;
+
+ private:
+  struct sigaction before_ {};
+};
+
+void* open_plugin(const std::filesystem::path& path) {
+  const AbortIsLackOfMemory aborts_by_llvm;
+  // Local: LLVM's symbols must not meet those of the program.
+  return dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
 }
 
 template <class F>
@@ -33,8 +60,7 @@ Result<JitPlugin> load_jit() {
   if (path.empty())
     return Failure{std::string("this bipc has no JIT: `") + kFileName +
                    "` is not beside it; `--backend=interp` works without"};
-  // Local: LLVM's symbols must not meet those of the program.
-  void* library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+  void* library = open_plugin(path);
   if (library == nullptr) {
     const char* reason = dlerror();
     return Failure{std::string("the JIT does not load: ") + (reason != nullptr ? reason : "unknown reason")};
