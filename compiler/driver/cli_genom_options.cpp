@@ -100,6 +100,10 @@ void add_rules(CLI::App& app, GenomArguments& a) {
       ->type_name("");
   command->add_flag("--prove", a.prove,
                     "first search for services that the rules never admit, and name the rules responsible");
+  command->add_flag(
+      "--left-out", a.lists_left_out,
+      "write no BIP but list the services of which a rule says nothing, and which interrupt its services, "
+      "are interrupted by them, or write the same poster");
   command->add_option("--timeout", a.timeout, "time limit of --prove in seconds of processor time (default: 60)")
       ->check(is_number(1, 100000000))
       ->type_name("S");

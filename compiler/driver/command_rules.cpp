@@ -10,6 +10,8 @@
 #include "compiler/driver/report.hpp"
 #include "compiler/genom/names.hpp"
 #include "compiler/rules/check_rules.hpp"
+#include "compiler/rules/conflicts.hpp"
+#include "compiler/rules/left_out.hpp"
 #include "compiler/rules/parse_rules.hpp"
 
 namespace bip::driver {
@@ -40,8 +42,14 @@ void translate_rules(Compilation& c, const GenomArguments& a) {
   if (!modules) return;
   const auto checked = rules::check_rules(c.sources, rule_file, *modules, c.diags);
   if (!checked) return;
+  rules::report_conflicts(rule_file, *modules, *checked,
+                          options.generate.tick_us > 0 ? options.generate.tick_us : genom::tick_of(*modules), c.diags);
   if (a.prove) report_contradictions(c, rule_file, *modules, *checked, static_cast<double>(a.timeout));
   if (c.diags.has_errors()) return;
+  if (a.lists_left_out) {
+    for (const std::string& line : rules::find_left_out(*modules, *checked)) std::printf("%s\n", line.c_str());
+    return;
+  }
   options.generate.constraints = checked->constraints;
   write_translation(c, a, genom::write_package(*modules, options.generate), options.generate.package);
 }

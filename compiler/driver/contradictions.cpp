@@ -1,5 +1,5 @@
-// See contradictions.hpp. One question per service; minimal sets by deletion: rules that are not needed for the
-// contradiction are removed one after the other.
+// See contradictions.hpp. A few runs show most services accepted; one question for each of the others. Minimal sets by
+// deletion: rules that are not needed for the contradiction are removed one after the other.
 #include "compiler/driver/contradictions.hpp"
 
 #include <fmt/format.h>
@@ -13,6 +13,7 @@
 #include "compiler/genom/translate.hpp"
 #include "compiler/rules/reduce.hpp"
 #include "compiler/verify/portfolio/portfolio.hpp"
+#include "runtime/engine/simulate.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::driver {
@@ -24,23 +25,39 @@ class Judge {
         const verify::CancellationToken& cancellation)
       : reduced_(reduced), checked_(checked), rules_(rules), cancellation_(cancellation) {}
 
+  /// Which of the properties do random runs under all rules violate?
+  [[nodiscard]] std::vector<bool> violated_in_runs(const std::vector<std::string>& properties) const {
+    constexpr std::uint64_t kRuns = 4;
+    constexpr std::uint64_t kStepsOfRun = 50'000;
+    std::vector<bool> violated(properties.size(), false);
+    Compilation c{CompileOptions{}};
+    Executor executor(MachineCode::Fresh);
+    if (!compile_level(c, std::vector<bool>(rules_, true)) || !executor.prepare(c, Backend::Interp, Optimisation::Auto))
+      return violated;
+    std::vector<verify::Question> questions(properties.size());
+    rt::SimulateOptions options;
+    options.runs = kRuns;
+    options.limit = kStepsOfRun;
+    options.is_stopped = [&] { return is_over(); };
+    for (std::size_t i = 0; i < properties.size(); ++i) {
+      Result<verify::Property> parsed = verify::parse_property(properties[i], *c.system);
+      if (!parsed) return violated;
+      questions[i].what = verify::QuestionKind::State;
+      questions[i].property = std::move(*parsed);
+      rt::PathQuery& query = options.queries.emplace_back();
+      query.goal = verify::goal_of(questions[i]).state;
+    }
+    const rt::SimulateReport report = rt::simulate(c.lowered->image, options);
+    for (std::size_t i = 0; i < report.answers.size(); ++i) {
+      for (const rt::Answer answer : report.answers[i]) violated[i] = violated[i] || answer == rt::Answer::Yes;
+    }
+    return violated;
+  }
+
   /// Is it proved that the property holds with these rules only?
   [[nodiscard]] bool holds(const std::vector<bool>& kept, const std::string& property) const {
-    genom::GenerateOptions options;
-    options.package = "reduced";
-    options.constraints = reduced_.constraints;
-    std::vector<genom::Constraint>& rows = options.constraints.rows;
-    rows.clear();
-    for (std::size_t i = 0; i < reduced_.constraints.rows.size(); ++i) {
-      BIP_ASSERT(checked_.rule.size() == reduced_.constraints.rows.size() && checked_.rule[i] < kept.size(),
-                 "constraint {} of rule {}", i, checked_.rule[i]);
-      if (kept[checked_.rule[i]]) rows.push_back(reduced_.constraints.rows[i]);
-    }
-    options.oldest = 4;
     Compilation c{CompileOptions{}};
-    const std::string path = "/reduced/reduced.bip";
-    c.open_texts[path] = genom::write_package(reduced_.modules, options).bip;
-    if (!compile(c, path, Stage::Image)) return false;
+    if (!compile_level(c, kept)) return false;
     verify::Question question;
     Result<verify::Property> parsed = verify::parse_property(property, *c.system);
     if (!parsed) return false;
@@ -73,6 +90,24 @@ class Judge {
   [[nodiscard]] bool is_over() const { return cancellation_.is_over(); }
 
  private:
+  // The reduced level with these rules only.
+  [[nodiscard]] bool compile_level(Compilation& c, const std::vector<bool>& kept) const {
+    genom::GenerateOptions options;
+    options.package = "reduced";
+    options.constraints = reduced_.constraints;
+    std::vector<genom::Constraint>& rows = options.constraints.rows;
+    rows.clear();
+    for (std::size_t i = 0; i < reduced_.constraints.rows.size(); ++i) {
+      BIP_ASSERT(checked_.rule.size() == reduced_.constraints.rows.size() && checked_.rule[i] < kept.size(),
+                 "constraint {} of rule {}", i, checked_.rule[i]);
+      if (kept[checked_.rule[i]]) rows.push_back(reduced_.constraints.rows[i]);
+    }
+    options.oldest = 4;
+    const std::string path = "/reduced/reduced.bip";
+    c.open_texts[path] = genom::write_package(reduced_.modules, options).bip;
+    return compile(c, path, Stage::Image);
+  }
+
   const rules::Reduced& reduced_;
   const rules::Checked& checked_;
   std::size_t rules_;
@@ -107,15 +142,21 @@ void report_contradictions(Compilation& c, const rules::RuleFile& file, const st
   const Judge judge(reduced, checked, file.rules.size(), interrupt.token().within(seconds));
   const std::vector<bool> all(file.rules.size(), true);
   std::set<genom::ServiceRef> asked;
-  std::vector<BadStateAbstraction> found;
-  for (std::size_t i = 0; i < reduced.names.size() && !judge.is_over(); ++i) {
-    if (checked.constraints.rows[i].kind != genom::ConstraintKind::Admit || !asked.insert(reduced.names[i]).second)
-      continue;
+  std::vector<std::size_t> rows;
+  std::vector<std::string> properties;
+  for (std::size_t i = 0; i < reduced.names.size(); ++i) {
     const genom::ServiceRef s = reduced.names[i];
+    if (checked.constraints.rows[i].kind != genom::ConstraintKind::Admit || !asked.insert(s).second) continue;
     const bool is_control = reduced.modules[s.module].services[s.service].kind == genom::ServiceKind::Control;
-    const std::string property =
-        fmt::format("never m{}.s{}{}.active", s.module, s.service, is_control ? "" : ".controller");
-    if (!judge.holds(all, property)) continue;
+    rows.push_back(i);
+    properties.push_back(fmt::format("never m{}.s{}{}.active", s.module, s.service, is_control ? "" : ".controller"));
+  }
+  const std::vector<bool> is_accepted = judge.violated_in_runs(properties);
+  std::vector<BadStateAbstraction> found;
+  for (std::size_t k = 0; k < rows.size() && !judge.is_over(); ++k) {
+    const std::size_t i = rows[k];
+    const std::string& property = properties[k];
+    if (is_accepted[k] || !judge.holds(all, property)) continue;
     const genom::ServiceRef was = checked.constraints.rows[i].subject;
     const std::string name = modules[was.module].name.text + "." + modules[was.module].services[was.service].name.text;
     const auto known = std::find_if(found.begin(), found.end(), [&](const BadStateAbstraction& f) {

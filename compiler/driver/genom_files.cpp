@@ -3,10 +3,13 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <sstream>
 
+#include "compiler/base/read_file.hpp"
 #include "compiler/base/write_file.hpp"
 #include "compiler/driver/check_outputs.hpp"
 #include "compiler/genom/names.hpp"
+#include "compiler/pipeline/host_compiler.hpp"
 #include "compiler/syntax/print.hpp"
 #include "runtime/include/bip/assert.hpp"
 
@@ -20,7 +23,7 @@ void write(Compilation& c, const std::string& path, const std::string& text) {
   if (!written) c.diags.report(Diag::kB5004, {}, path, written.error());
 }
 
-// What somebody may have filled in already is never written over; the header is the generator's.
+// Files that a person may have filled in already are never overwritten; the header is the generator's.
 void write_skeleton(Compilation& c, const GenomArguments& a, const genom::Translation& result,
                     const std::string& package) {
   const fs::path folder = fs::path(a.output).parent_path();
@@ -36,12 +39,30 @@ void write_skeleton(Compilation& c, const GenomArguments& a, const genom::Transl
   }
 }
 
+// As pkg-config knows it. The package is one argument, whatever it is called.
+Result<std::vector<std::string>> package_folders(const std::string& package) {
+  auto folder = pipeline::TemporaryDirectory::make();
+  if (!folder) return Failure{folder.error()};
+  const std::string output = folder->path() + "/flags";
+  const Result<int> code =
+      pipeline::run_program({"pkg-config", "--silence-errors", "--cflags-only-I", "--", package}, output);
+  if (!code) return Failure{fmt::format("pkg-config cannot be run, {}", code.error())};
+  if (*code != 0) return Failure{fmt::format("pkg-config knows no `{}`", package)};
+  std::vector<std::string> folders;
+  std::istringstream flags(read_file(output).value_or(""));
+  for (std::string flag; flags >> flag;) {
+    if (flag.starts_with("-I")) folders.push_back(flag.substr(2));
+  }
+  return folders;
+}
+
 }  // namespace
 
 genom::TranslateOptions translate_options(const GenomArguments& a, const std::vector<std::string>& files,
                                           const std::string& package) {
   genom::TranslateOptions o;
   o.preprocess.folders = a.compile.folders;
+  o.preprocess.package_folders = package_folders;
   for (const std::string& define : a.defines) {
     const std::size_t equals = define.find('=');
     o.preprocess.defines.emplace_back(define.substr(0, equals),

@@ -159,6 +159,7 @@ std::string shim_text(const System& system, const ConstNames& const_names) {
   const auto line = [&](const std::string& text) { out += text + "\n"; };
   // For who watches a thread from outside.
   line("extern \"C\" const std::atomic<const char*>* bip_called_now() { return &bip::rt::called_now; }");
+  line("extern \"C\" void bip_set_crash_hook(void (*hook)(const char*)) { bip::rt::crash::hook.store(hook); }");
   for (std::size_t k = 0; k < code.functions.size(); ++k) {
     const Function& function = code.functions[k];
     line("");

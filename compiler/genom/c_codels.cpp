@@ -160,6 +160,7 @@ class Names {
   // `@` stands for the owner.
   [[nodiscard]] std::optional<Argument> argument(const idl::Argument& a, const std::vector<idl::Member>& locals) const {
     const std::string ids = "ids_" + c_.name;
+    if (a.place == idl::Place::Remote) return Argument{};  // of a service of another component
     if (a.path.empty()) return Argument{(a.direction == Direction::In ? "const " : "") + c_.name + "_ids *", "&" + ids};
     const auto data = [&](const std::vector<idl::Member>& members, const std::string& base) -> std::optional<Argument> {
       std::string value = base;
@@ -626,39 +627,37 @@ class Glue {
 
 }  // namespace
 
-bool check_c_codels(const std::vector<Module>& modules, Diagnostics& diags) {
-  bool is_sound = true;
-  for (const Module& m : modules) {
-    if (!m.component) {
-      // Of GenoM 3 what is wrong has been reported.
-      if (m.generation == 2) diags.report(Diag::kB6014, m.name.range, "component of GenoM 3");
-      is_sound = false;
-      continue;
-    }
-    const Component& c = *m.component;
-    const Names names(c);
-    const auto check = [&](const std::vector<idl::Codel>& codels, const std::vector<idl::Member>& locals) {
-      for (const idl::Codel& codel : codels) {
-        for (const idl::Argument& a : codel.arguments) {
-          if (names.argument(a, locals)) continue;
-          std::string path;
-          for (const std::string& step : a.path) path += (path.empty() || step.starts_with("[") ? "" : ".") + step;
-          diags.report(Diag::kB6021, a.range, path, codel.name);
-          is_sound = false;
-        }
+bool check_data(const Component& c, Diagnostics& diags) {
+  const std::size_t errors = diags.error_count();
+  const Names names(c);
+  const auto text = [](const std::vector<std::string>& steps) {
+    std::string path;
+    for (const std::string& step : steps) path += (path.empty() || step.starts_with("[") ? "" : ".") + step;
+    return path;
+  };
+  const auto check = [&](const std::vector<idl::Codel>& codels, const std::vector<idl::Member>& locals) {
+    for (const idl::Codel& codel : codels) {
+      for (const idl::Argument& a : codel.arguments) {
+        if (!names.argument(a, locals)) diags.report(Diag::kB6021, a.range, text(a.path), codel.name);
       }
-    };
-    for (const idl::Task& t : c.tasks) check(t.codels, t.locals);
-    for (const idl::Service& s : c.services) {
-      for (const idl::Parameter& p : s.parameters) {
-        if (names.type_of(s, p)) continue;
-        diags.report(Diag::kB6021, m.name.range, p.name, s.name);
-        is_sound = false;
-      }
-      check(s.codels, names.locals_of(s));
     }
+  };
+  for (const idl::Task& t : c.tasks) check(t.codels, t.locals);
+  for (const idl::Service& s : c.services) {
+    for (const idl::Parameter& p : s.parameters) {
+      if (!names.type_of(s, p)) diags.report(Diag::kB6008, p.range, "ids member", text(p.path));
+    }
+    check(s.codels, names.locals_of(s));
   }
-  return is_sound;
+  return diags.error_count() == errors;
+}
+
+bool check_c_codels(const std::vector<Module>& modules, Diagnostics& diags) {
+  for (const Module& m : modules) {
+    // Of GenoM 3 what is wrong has been reported.
+    if (!m.component && m.generation == 2) diags.report(Diag::kB6014, m.name.range, "component of GenoM 3");
+  }
+  return std::all_of(modules.begin(), modules.end(), [](const Module& m) { return m.component.has_value(); });
 }
 
 std::vector<std::pair<std::string, std::string>> c_codel_files(const std::vector<Module>& modules,

@@ -9,7 +9,9 @@
 
 namespace bip::genom {
 
-/// What is wrong with what codels use: they name data that there is not, or in a form that C does not have.
+/// Reports data that codels and attributes name and that there is not. False if there was some.
+[[nodiscard]] bool check_data(const idl::Component& component, Diagnostics& diags);
+/// Are all modules components whose types and data are known?
 [[nodiscard]] bool check_c_codels(const std::vector<Module>& modules, Diagnostics& diags);
 /// Name and text of each file beside the package: `acdemo.h`, `demo_c_types.h`, …, `PACKAGE_codels.hpp` and `.cpp`.
 /// Modules are of GenoM 3 and have passed check_c_codels.

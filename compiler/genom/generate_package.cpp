@@ -15,9 +15,7 @@
 #include "compiler/genom/plan.hpp"
 
 namespace bip::genom {
-namespace {
 
-// The greatest unit that divides all periods; 10 ms if there are none. GenoM 2 counts in its own clock.
 std::int64_t tick_of(const std::vector<Module>& modules) {
   std::int64_t tick = 0;
   for (const Module& m : modules) {
@@ -28,6 +26,8 @@ std::int64_t tick_of(const std::vector<Module>& modules) {
   }
   return tick == 0 ? 10000 : tick;
 }
+
+namespace {
 
 // PosterAge has to come past what conditions compare it with.
 std::int64_t oldest_for(const Condition& c, const GenerateOptions& options, std::int64_t tick_us) {

@@ -30,6 +30,10 @@ struct GenerateOptions {
   std::int64_t oldest = 100;        // where PosterAge stops
 };
 
+/// A tick in microseconds if nobody says how long one is: the greatest unit that divides all periods; 10 ms if there
+/// are none. GenoM 2 counts in its own clock.
+[[nodiscard]] std::int64_t tick_of(const std::vector<Module>& modules);
+
 /// One package: the types of each module, and the compound `FunctionalLevel` with all of them, the semaphore and the
 /// master timer. Modules are resolved and free of errors.
 [[nodiscard]] std::string generate(const std::vector<Module>& modules, const GenerateOptions& options);

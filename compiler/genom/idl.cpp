@@ -10,6 +10,7 @@
 
 #include "compiler/genom/condition.hpp"
 #include "compiler/genom/cursor.hpp"
+#include "compiler/genom/names.hpp"
 
 namespace bip::genom::idl {
 namespace {
@@ -44,7 +45,8 @@ struct Unit {
 
 class Reader {
  public:
-  Reader(const std::vector<Token>& tokens, FileId file, Diagnostics& diags) : in_(tokens, diags), file_(file) {
+  Reader(const std::vector<Token>& tokens, FileId file, Purpose purpose, Diagnostics& diags)
+      : in_(tokens, diags), file_(file), purpose_(purpose) {
     for (const auto& [idl_name, c_name] : {std::pair("boolean", "bool"),
                                            {"octet", "uint8_t"},
                                            {"char", "char"},
@@ -57,6 +59,10 @@ class Reader {
                                            {"float", "float"},
                                            {"double", "double"}})
       names_[idl_name] = add({.kind = Kind::Primitive, .c_name = c_name});
+    if (purpose == Purpose::Check) {
+      for (const char* name : {"any", "wchar", "wstring", "long double"})
+        names_[name] = add({.kind = Kind::Primitive, .c_name = name});
+    }
     for (const StandardException& e : kStandardExceptions) {
       Exception exception{fmt::format("genom_{}", e.name), fmt::format("::genom::{}", e.name), {}};
       for (const auto& [name, bound] : e.members)
@@ -67,7 +73,7 @@ class Reader {
 
   std::optional<Component> run() {
     while (!in_.at_end() && ok_) declaration();
-    if (!ok_ || !component_) return std::nullopt;
+    if (!ok_ || has_unknown_ || !component_) return std::nullopt;
     Unit unit = std::move(*component_);
     std::set<std::string> done;
     for (std::size_t i = 0; i < unit.inherited.size(); ++i) {
@@ -334,18 +340,37 @@ class Reader {
       }
       return string_of(bound);
     }
+    if (purpose_ == Purpose::Check && in_.accept("fixed")) {
+      while (!in_.at_end() && !in_.at(">") && !in_.at(";")) in_.take();
+      expect(">");
+      return names_["double"];
+    }
     std::string name;
     if (in_.accept("unsigned")) name = "unsigned ";
-    if (in_.at("long") && in_.peek(1).is("long")) {
+    if (in_.at("long") && (in_.peek(1).is("long") || (purpose_ == Purpose::Check && in_.peek(1).is("double")))) {
       in_.take();
       name += "long ";
     }
     name += path("a type");
     const auto found = look(names_, name);
     if (found != names_.end()) return found->second;
-    if (ok_) in_.diags().report(Diag::kB6008, first.range, "type", name);
-    ok_ = false;
+    if (!ok_) return 0;
+    // One report a name.
+    if (unknown_.insert(name).second) {
+      auto d = in_.diags().report(Diag::kB6008, first.range, "type", name);
+      for (const std::string& similar : similar_names(name, type_names()))
+        d.help(fmt::format("there is `{}`", similar), first.range, similar);
+    }
+    has_unknown_ = true;
     return 0;
+  }
+
+  [[nodiscard]] std::vector<std::string> type_names() const {
+    std::vector<std::string> all;
+    // Without the scope in which they are looked for.
+    const std::string here = scope_.empty() ? "" : scope_.front() + "::";
+    for (const auto& [name, type] : names_) all.push_back(name.starts_with(here) ? name.substr(here.size()) : name);
+    return all;
   }
 
   // Of arrays: the array has no name in C.
@@ -360,6 +385,9 @@ class Reader {
     if (!in_.at("{") && !in_.at("switch")) {
       const auto known = look(names_, name);
       if (known != names_.end()) return known->second;
+      // `struct node;`: it is defined later.
+      if (purpose_ == Purpose::Check && what != "enum" && in_.at(";"))
+        return names_[scoped(name)] = add({.kind = Kind::Struct, .c_name = in_c(scoped(name))});
       fail("`{`");
       return 0;
     }
@@ -571,10 +599,11 @@ class Reader {
     a.range = in_.peek().range;
     if (in_.peek().kind == TokenKind::Word && is_direction(in_.peek(1)) && !is_direction(in_.peek())) {
       const Token place = in_.take();
-      a.place = place.is("ids")     ? Place::Ids
-                : place.is("local") ? Place::Local
-                : place.is("port")  ? Place::Port
-                                    : Place::Any;
+      a.place = place.is("ids")                                    ? Place::Ids
+                : place.is("local")                                ? Place::Local
+                : place.is("port")                                 ? Place::Port
+                : place.is("remote") && purpose_ == Purpose::Check ? Place::Remote
+                                                                   : Place::Any;
       if (a.place == Place::Any) fail("`ids`, `local` or `port`");
     }
     if (!direction(a.direction)) return a;
@@ -636,6 +665,7 @@ class Reader {
     while (ok_ && !in_.at(")") && !in_.at_end()) {
       Parameter p;
       if (!direction(p.direction)) return;
+      p.range = in_.peek().range;
       if (s.is_attribute) {
         p.path.push_back(word("a member of the IDS"));
         steps(p.path);
@@ -662,7 +692,10 @@ class Reader {
 
   Cursor in_;
   FileId file_;
+  Purpose purpose_;
   bool ok_ = true;
+  bool has_unknown_ = false;
+  std::set<std::string> unknown_;
   int depth_ = 0;
   std::vector<std::string> scope_;
   std::vector<Type> types_;
@@ -678,8 +711,8 @@ class Reader {
 
 }  // namespace
 
-std::optional<Component> read_idl(const std::vector<Token>& tokens, FileId file, Diagnostics& diags) {
-  return Reader(tokens, file, diags).run();
+std::optional<Component> read_idl(const std::vector<Token>& tokens, FileId file, Purpose purpose, Diagnostics& diags) {
+  return Reader(tokens, file, purpose, diags).run();
 }
 
 }  // namespace bip::genom::idl

@@ -51,9 +51,10 @@ struct Parameter {
   std::string name;
   std::size_t type = 0;
   std::string initial;  // JSON; empty: none
+  SourceRange range{};
   std::vector<std::string> path;
 };
-enum class Place : std::uint8_t { Any, Ids, Local, Port };
+enum class Place : std::uint8_t { Any, Ids, Local, Port, Remote };
 /// Of a codel. `path`: names and indices "[2]"; empty: the whole IDS.
 struct Argument {
   Place place = Place::Any;
@@ -95,7 +96,10 @@ struct Component {
   }
 };
 
+/// Check: whether the description is right. Codels: for codels in C, which know less: no `any`, `fixed`, `remote`.
+enum class Purpose : std::uint8_t { Check, Codels };
 /// The component of the description in `file`, with what it provides and extends. Nothing after an error.
-[[nodiscard]] std::optional<Component> read_idl(const std::vector<Token>& tokens, FileId file, Diagnostics& diags);
+[[nodiscard]] std::optional<Component> read_idl(const std::vector<Token>& tokens, FileId file, Purpose purpose,
+                                                Diagnostics& diags);
 
 }  // namespace bip::genom::idl

@@ -81,7 +81,8 @@ struct Service {
   std::vector<Name> interrupts;
   std::vector<std::size_t> interrupted;  // indices, execution services only
   std::vector<Name> before, after;
-  std::vector<std::size_t> before_index, after_index;
+  std::vector<std::size_t> before_index, after_index;  // others
+  bool is_before_itself = false, is_after_itself = false;
   std::size_t instances = 1;
 };
 

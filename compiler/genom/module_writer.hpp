@@ -45,6 +45,7 @@ class ModuleWriter {
   void control_cycle();
   void request(std::size_t i);
   void admissions(std::size_t i);
+  void admitted_once(std::size_t i);
   void order_guards(const Service& s, std::vector<std::string>& ports, std::string& guard) const;
   void validated(const Service& s, std::size_t activity);
   void interruptions(const Service& s, const ServicePlan& p);
@@ -70,6 +71,7 @@ class ModuleWriter {
   bool is_3_;
   Scope scope_;
   std::map<std::string, std::string> names_;
+  std::vector<std::pair<std::string, std::string>> refusals_;  // wanted names: what gives way, to which refusal
   std::vector<std::string> aborts_;  // wanted names of the connectors by which Abort finds an activity
 };
 

@@ -33,6 +33,7 @@ struct ParsedTask {
   Task task;
   std::vector<ParsedCodel> codels;
   std::set<std::string> locals;
+  std::vector<Name> thrown;
 };
 struct ParsedService {
   Service service;
@@ -49,6 +50,7 @@ struct Unit {
   std::set<std::string> members, ports;
   std::vector<Name> inherited;  // what it provides and extends
   std::vector<Name> used;
+  std::vector<Name> thrown;  // by every service
 };
 
 class Genom3Parser {
@@ -163,14 +165,24 @@ class Genom3Parser {
     scopes_.ports = std::move(unit.ports);
     for (ParsedTask& parsed : unit.tasks) {
       Task& task = parsed.task;
+      known_exceptions(parsed.thrown);
       if (!parsed.codels.empty()) task.activity = v3::make_activity(parsed.codels, task.name, "task", diags_);
       scopes_.task_locals.push_back(std::move(parsed.locals));
       module_.tasks.push_back(std::move(task));
     }
     for (ParsedService& parsed : unit.services) {
+      std::vector<Name>& reports = parsed.service.reports;
+      reports.insert(reports.end(), unit.thrown.begin(), unit.thrown.end());
       finish(parsed.service, parsed.kind, parsed.codels);
       scopes_.service_locals.push_back(std::move(parsed.locals));
       module_.services.push_back(std::move(parsed.service));
+    }
+  }
+
+  void known_exceptions(const std::vector<Name>& names) {
+    for (const Name& name : names) {
+      if (!module_.is_open && !exceptions_.contains(name.text) && !kStandardExceptions.contains(name.text))
+        diags_.report(Diag::kB6008, name.range, "exception", name.text);
     }
   }
 
@@ -184,6 +196,7 @@ class Genom3Parser {
     if (word.is("activity")) return service("activity");
     if (is_one_of(word, {"provide", "provides", "extend", "extends"})) return interfaces(unit_.inherited);
     if (is_one_of(word, {"use", "uses"})) return interfaces(unit_.used);
+    if (in_.accept("throw") || in_.accept("throws")) return exceptions(unit_.thrown) && in_.expect(";");
     if (is_property(word)) return skip_property();
     return idl();
   }
@@ -314,7 +327,7 @@ class Genom3Parser {
     if (!in_.name(parsed.task.name, "the name of a task")) return false;
     if (in_.accept("{")) {
       while (!in_.at("}") && !in_.at_end()) {
-        if (!task_property(parsed.task, parsed.codels, parsed.locals)) in_.skip_past_semicolon();
+        if (!task_property(parsed)) in_.skip_past_semicolon();
       }
       if (!in_.expect("}")) return false;
     }
@@ -322,13 +335,15 @@ class Genom3Parser {
     return in_.expect(";");
   }
 
-  bool task_property(Task& task, std::vector<ParsedCodel>& codels, std::set<std::string>& locals) {
+  bool task_property(ParsedTask& parsed) {
+    Task& task = parsed.task;
     if (in_.at("period") || in_.at("delay")) {
       const bool is_period = in_.take().text == "period";
       return duration(is_period ? task.period_us : task.delay_us) && in_.expect(";");
     }
-    if (in_.at("codel") || (in_.at("async") && in_.peek(1).is("codel"))) return codel(codels);
-    if (in_.at("local")) return local(locals);
+    if (in_.at("codel") || (in_.at("async") && in_.peek(1).is("codel"))) return codel(parsed.codels);
+    if (in_.at("local")) return local(parsed.locals);
+    if (in_.accept("throw") || in_.accept("throws")) return exceptions(parsed.thrown) && in_.expect(";");
     if (in_.at("priority") || is_property(in_.peek())) return skip_property();
     auto d = diags_.report(Diag::kB6011, in_.peek().range, in_.peek().text, fmt::format("task `{}`", task.name.text));
     d.help("a task has `period`, `delay`, `priority`, `scheduling`, `stack`, `codel`, `throw`, `doc`");
@@ -460,10 +475,7 @@ class Genom3Parser {
 
   void finish(Service& s, const std::string& kind, std::vector<ParsedCodel>& codels) {
     const std::string owner = fmt::format("{} `{}`", kind, s.name.text);
-    for (const Name& report : s.reports) {
-      if (!module_.is_open && !exceptions_.contains(report.text) && !kStandardExceptions.contains(report.text))
-        diags_.report(Diag::kB6008, report.range, "exception", report.text);
-    }
+    known_exceptions(s.reports);
     s.validate_fails = !s.reports.empty();
     s.body_fails = !s.reports.empty();
     if (s.kind == ServiceKind::Execution) {

@@ -289,6 +289,10 @@ void settle_uses(Module& module, const Scopes& scopes, Diagnostics& diags) {
       const std::string name = colon == std::string::npos ? use.data.substr(1) : use.data.substr(colon + 1);
       if (use.data == "*") {
         for (const std::string& member : scopes.members) add("ids_" + member, use.writes);
+      } else if (codel.name.is_set() && !module.is_open &&
+                 ((where == "ids" && !scopes.members.contains(name)) ||
+                  (where == "port" && !scopes.ports.contains(name)) || (where == "local" && !locals.contains(name)))) {
+        diags.report(Diag::kB6021, codel.name.range, name, codel.name.text);
       } else if (where == "ids" || (where.empty() && !locals.contains(name) && scopes.members.contains(name))) {
         add("ids_" + name, use.writes);
       } else if (where == "port" || (where.empty() && !locals.contains(name) && scopes.ports.contains(name))) {

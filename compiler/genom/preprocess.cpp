@@ -126,9 +126,32 @@ class Preprocessor {
       if (!rest.empty()) macros_.erase(std::string(rest.front().text));
     } else if (name == "error") {
       diags_.report(Diag::kB6004, range, "the description says `#error`");
-    } else if (name != "pragma" && name != "line" && name != "warning") {
+    } else if (name == "pragma") {
+      pragma(rest, range);
+    } else if (name != "line" && name != "warning") {
       diags_.report(Diag::kB6004, words.front().range, fmt::format("`#{}` is no directive that is known here", name));
     }
+  }
+
+  // #pragma require "package >= 1.2" …
+  void pragma(const std::vector<Token>& rest, SourceRange range) {
+    if (rest.empty() || !(rest.front().is("require") || rest.front().is("requires")) || !options_.package_folders)
+      return;
+    for (std::size_t i = 1; i < rest.size(); ++i) {
+      if (rest[i].is(",")) continue;
+      if (rest[i].kind != TokenKind::String) {
+        diags_.report(Diag::kB6004, rest[i].range, "packages in \"\" have to follow `#pragma require`");
+        return;
+      }
+      const Result<std::vector<std::string>> folders = options_.package_folders(std::string(rest[i].text));
+      if (folders) {
+        for (const std::string& folder : *folders) packages_.emplace_back(folder);
+      } else {
+        diags_.report(Diag::kB6027, rest[i].range, folders.error())
+            .help("$PKG_CONFIG_PATH says where more `.pc` files are; `-I DIR` adds a folder of headers");
+      }
+    }
+    if (rest.size() == 1) diags_.report(Diag::kB6004, range, "packages in \"\" have to follow `#pragma require`");
   }
 
   void next_branch(Open& top, std::string_view name, const std::vector<Token>& rest, SourceRange range) {
@@ -220,6 +243,7 @@ class Preprocessor {
   [[nodiscard]] std::string find(const std::string& name) const {
     std::vector<fs::path> folders{fs::path(open_.back().path).parent_path()};
     folders.insert(folders.end(), options_.folders.begin(), options_.folders.end());
+    folders.insert(folders.end(), packages_.begin(), packages_.end());
     std::error_code ignored;
     for (const fs::path& folder : folders) {
       const fs::path path = folder / name;
@@ -236,7 +260,8 @@ class Preprocessor {
   std::map<std::string, std::vector<Token>, std::less<>> macros_;
   std::set<std::string, std::less<>> hidden_;
   std::set<std::string> missing_;
-  std::size_t replaced_ = 0;  // macros so far: they may double each other and yet leave nothing
+  std::vector<fs::path> packages_;  // folders of those that were required
+  std::size_t replaced_ = 0;        // macros so far: they may double each other and yet leave nothing
 };
 
 }  // namespace

@@ -1,9 +1,10 @@
 // The C preprocessor as far as descriptions need it: #include, object-like #define, #undef, #if and related directives,
-// #pragma (ignored), #error (a diagnostic).
+// #pragma require (folders of a package; others are ignored), #error (a diagnostic).
 //
 // Works on tokens, so text inside of strings is not replaced. A missing header is a warning, once per file, and its
 // types are opaque. Includes nest at most 64 deep; the output has at most 2^20 tokens.
 #pragma once
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,6 +16,9 @@ namespace bip::genom {
 struct PreprocessOptions {
   std::vector<std::string> folders;                          // -I, after the including file's own folder
   std::vector<std::pair<std::string, std::string>> defines;  // -D
+  /// The folders of headers of a package, "name" or "name >= 1.2"; a Failure says why there are none. Empty: packages
+  /// are not looked for.
+  std::function<Result<std::vector<std::string>>(const std::string& package)> package_folders = {};
 };
 struct Preprocessed {
   std::vector<Token> tokens;  // the last one is End

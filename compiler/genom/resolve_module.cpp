@@ -99,15 +99,17 @@ class Resolver {
       }
     }
     std::sort(s.interrupted.begin(), s.interrupted.end());
-    others(s, s.before, s.before_index);
-    others(s, s.after, s.after_index);
+    others(s, s.before, s.before_index, s.is_before_itself);
+    others(s, s.after, s.after_index, s.is_after_itself);
   }
 
-  void others(const Service& s, const std::vector<Name>& names, std::vector<std::size_t>& into) {
+  void others(const Service& s, const std::vector<Name>& names, std::vector<std::size_t>& into, bool& itself) {
     for (const Name& name : names) {
       const std::size_t found = find(module_.services, name.text);
       if (name.text == s.name.text) {
-        diags_.report(Diag::kB6023, name.range, name.text);
+        // `before` itself: once.
+        itself = true;
+        if (&names == &s.after) diags_.report(Diag::kB6023, name.range, name.text);
         continue;
       }
       if (found < module_.services.size()) {

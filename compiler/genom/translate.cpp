@@ -47,8 +47,11 @@ Module read_module(SourceMap& sources, const Description& description, const Pre
   const Headers headers = text.header_missing ? Headers::Missing : Headers::Found;
   if (!is_genom3(text.tokens)) return parse_genom2(text.tokens, headers, diags);
   Module module = parse_genom3(text.tokens, description.file, headers, diags);
-  if (types == Types::Read && !diags.has_errors())
-    module.component = idl::read_idl(text.tokens, description.file, diags);
+  // A header that is not there may have declared whatever is not known.
+  if (diags.has_errors() || (types == Types::Skipped && module.is_open)) return module;
+  std::optional<idl::Component> component = idl::read_idl(
+      text.tokens, description.file, types == Types::Read ? idl::Purpose::Codels : idl::Purpose::Check, diags);
+  if (component && check_data(*component, diags) && types == Types::Read) module.component = std::move(component);
   return module;
 }
 

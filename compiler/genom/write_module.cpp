@@ -254,6 +254,7 @@ void ModuleWriter::admissions(std::size_t i) {
           .ports = busy,
           .action = fmt::format("{}.rep <- \"{}\"", full, is_3_ ? "too_many_activities" : "TOO_MANY_ACTIVITIES")});
   }
+  if (s.is_before_itself || s.is_after_itself) admitted_once(i);
   if (guard.empty()) return;
   // A free activity is asked for first, so this is for when there is one.
   for (std::size_t k = 0; k < p.activities.size(); ++k) {
@@ -265,6 +266,30 @@ void ModuleWriter::admissions(std::size_t i) {
           .guard = fmt::format("!({})", guard),
           .action = full + ".rep <- \"disallowed\""});
   }
+}
+
+// `before` itself: not after its first success; `after` itself: never. The activity that would be admitted cannot be
+// asked for its own state at once, so the refusal goes first, and the refusal for want of a free activity before it.
+void ModuleWriter::admitted_once(std::size_t i) {
+  const Service& s = module_.services[i];
+  const ServicePlan& p = plan_.services[i];
+  const std::string full = control("full_" + p.id);
+  std::vector<std::string> ports{full};
+  std::string done;
+  for (const std::size_t activity : p.activities) {
+    ports.push_back(of_activity(activity, "stat"));
+    done += (done.empty() ? "" : " || ") + ports.back() + ".done";
+  }
+  const std::string disallow = "disallow_" + p.id + "_itself";
+  wire({.name = disallow,
+        .ports = ports,
+        .guard = !s.is_after_itself   ? done
+                 : s.is_before_itself ? ""
+                                      : "!(" + done + ")",
+        .action = full + ".rep <- \"disallowed\""});
+  for (const std::size_t activity : p.activities)
+    refusals_.emplace_back("admit_" + plan_.activities[activity].component, disallow);
+  if (s.kind == ServiceKind::Execution) refusals_.emplace_back(disallow, "full_" + p.id);
 }
 
 void ModuleWriter::validated(const Service& s, std::size_t activity) {

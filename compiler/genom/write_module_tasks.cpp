@@ -276,6 +276,9 @@ void ModuleWriter::priorities() {
     if (plan_.service_of(k).kind == ServiceKind::Execution)
       launches.push_back("launch_" + plan_.activities[k].component);
   }
+  for (const auto& [low, high] : refusals_)
+    out_ += fmt::format("    priority {} {}:* < {}:*\n", scope_.claim("first_" + high, "rule"), names_.at(low),
+                        names_.at(high));
   if (plan_.executive == Executive::Served) {
     for (const std::string& abort : aborts_)
       out_ += fmt::format("    priority {} {}:* < {}:*\n", scope_.claim("first_" + abort, "rule"),

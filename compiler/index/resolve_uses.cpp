@@ -159,6 +159,10 @@ void IndexBuilder::resolve_atom(const Decl& d, SymbolId owner, const Scope& scop
   for (const FinalPlaces& f : d.finals) members(f.places);
   for (const Transition& t : d.transitions) {
     use_member(owner, t.port);
+    for (const Annotation& mark : t.annotations) {
+      if (mark.name.text != "weight") continue;
+      for (const AnnotationArg& weight : mark.args) use_member(owner, weight.key);
+    }
     members(t.from);
     members(t.to);
     expr(t.guard, scope);

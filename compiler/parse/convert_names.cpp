@@ -115,7 +115,7 @@ Annotations Converter::annotations(const std::vector<BipParser::AnnotationContex
     if (failed(ctx)) continue;
     std::vector<AnnotationArg> args;
     for (BipParser::AnnotationArgContext* a : ctx->annotationArg()) {
-      AnnotationArg arg{.key = name(a->id(0)), .value = {}};
+      AnnotationArg arg{.key = a->id(0) != nullptr ? name(a->id(0)) : name(a->start), .value = {}};
       if (a->STRING() != nullptr) {
         arg.value = string(a->STRING());
       } else if (a->ASSIGN() != nullptr) {

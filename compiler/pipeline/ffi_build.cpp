@@ -30,7 +30,11 @@ std::string text_of(const fs::path& path) { return read_file(path).value_or("");
 
 // Folders in which a file of `@cpp` may be, in the order in which they are tried.
 std::vector<fs::path> folders_of(const Compilation& c, const CppFile& file) {
-  std::vector<fs::path> folders{file.folder.empty() ? "." : file.folder};
+  std::vector<fs::path> folders;
+  // A .bsys file may have its C++ beside it, wherever both are.
+  const fs::path beside = fs::path(c.path).parent_path() / file.folder;
+  if (c.is_bsys() && !beside.empty() && !fs::path(file.folder).is_absolute()) folders.push_back(beside);
+  folders.emplace_back(file.folder.empty() ? "." : file.folder);
   for (const std::string& folder : c.options.folders) folders.emplace_back(folder);
   std::vector<fs::path> all;
   for (const fs::path& folder : folders) {

@@ -142,7 +142,9 @@ RuntimeLocation find_runtime() {
     found.directory = candidate.string();
 #ifdef BIPC_PREBUILT_RUNTIME
     for (const fs::path& library : places_of_part("libbip_runtime.a")) {
-      if (found.library.empty() && fs::exists(library, ignored)) found.library = library.string();
+      std::error_code unknown;
+      // Where the file system cannot say whether it exists, the builds that link it look again.
+      if (found.library.empty() && (fs::exists(library, unknown) || unknown)) found.library = library.string();
     }
 #endif
     break;

@@ -1,14 +1,18 @@
 // Codels of Dala's modules over a simulated world (world.hpp), which is written down in world.path every 25 ticks:
 // time, place, temperature, charge, metres driven, pictures, pictures sent, and how near an obstacle was. What a
 // mission has no use for ends at once and well: the second half.
+//
+// With DALA_ROVER the rover is a process of its own (rover.cpp), and codels only read its sensors and command it.
 #include "dala_codels.hpp"
 
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <fstream>
 #include <sstream>
 #include <thread>
 
+#include "bus.hpp"
 #include "camera.hpp"
 #include "world.hpp"
 
@@ -41,7 +45,45 @@ double input(const char* service, std::size_t k, double without) {
   return k < numbers.size() ? numbers[k] : without;
 }
 
+// The rover stands until it is told to move again: set beside everything else (safe_stop).
+std::atomic<bool>& is_stopped() {
+  static std::atomic<bool> stopped{false};
+  return bus() != nullptr ? bus()->is_stopped : stopped;
+}
+// The speed that the wheels are to follow was found now.
+void note_reference() {
+  if (bus() != nullptr) bus()->found_at = bus()->now.load();
+}
+
+// The words of the last request for Hueblob.SetHue.
+std::string& hue() {
+  static std::string words;
+  return words;
+}
+// Of the last request for VIAM.Acquire.
+bool& is_sharp() {
+  static bool sharp = false;
+  return sharp;
+}
+
+// The wheels' wires: sensors, then commands.
+void talk_to_rover(Bus& b) {
+  World& w = world();
+  w.now = b.now;
+  w.x = b.x;
+  w.y = b.y;
+  w.heading = b.heading;
+  w.v = b.v;
+  w.windows = {{0, 1e9}};
+  b.wanted_v = w.wanted_v;
+  b.wanted_turn = w.wanted_turn;
+  b.follows = w.is_tracking;
+}
+
 }  // namespace
+
+// The watchdog's thread: it waits for nothing.
+extern "C" void safe_stop(const char* /*why*/) { is_stopped() = true; }
 
 // No codel here judges what a request came with.
 void request_asked(const char*, const char*) {}
@@ -52,6 +94,8 @@ void request_input(const char* service, const char* text) {
   std::vector<double>& numbers = world().arguments[bare.substr(0, bare.find('('))];
   numbers.clear();
   if (bare == "Stereo.SetSource") ++sources_set();
+  if (bare == "Hueblob.SetHue") hue() = text;
+  if (bare.starts_with("VIAM.Acquire(")) is_sharp() = bare == "VIAM.Acquire(Marlin)";
   std::istringstream words(text);
   for (std::string word; words >> word;) {
     char* end = nullptr;
@@ -63,10 +107,17 @@ void request_input(const char* service, const char* text) {
 // ---- POM, RFLEX: where the rover is, and its wheels
 int pomPermanent() { return kOk; }
 int rflexPermanent() {
-  static std::ofstream path("world.path");
   World& w = world();
+  if (bus() != nullptr) {
+    talk_to_rover(*bus());
+    return kOk;
+  }
+  static std::ofstream path("world.path");
+  const bool tracks = w.is_tracking;
+  w.is_tracking = tracks && !is_stopped();
   w.now += 5 * kTick;
   w.move(5 * kTick);
+  w.is_tracking = tracks;
   if (++w.cycles % 5 == 0) {
     path << w.now << ' ' << w.x << ' ' << w.y << ' ' << w.temperature << ' ' << w.charge << ' ' << w.driven << ' '
          << w.pictures << ' ' << w.sent << ' ' << w.nearest << '\n'
@@ -75,6 +126,7 @@ int rflexPermanent() {
   return kOk;
 }
 int rflexTrackSpeedStartStart(int&) {
+  is_stopped() = false;
   world().is_tracking = true;
   return kExec;
 }
@@ -92,6 +144,7 @@ int rflexGotoPositionMain(int&) {
   w.is_tracking = far > 0.1;
   w.wanted_turn = std::clamp(2.0 * off, -1.2, 1.2);
   w.wanted_v = std::abs(off) < 0.3 ? std::min(0.5, far) : 0;
+  note_reference();
   return w.is_tracking ? kExec : kEnd;
 }
 int rflexGotoPositionInter(int&) {
@@ -137,6 +190,7 @@ int nddGoToStart(int&) {
 }
 int nddGoToMain(int& report) {
   World& w = world();
+  note_reference();
   if (std::hypot(w.goal_x - w.x, w.goal_y - w.y) < 0.15) return kEnd;
   if (w.avoid()) {
     w.blocked_since = -1;
@@ -149,6 +203,7 @@ int nddGoToMain(int& report) {
 }
 int nddGoToEnd(int&) {
   world().wanted_v = world().wanted_turn = 0;
+  note_reference();
   return kEther;
 }
 int nddGoToInter(int&) {
@@ -194,12 +249,14 @@ int ptuMoveAbsoluteMain(int&) {
   return std::abs(w.pan_to - w.pan) > 0.001 ? kExec : kEther;
 }
 int viamAcquireStart(int&) {
+  if (bus() != nullptr) bus()->exposes = is_sharp();
   world().busy_until = world().now + 3;
   return kExec;
 }
 int viamAcquireMain(int&) { return world().now < world().busy_until ? kExec : kEnd; }
 // To the sides of the front wheels, where the PTU looks.
 int viamAcquireEnd(int&) {
+  if (bus() != nullptr) bus()->exposes = false;
   static Image picture;
   take(picture, world(), 640, 480, world().pan - 0.4, world().pan + 0.4);
   ++world().pictures;
@@ -219,7 +276,9 @@ int hueblobMonitorMain(int&) {
 int antennaCheckWindow() { return world().orbiter_is_visible() ? kOk : 1; }
 int antennaCommunicateMain(int&) {
   World& w = world();
-  if (w.sent == w.pictures || !w.orbiter_is_visible()) return kEther;
+  const bool sends = w.sent != w.pictures && w.orbiter_is_visible();
+  if (bus() != nullptr) bus()->sends = sends;
+  if (!sends) return kEther;
   if (w.now >= w.busy_until) {
     ++w.sent;
     w.busy_until = w.now + 1;
@@ -234,7 +293,10 @@ int pomSetReferenceMain(int&) { return kEther; }
 int pomSetFrame() { return kOk; }
 int rflexInitMain(int&) { return kEther; }
 int rflexCheckTrack() { return kOk; }
-int rflexGotoPositionStart(int&) { return kExec; }
+int rflexGotoPositionStart(int&) {
+  is_stopped() = false;
+  return kExec;
+}
 int rflexGotoPositionEnd(int&) { return kEther; }
 int rflexGotoSpeedStart(int&) { return kExec; }
 int rflexGotoSpeedMain(int&) { return kEther; }
@@ -300,7 +362,10 @@ int batteryAntennaStartUsingBatteryEnd(int&) { return kEther; }
 int batteryAntennaStartUsingBatteryInter(int&) { return kEther; }
 int antennaInitMain(int&) { return kEther; }
 int antennaCommunicateStart(int&) { return kExec; }
-int antennaCommunicateInter(int&) { return kEther; }
+int antennaCommunicateInter(int&) {
+  if (bus() != nullptr) bus()->sends = false;
+  return kEther;
+}
 int antennaAddWindow() { return kOk; }
 int ptuInitStart(int&) { return kExec; }
 int ptuInitMain(int&) { return kEther; }
@@ -319,7 +384,10 @@ int viamInitMain(int&) { return kEther; }
 int viamCheckFormat() { return kOk; }
 int viamConfigureMain(int&) { return kEther; }
 int viamCheckBank() { return kOk; }
-int viamAcquireInter(int&) { return kEther; }
+int viamAcquireInter(int&) {
+  if (bus() != nullptr) bus()->exposes = false;
+  return kEther;
+}
 int viamAcquireContinuousStart(int&) { return kExec; }
 int viamAcquireContinuousEnd(int&) { return kEther; }
 int viamAcquireContinuousInter(int&) { return kEther; }
@@ -340,7 +408,13 @@ int hueblobDetectStart(int&) { return kExec; }
 int hueblobDetectMain(int&) { return kEnd; }
 int hueblobDetectEnd(int&) { return kEther; }
 int hueCheckHue() { return kOk; }
-int hueblobSetHueMain(int&) { return kEther; }
+// Faults: with the word `hang` it takes four seconds, with `crash` it writes where there is nothing.
+int hueblobSetHueMain(int&) {
+  if (hue() == "hang") std::this_thread::sleep_for(std::chrono::seconds(4));
+  static volatile std::uintptr_t nowhere = 0;
+  if (hue() == "crash") *reinterpret_cast<volatile int*>(nowhere) = 1;
+  return kEther;
+}
 int hueblobLearnStart(int&) { return kExec; }
 int hueblobLearnMain(int&) { return kEnd; }
 int hueblobLearnEnd(int&) { return kEther; }

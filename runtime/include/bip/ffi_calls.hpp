@@ -30,6 +30,11 @@ class CallNote {
 
 namespace crash {
 
+/// Called before a signal ends the process, in the handler. May be null.
+inline std::atomic<void (*)(const char* why)> hook{nullptr};
+/// Why: a text that lasts.
+inline char reason[512];
+
 inline void say(const char* text) {
   // A failure cannot be reported anywhere.
   [[maybe_unused]] const auto written = ::write(STDERR_FILENO, text, std::strlen(text));
@@ -47,6 +52,14 @@ inline void handle(int signal) {
     say(" in the model's C++, ");
     say(what);
     say("\n");
+  }
+  if (void (*const stop)(const char*) = hook.exchange(nullptr); stop != nullptr) {
+    const char* const what = called_now.load(std::memory_order_relaxed);
+    std::size_t size = 0;
+    for (const char* part : {"signal ", name, what == nullptr ? "" : " in ", what == nullptr ? "" : what}) {
+      for (; *part != '\0' && size + 1 < sizeof reason; ++part) reason[size++] = *part;
+    }
+    stop(reason);
   }
   // SA_RESETHAND removed the handler: now the signal ends the process.
   ::raise(signal);

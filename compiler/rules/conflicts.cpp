@@ -1,0 +1,215 @@
+// See conflicts.hpp.
+#include "compiler/rules/conflicts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <set>
+
+#include "runtime/include/bip/assert.hpp"
+
+namespace bip::rules {
+namespace {
+
+using genom::Condition;
+using genom::ConditionKind;
+using genom::Constraint;
+using genom::ConstraintKind;
+using genom::Module;
+
+bool is_same(const Condition& a, const Condition& b) {
+  return a.kind == b.kind && a.number == b.number && a.text == b.text && a.service == b.service &&
+         a.poster == b.poster && a.span.value == b.span.value && a.span.is_ticks == b.span.is_ticks && a.row == b.row &&
+         a.rows == b.rows &&
+         std::equal(a.operands.begin(), a.operands.end(), b.operands.begin(), b.operands.end(), is_same);
+}
+
+enum class Truth : std::uint8_t { False, True, Unknown };
+Truth truth_of(bool value) { return value ? Truth::True : Truth::False; }
+
+// What is known when a rule is violated.
+class ViolationFacts {
+ public:
+  explicit ViolationFacts(const Constraint& violated) {
+    assume(violated.condition, false);
+    if (violated.kind != ConstraintKind::Keep) return;
+    active_.kind = ConditionKind::Active;
+    active_.service = violated.subject;
+    facts_.emplace_back(&active_, true);
+  }
+  ViolationFacts(const ViolationFacts&) = delete;  // facts_ points into it
+  ViolationFacts& operator=(const ViolationFacts&) = delete;
+
+  [[nodiscard]] Truth judge(const Condition& c) const {
+    for (const auto& [fact, value] : facts_) {
+      if (is_same(*fact, c)) return truth_of(value);
+    }
+    if (c.kind == ConditionKind::Not) {
+      const Truth of = judge(c.operands[0]);
+      return of == Truth::Unknown ? of : truth_of(of == Truth::False);
+    }
+    if (c.kind != ConditionKind::Operator || (c.text != "&&" && c.text != "||")) return Truth::Unknown;
+    // One operand may decide.
+    const Truth strong = truth_of(c.text == "||");
+    const Truth left = judge(c.operands[0]);
+    const Truth right = judge(c.operands[1]);
+    if (left == strong || right == strong) return strong;
+    return left == Truth::Unknown || right == Truth::Unknown ? Truth::Unknown : left;
+  }
+
+ private:
+  void assume(const Condition& c, bool value) {
+    facts_.emplace_back(&c, value);
+    if (c.kind == ConditionKind::Not) assume(c.operands[0], !value);
+    if (c.kind != ConditionKind::Operator || c.text != (value ? "&&" : "||")) return;
+    for (const Condition& operand : c.operands) assume(operand, value);
+  }
+
+  Condition active_;
+  std::vector<std::pair<const Condition*, bool>> facts_;
+};
+
+std::string text_of(std::int64_t us) {
+  if (us % 1'000'000 == 0) return fmt::format("{} s", us / 1'000'000);
+  return us % 1000 == 0 ? fmt::format("{} ms", us / 1000) : fmt::format("{} us", us);
+}
+
+// The period of the task that writes the poster, of several the shortest; 0: there is none, or one without a period.
+std::int64_t writer_period(const Module& m, const genom::Poster& p) {
+  if (m.generation == 2) return m.tasks[p.task_index].period_us;
+  const std::string port = "port_" + p.name.text;
+  const auto writes = [&](const genom::Activity& a) {
+    return std::any_of(a.states.begin(), a.states.end(), [&](const genom::State& s) {
+      return std::any_of(s.codel.uses.begin(), s.codel.uses.end(),
+                         [&](const genom::DataUse& use) { return use.writes && use.data == port; });
+    });
+  };
+  std::set<std::int64_t> periods;
+  for (const genom::Task& t : m.tasks) {
+    if (writes(t.activity)) periods.insert(t.period_us);
+  }
+  for (const genom::Service& s : m.services) {
+    if (writes(s.activity)) periods.insert(m.tasks[s.task_index].period_us);
+  }
+  return periods.empty() ? 0 : *periods.begin();
+}
+
+class ConflictFinder {
+ public:
+  ConflictFinder(const RuleFile& file, const std::vector<Module>& modules, const Checked& checked, std::int64_t tick_us,
+                 Diagnostics& diags)
+      : file_(file),
+        modules_(modules),
+        rows_(checked.constraints.rows),
+        rule_(checked.rule),
+        tick_us_(tick_us),
+        diags_(diags) {
+    BIP_ASSERT(rows_.size() == rule_.size(), "{} constraints of {} rules", rows_.size(), rule_.size());
+  }
+
+  void run() {
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      fresh(i, rows_[i].condition);
+      if (rows_[i].recovery) refused(i);
+    }
+    for (std::size_t i = 0; i < rows_.size(); ++i) endless(i);
+  }
+
+ private:
+  [[nodiscard]] SourceRange range(std::size_t row) const { return file_.rules[rule_[row]].range; }
+  [[nodiscard]] std::string text(genom::ServiceRef s) const {
+    return modules_[s.module].name.text + "." + modules_[s.module].services[s.service].name.text;
+  }
+  [[nodiscard]] static bool rejects(const Constraint& c) { return c.kind == ConstraintKind::Admit; }
+  [[nodiscard]] static bool violates(const Constraint& c) { return rejects(c) || c.kind == ConstraintKind::Keep; }
+
+  // Where the rule says it: the same poster with the same bound.
+  static const Expr* find_fresh(const Expr& e, const std::string& poster, genom::Span span) {
+    if (e.kind == ExprKind::Fresh && e.path.name.text == poster && e.span.value == span.value &&
+        e.span.is_ticks == span.is_ticks)
+      return &e;
+    for (const Expr& operand : e.operands) {
+      if (const Expr* const found = find_fresh(operand, poster, span)) return found;
+    }
+    return nullptr;
+  }
+
+  void fresh(std::size_t row, const Condition& c) {
+    for (const Condition& operand : c.operands) fresh(row, operand);
+    if (c.kind != ConditionKind::Fresh) return;
+    const Module& m = modules_[c.poster.module];
+    const genom::Poster& p = m.posters[c.poster.poster];
+    const std::int64_t bound = c.span.is_ticks ? c.span.value * tick_us_ : c.span.value;
+    const std::int64_t period = writer_period(m, p);
+    const Expr* const written = find_fresh(file_.rules[rule_[row]].condition, p.name.text, c.span);
+    const SourceRange where = written != nullptr ? written->range : range(row);
+    if (bound >= period || !stale_.insert(where.begin).second) return;
+    auto d = diags_.report(Diag::kB6111, where, m.name.text + "." + p.name.text, text_of(period), text_of(bound));
+    d.help(fmt::format("a bound of {} allows for one late cycle", text_of(2 * period)));
+  }
+
+  // Rules that refuse the recovery of this one, and have none of their own to go on with.
+  void refused(std::size_t row) {
+    const Constraint& violated = rows_[row];
+    if (!violates(violated)) return;
+    const ViolationFacts facts(violated);
+    std::set<std::size_t> surely;
+    std::set<std::size_t> perhaps;
+    for (std::size_t other = 0; other < rows_.size(); ++other) {
+      const Constraint& c = rows_[other];
+      if (!rejects(c) || c.subject != *violated.recovery || c.recovery) continue;
+      const Truth truth = facts.judge(c.condition);
+      if (truth == Truth::False) surely.insert(rule_[other]);
+      if (truth == Truth::Unknown) perhaps.insert(rule_[other]);
+    }
+    if (!surely.empty()) refusal(Diag::kB6112, row, surely, "by this rule");
+    else if (!perhaps.empty()) refusal(Diag::kB6113, row, perhaps, "this rule does not allow it always");
+  }
+  void refusal(Diag code, std::size_t row, const std::set<std::size_t>& rules, const char* label) {
+    auto d = diags_.report(code, range(row), text(*rows_[row].recovery));
+    for (const std::size_t rule : rules) d.label(file_.rules[rule].range, label);
+  }
+
+  // Refused, a service is asked for as the recovery of its own refusal. Each rule has one recovery, so there is one
+  // way.
+  void endless(std::size_t first) {
+    std::vector<std::size_t> way;
+    std::size_t row = first;
+    while (rejects(rows_[row]) && rows_[row].recovery) {
+      if (!way.empty() && row == first) break;
+      way.push_back(row);
+      const auto next = std::find_if(rows_.begin(), rows_.end(), [&](const Constraint& c) {
+        return rejects(c) && c.recovery && c.subject == *rows_[row].recovery;
+      });
+      if (next == rows_.end() || way.size() > rows_.size()) return;
+      row = static_cast<std::size_t>(next - rows_.begin());
+    }
+    if (way.empty() || row != first) return;
+    std::set<std::size_t> rules;
+    for (const std::size_t r : way) rules.insert(rule_[r]);
+    if (!circles_.insert(rules).second) return;
+    auto d = diags_.report(Diag::kB6114, range(first), text(rows_[first].subject));
+    d.label(way.size() == 1 ? "by this rule alone" : "this rule refuses it");
+    for (std::size_t k = 1; k < way.size(); ++k)
+      d.label(range(way[k]), fmt::format("this one refuses its recovery `{}`", text(rows_[way[k]].subject)));
+  }
+
+  const RuleFile& file_;
+  const std::vector<Module>& modules_;
+  const std::vector<Constraint>& rows_;
+  const std::vector<std::size_t>& rule_;
+  std::int64_t tick_us_;
+  Diagnostics& diags_;
+  std::set<std::uint32_t> stale_;
+  std::set<std::set<std::size_t>> circles_;
+};
+
+}  // namespace
+
+void report_conflicts(const RuleFile& file, const std::vector<Module>& modules, const Checked& checked,
+                      std::int64_t tick_us, Diagnostics& diags) {
+  ConflictFinder(file, modules, checked, tick_us, diags).run();
+}
+
+}  // namespace bip::rules
