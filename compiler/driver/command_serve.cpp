@@ -21,6 +21,7 @@ bool find_safe_stop(const ServeArguments& arguments, void* library, serve::Watch
   if (library != nullptr) {
     watch.safe_stop = reinterpret_cast<void (*)(const char*)>(::dlsym(library, watch.safe_stop_name.c_str()));
     watch.called_now = reinterpret_cast<const std::atomic<const char*>* (*)()>(::dlsym(library, "bip_called_now"));
+    watch.set_crash_hook = reinterpret_cast<void (*)(void (*)(const char*))>(::dlsym(library, "bip_set_crash_hook"));
   }
   watch.late = arguments.late_after;
   watch.stall = arguments.stall_after >= 0 ? arguments.stall_after : watch.safe_stop == nullptr ? 0 : 1'000'000'000;
@@ -65,6 +66,14 @@ int command_serve(const ServeArguments& arguments) {
   server.socket_path = arguments.socket;
   server.uses_tcp = arguments.has_port;
   server.tcp_port = arguments.port;
+  server.silent_after = arguments.silent_after;
+  if (arguments.silent_after > 0 && watch.safe_stop == nullptr) {
+    std::fputs(
+        "error: `--silent-after` stops the robot: the model's C++ has no function `extern \"C\" void "
+        "safe_stop(const char* why)`\n",
+        stderr);
+    return kUsage;
+  }
   std::string error;
   const serve::ServeEnd end = serve::serve(controller, server, error);
   if (end != serve::ServeEnd::Done) std::fprintf(stderr, "error: %s\n", error.c_str());

@@ -27,7 +27,7 @@ bool address_of(const std::string& path, sockaddr_un& address) {
   return true;
 }
 
-// A socket at which nobody listens refuses.
+// A socket at which no process listens refuses connections.
 bool is_dead_socket(const std::string& path) {
   sockaddr_un address{};
   if (!address_of(path, address)) return false;

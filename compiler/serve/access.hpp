@@ -17,7 +17,7 @@ namespace bip::serve {
 /// A path at which a Unix socket may be made, and the socket that was made there.
 class SocketPath {
  public:
-  /// Removes a socket of this user at which nobody listens, and nothing else. Returns why the path cannot be used;
+  /// Removes a socket of this user at which no process listens, and nothing else. Returns why the path cannot be used;
   /// empty: nothing is there now.
   [[nodiscard]] std::string claim(const std::string& path);
   /// After the socket was bound: notes which file it is.

@@ -22,7 +22,10 @@ void Controller::halt() {
     system_.stop();
   }
   changed_.notify_all();
-  if (thread_.joinable()) thread_.join();
+  if (thread_.joinable()) {
+    thread_.join();
+    watchdog_.stop_robot("the model is not served any more");
+  }
   watchdog_.halt();
 }
 
@@ -91,6 +94,11 @@ std::string Controller::back(std::uint64_t count) {
   return {};
 }
 
+void Controller::pause() {
+  if (!is_paused_ && !has_ended_) watchdog_.stop_robot("the model is paused");
+  is_paused_ = true;
+}
+
 void Controller::resume(std::uint64_t steps) {
   if (steps == 0) forget_states();
   if (is_paused_) system_.restart_clock();
@@ -120,6 +128,9 @@ void Controller::note_outcome(Outcome outcome) {
 
 void Controller::end(Outcome outcome) {
   has_ended_ = true;
+  watchdog_.stop_robot(outcome == Outcome::Fault      ? "the run has ended by an error"
+                       : outcome == Outcome::Deadlock ? "the run has ended in a deadlock"
+                                                      : "the run has ended");
   if (on_end) on_end(outcome, outcome == Outcome::Fault ? system_.fault() : system_.story());
 }
 
@@ -150,7 +161,7 @@ void Controller::run() {
     const Outcome outcome = system_.step();
     watchdog_.end();
     if (outcome != Outcome::Stepped && steps_left_ != 0) drop_state();
-    if (outcome == Outcome::Stepped && steps_left_ != 0 && --steps_left_ == 0) is_paused_ = true;
+    if (outcome == Outcome::Stepped && steps_left_ != 0 && --steps_left_ == 0) pause();
     note_outcome(outcome);
   }
 }

@@ -48,12 +48,15 @@ class Controller {
   /// For services of robot modules; its own functions say from which thread.
   [[nodiscard]] Requests& requests() { return requests_; }
   void ask(Command command);
+  /// Calls the safe-stop function, if there is one.
+  void stop_robot(std::string why) { watchdog_.stop_robot(std::move(why)); }
 
   // ---- in a command
   [[nodiscard]] const Execution& system() const { return system_; }
   [[nodiscard]] bool is_paused() const { return is_paused_; }
   [[nodiscard]] bool has_ended() const { return has_ended_; }
-  void pause() { is_paused_ = true; }
+  /// The model's time stands still, so the robot is stopped, if there is a safe-stop function.
+  void pause();
   /// Runs on; steps > 0: only so many. The wall clock goes on from the model's instant.
   void resume(std::uint64_t steps);
   /// The number to restore it by; false if there are too many.

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <asio.hpp>
 #include <atomic>
 #include <chrono>
@@ -56,8 +57,10 @@ struct Client {
   bool is_subscribed = false, hears_requests = false, has_breakpoint = false;
   bool reads = false, writes = false, has_finished = false, is_closing = false;
   Origin origin = Origin::Stdio;
+  Role role = Role::Operator;
   bool is_known = false;    // its requests are executed; a client of TCP is by its token
   bool has_spoken = false;  // a request was understood
+  bool asks = false;        // for services, or posts events
   ServerClock::time_point last_request = ServerClock::now();
 };
 
@@ -78,7 +81,11 @@ class KeptFlags {
 class Server {
  public:
   Server(Controller& controller, const ServerOptions& options)
-      : controller_(controller), options_(options), signals_(io_, SIGINT, SIGTERM, SIGHUP), sweep_(io_) {}
+      : controller_(controller),
+        options_(options),
+        signals_(io_, SIGINT, SIGTERM, SIGHUP),
+        sweep_(io_),
+        silence_(io_) {}
 
   ~Server() { socket_path_.release(); }
   /// After run(): what went wrong on standard input or output; empty: nothing.
@@ -104,13 +111,17 @@ class Server {
         error = "cannot listen at port " + std::to_string(options_.tcp_port) + ": " + failed.message();
         return false;
       }
-      token_ = make_token();
-      if (token_.empty()) {
+      for (std::string& token : tokens_) {
+        token = make_token();
+        if (!token.empty()) continue;
         error = "the system has no random numbers for a token";
         return false;
       }
-      std::fprintf(stderr, "bipc: listening at 127.0.0.1:%u\nbipc: token %s\n",
-                   static_cast<unsigned>(tcp_->local_endpoint(failed).port()), token_.c_str());
+      std::fprintf(stderr,
+                   "bipc: listening at 127.0.0.1:%u\nbipc: token %s\nbipc: token of requesters %s\n"
+                   "bipc: token of observers %s\n",
+                   static_cast<unsigned>(tcp_->local_endpoint(failed).port()), token_of(Role::Operator).c_str(),
+                   token_of(Role::Requester).c_str(), token_of(Role::Observer).c_str());
       accept(*tcp_);
     }
     if (options_.uses_stdio) {
@@ -176,7 +187,8 @@ class Server {
     });
   }
 
-  // Makes a place for a newcomer: who has never spoken goes first, then who was idle for long. False: all are at work.
+  // Frees a place for a new connection: one that never sent a line goes first, then one that was idle for long. False:
+  // all are at work.
   bool make_room() {
     const ServerClock::time_point now = ServerClock::now();
     std::optional<std::uint64_t> idlest;
@@ -235,7 +247,7 @@ class Server {
     read(number);
   }
 
-  // On the engine's thread: a step that nobody wants costs no line.
+  // On the engine's thread: a step that no client watches costs no line.
   void note(const Step& step, std::int64_t now) {
     now_.store(now, std::memory_order_relaxed);
     std::vector<std::uint64_t> receivers, breakers;
@@ -278,7 +290,10 @@ class Server {
 
   // Any thread: in the log, and to all who subscribed to anything.
   void note(const Alarm& alarm) {
-    std::fprintf(stderr, "warning[%s]: %s\n", alarm.kind == Alarm::Kind::Late ? "R0047" : "R0046", alarm.text.c_str());
+    const char* const code = alarm.kind == Alarm::Kind::Late      ? "R0047"
+                             : alarm.kind == Alarm::Kind::Stopped ? "R0049"
+                                                                  : "R0046";
+    std::fprintf(stderr, "warning[%s]: %s\n", code, alarm.text.c_str());
     net::post(io_, [this, line = alarm_line(alarm)] { broadcast(nullptr, line); });
   }
 
@@ -392,19 +407,42 @@ class Server {
       close(number, client);
       return false;
     }
-    if (client.is_known || is_token(token_of_hello(line), token_)) return client.is_known = true;
+    if (client.is_known) return true;
+    const std::string given = token_of_hello(line);
+    for (const Role role : {Role::Observer, Role::Requester, Role::Operator}) {
+      if (!is_token(given, token_of(role))) continue;
+      client.role = role;
+      return client.is_known = true;
+    }
     send(number, error_line("the first request is `hello` with the `token` that the server printed"));
     finish(number, client);
     return false;
   }
+
+  // The decisional level has spoken.
+  void hear_asker() {
+    if (options_.silent_after <= 0) return;
+    silence_.expires_after(std::chrono::nanoseconds(options_.silent_after));
+    silence_.async_wait([this](const std::error_code& failed) {
+      if (failed) return;
+      controller_.stop_robot("the decisional level has been silent for " +
+                             std::to_string(options_.silent_after / 1'000'000) + " ms");
+    });
+  }
+
+  [[nodiscard]] std::string& token_of(Role role) { return tokens_[static_cast<std::size_t>(role)]; }
 
   void handle(std::uint64_t number, const std::string& line) {
     Client& client = *clients_.at(number);
     if (!may_ask(number, client, line)) return;
     client.last_request = ServerClock::now();
     client.has_spoken = client.has_spoken || kind_of_line(line) == LineKind::Object;
+    client.asks = client.asks || (client.role >= Role::Requester && is_asking(line));
+    if (client.asks) hear_asker();
     Reply reply;
     reply.client = number;
+    reply.role = client.role;
+    reply.take_role = [&client](Role role) { client.role = role; };
     ++client.asked;
     reply.send = [this, number](std::string text) {
       net::post(io_, [this, number, said = std::move(text)] { answer(number, said); });
@@ -480,17 +518,17 @@ class Server {
   const ServerOptions& options_;
   net::io_context io_{1};
   net::signal_set signals_;
-  net::steady_timer sweep_;
+  net::steady_timer sweep_, silence_;
   std::optional<net::steady_timer> last_answers_;
   std::deque<KeptFlags> kept_flags_;
   SocketPath socket_path_;
-  std::string token_;  // of TCP
+  std::array<std::string, 3> tokens_;  // of TCP, by role
   std::string problem_;
   std::optional<net::local::stream_protocol::acceptor> local_;
   std::optional<net::ip::tcp::acceptor> tcp_;
   std::map<std::uint64_t, std::unique_ptr<Client>> clients_;
   std::uint64_t next_ = 0;
-  /// The steps that a client is told of, and those after which the model pauses for it.
+  /// The steps that a client watches, and those after which the model pauses for it.
   struct Watched {
     Subscription told, breaks;
   };
@@ -506,7 +544,7 @@ class Server {
 }  // namespace
 
 ServeEnd serve(Controller& controller, const ServerOptions& options, std::string& error) {
-  // A client that is gone is told by a failed write.
+  // A failed write shows that the client is gone.
   std::signal(SIGPIPE, SIG_IGN);
   Server server(controller, options);
   if (!server.open(error)) return ServeEnd::NotOpened;

@@ -18,6 +18,9 @@ struct ServerOptions {
   std::string socket_path;  // empty: none
   bool uses_tcp = false;
   std::uint16_t tcp_port = 0;  // 0: one that is free
+  /// The robot is stopped when a client that has asked for services or posted events sends nothing for so long (ns); 0:
+  /// never.
+  std::int64_t silent_after = 0;
   std::size_t max_line = 1 << 16;
   std::size_t max_waiting = 1 << 20;  // bytes to a client
   std::size_t max_clients = 64;

@@ -209,10 +209,51 @@ void ask(Controller& controller, const Reply& reply, const Json& id,
   });
 }
 
+struct RequestKind {
+  std::string_view name;
+  Role role;  // who may do it
+};
+constexpr RequestKind kRequests[] = {
+    {"hello", Role::Observer},    {"subscribe", Role::Observer},  {"unsubscribe", Role::Observer},
+    {"state", Role::Observer},    {"candidates", Role::Observer}, {"why", Role::Observer},
+    {"requests", Role::Observer}, {"post", Role::Requester},      {"request", Role::Requester},
+    {"cancel", Role::Requester},  {"break", Role::Operator},      {"pause", Role::Operator},
+    {"resume", Role::Operator},   {"step", Role::Operator},       {"fire", Role::Operator},
+    {"back", Role::Operator},     {"snapshot", Role::Operator},   {"restore", Role::Operator},
+    {"shutdown", Role::Operator},
+};
+
+std::string with_article(Role role) { return std::string(role == Role::Requester ? "a " : "an ") + role_name(role); }
+
+// The role that a `hello` asks for; empty, or what is wrong.
+std::string role_of(const Json& request, Role& role) {
+  const auto wanted = request.find("role");
+  if (wanted == request.end()) return {};
+  for (const Role each : {Role::Observer, Role::Requester, Role::Operator}) {
+    if (*wanted != role_name(each)) continue;
+    if (each > role) return "this client is no more than " + with_article(role);
+    role = each;
+    return {};
+  }
+  return "`role` is \"observer\", \"requester\" or \"operator\"";
+}
+
 }  // namespace
 
 LineKind kind_of_line(const std::string& line) {
   return is_too_deep(line) || Json::parse(line, nullptr, false).is_object() ? LineKind::Object : LineKind::NoObject;
+}
+
+const char* role_name(Role role) {
+  return role == Role::Observer ? "observer" : role == Role::Requester ? "requester" : "operator";
+}
+
+bool is_asking(const std::string& line) {
+  if (is_too_deep(line)) return false;
+  const Json request = Json::parse(line, nullptr, false);
+  if (!request.is_object()) return false;
+  const auto what = request.find("do");
+  return what != request.end() && (*what == "post" || *what == "request");
 }
 
 std::string token_of_hello(const std::string& line) {
@@ -237,15 +278,23 @@ void handle_line(Controller& controller, const std::string& line, Reply reply) {
   const std::string what = found != request.end() && found->is_string() ? found->get<std::string>() : "";
   std::set<std::string> names;
   std::uint64_t count = 0;
+  for (const RequestKind& kind : kRequests) {
+    if (kind.name == what && kind.role > reply.role)
+      return refuse("`" + what + "` takes the role of " + with_article(kind.role) + ": this client is " +
+                    with_article(reply.role));
+  }
   if (what == "post") {
     const std::string wrong = post(controller, request);
     return wrong.empty() ? reply.send(line_of(answer_to(id))) : refuse(wrong);
   }
   if (what == "hello") {
+    if (const std::string wrong = role_of(request, reply.role); !wrong.empty()) return refuse(wrong);
+    reply.take_role(reply.role);
     Json answer = answer_to(id);
     answer["format"] = "bipc-serve";
     answer["version"] = 1;
     answer["model"] = controller.image().name;
+    answer["role"] = role_name(reply.role);
     answer["ports"] = ports_of(controller);
     if (controller.requests().any()) answer["services"] = services_of(controller.requests());
     return reply.send(line_of(answer));
@@ -402,6 +451,7 @@ std::string request_line(const RequestReply& reply, std::int64_t now) {
 std::string alarm_line(const Alarm& alarm) {
   const char* const note = alarm.kind == Alarm::Kind::Stalled     ? "stalled"
                            : alarm.kind == Alarm::Kind::RunsAgain ? "runs again"
+                           : alarm.kind == Alarm::Kind::Stopped   ? "stopped"
                                                                   : "late";
   return line_of({{"note", note}, {"ns", alarm.ns}, {"text", alarm.text}});
 }

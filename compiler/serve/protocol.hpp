@@ -24,8 +24,16 @@ struct Subscription {
   [[nodiscard]] bool wants(const Step& step) const;
 };
 
+/// What a client may do: an observer looks, a requester also posts events and asks for services, an operator also
+/// steers the run and ends it.
+enum class Role : std::uint8_t { Observer, Requester, Operator };
+[[nodiscard]] const char* role_name(Role role);
+
 struct Reply {
   std::uint64_t client = 0;
+  Role role = Role::Operator;
+  /// The client asks for less than it may do.
+  std::function<void(Role role)> take_role;
   /// With its newline; from any thread, once or later.
   std::function<void(std::string line)> send;
   std::function<void(const Subscription&)> subscribe;
@@ -36,6 +44,9 @@ struct Reply {
 /// Object: JSON, or too deep to be looked at.
 enum class LineKind : std::uint8_t { Object, NoObject };
 [[nodiscard]] LineKind kind_of_line(const std::string& line);
+
+/// Does the line post an event, or ask for a service? Then who sent it is part of the decisional level.
+[[nodiscard]] bool is_asking(const std::string& line);
 
 /// Returns the token of a line that is a sound `hello`; empty: it is none, or has none.
 [[nodiscard]] std::string token_of_hello(const std::string& line);

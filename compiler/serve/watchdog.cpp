@@ -1,8 +1,14 @@
 // See watchdog.hpp.
 #include "compiler/serve/watchdog.hpp"
 
+#include <signal.h>
+#include <time.h>
+
 #include <algorithm>
 #include <chrono>
+#include <cstddef>
+#include <cstdlib>
+#include <exception>
 
 namespace bip::serve {
 
@@ -20,19 +26,73 @@ std::chrono::nanoseconds look_after(std::int64_t stall) {
   return std::chrono::nanoseconds(std::max<std::int64_t>(stall / 8, 1'000'000));
 }
 
+// The one that a handler of signals asks.
+std::atomic<Watchdog*> crash_watchdog{nullptr};
+std::terminate_handler before_terminate = nullptr;
+// What a safe-stop function may take while a signal ends the process.
+constexpr int kLastStopMs = 1000;
+
 }  // namespace
 
 void Watchdog::start() {
-  if (options_.stall > 0) thread_ = std::thread([this] { watch(); });
+  if (options_.stall <= 0 && options_.safe_stop == nullptr) return;
+  thread_ = std::thread([this] { watch(); });
+  if (options_.safe_stop == nullptr || options_.set_crash_hook == nullptr) return;
+  crash_watchdog.store(this);
+  options_.set_crash_hook(&Watchdog::on_crash);
+  static const bool is_set = [] {
+    // An exception of another thread, and `std::exit` of the model's C++.
+    before_terminate = std::set_terminate([] {
+      on_crash("an exception ends the process");
+      before_terminate();
+    });
+    return std::atexit([] { on_crash("the model's C++ ends the process"); }) == 0;
+  }();
+  (void)is_set;
 }
 
 void Watchdog::halt() {
+  if (!thread_.joinable()) return;
+  Watchdog* self = this;
+  if (crash_watchdog.compare_exchange_strong(self, nullptr)) options_.set_crash_hook(nullptr);
+  quits_ = true;
+  changed_.release();
+  thread_.join();
+}
+
+// In a handler, on the thread that has failed: calls only what a handler may call. The function itself runs on the
+// watchdog's thread, which has a whole stack, and holds none of the locks that the failed thread may hold.
+void Watchdog::on_crash(const char* why) {
+  Watchdog* const watchdog = crash_watchdog.load();
+  if (watchdog == nullptr || watchdog->thread_.get_id() == std::this_thread::get_id()) return;
+  const char* none = nullptr;
+  if (!watchdog->crash_why_.compare_exchange_strong(none, why)) return;
+  watchdog->changed_.release();
+  for (int k = 0; k < kLastStopMs && !watchdog->has_stopped_for_crash_; ++k) {
+    const timespec moment{0, 1'000'000};
+    ::nanosleep(&moment, nullptr);
+  }
+}
+
+void Watchdog::stop_robot(std::string why) {
+  if (options_.safe_stop == nullptr || !thread_.joinable()) return;
   {
     const std::lock_guard<std::mutex> hold(lock_);
-    quits_ = true;
+    asked_stops_.push_back(std::move(why));
   }
-  changed_.notify_all();
-  if (thread_.joinable()) thread_.join();
+  changed_.release();
+}
+
+// A thread whose stack is full needs another one for the handler.
+void Watchdog::enter_thread() {
+  if (options_.called_now != nullptr) called_.store(options_.called_now());
+  if (options_.set_crash_hook == nullptr) return;
+  constexpr std::size_t kSize = 1 << 16;
+  signal_stack_ = std::make_unique<std::byte[]>(kSize);
+  stack_t own{};
+  own.ss_sp = signal_stack_.get();
+  own.ss_size = kSize;
+  (void)::sigaltstack(&own, nullptr);
 }
 
 void Watchdog::begin() {
@@ -49,33 +109,55 @@ void Watchdog::alarm(Alarm::Kind kind, std::int64_t ns, std::string text) {
   if (on_alarm) on_alarm({kind, ns, std::move(text)});
 }
 
-void Watchdog::watch() {
-  std::int64_t stalled_since = 0;  // 0: it runs
-  std::unique_lock<std::mutex> hold(lock_);
-  while (!changed_.wait_for(hold, look_after(options_.stall), [this] { return quits_; })) {
-    const std::int64_t now = steady_ns(), busy = busy_for(now);
-    // What sleeps has caught up.
-    const std::int64_t behind = busy == 0 ? 0 : behind_.load(std::memory_order_relaxed);
-    const bool stalls = busy > options_.stall || behind > options_.stall;
-    if (!stalls && stalled_since != 0) {
-      alarm(Alarm::Kind::RunsAgain, now - stalled_since,
-            "the engine runs again, " + milliseconds(now - stalled_since) + " after it stalled");
-      stalled_since = 0;
-    }
-    if (!stalls || stalled_since != 0) continue;
-    stalled_since = now - std::max(busy, behind);
-    const auto* const called = called_.load();
-    const char* const function = called == nullptr ? nullptr : called->load(std::memory_order_relaxed);
-    std::string why = busy > options_.stall ? "no step has returned for " + milliseconds(busy)
-                                            : "steps begin " + milliseconds(behind) + " too late";
-    if (busy > options_.stall && function != nullptr) why += ", the model is in " + std::string(function);
-    // First the robot, then the log: writing may wait.
-    if (options_.safe_stop != nullptr) {
-      options_.safe_stop(why.c_str());
-      why += ": `" + options_.safe_stop_name + "` was called";
-    }
-    alarm(Alarm::Kind::Stalled, std::max(busy, behind), std::move(why));
+void Watchdog::do_asked_stops() {
+  if (const char* const why = crash_why_.load(); why != nullptr && !has_stopped_for_crash_) {
+    options_.safe_stop(why);
+    has_stopped_for_crash_ = true;
   }
+  std::vector<std::string> asked;
+  {
+    const std::lock_guard<std::mutex> hold(lock_);
+    asked.swap(asked_stops_);
+  }
+  for (const std::string& why : asked) {
+    options_.safe_stop(why.c_str());
+    alarm(Alarm::Kind::Stopped, 0, why + ": `" + options_.safe_stop_name + "` was called");
+  }
+}
+
+void Watchdog::watch() {
+  while (!quits_) {
+    if (options_.stall > 0) (void)changed_.try_acquire_for(look_after(options_.stall));
+    else changed_.acquire();
+    do_asked_stops();
+    if (options_.stall > 0 && !quits_) look();
+  }
+  do_asked_stops();
+}
+
+void Watchdog::look() {
+  const std::int64_t now = steady_ns(), busy = busy_for(now);
+  // What sleeps has caught up.
+  const std::int64_t behind = busy == 0 ? 0 : behind_.load(std::memory_order_relaxed);
+  const bool stalls = busy > options_.stall || behind > options_.stall;
+  if (!stalls && stalled_since_ != 0) {
+    alarm(Alarm::Kind::RunsAgain, now - stalled_since_,
+          "the engine runs again, " + milliseconds(now - stalled_since_) + " after it stalled");
+    stalled_since_ = 0;
+  }
+  if (!stalls || stalled_since_ != 0) return;
+  stalled_since_ = now - std::max(busy, behind);
+  const auto* const called = called_.load();
+  const char* const function = called == nullptr ? nullptr : called->load(std::memory_order_relaxed);
+  std::string why = busy > options_.stall ? "no step has returned for " + milliseconds(busy)
+                                          : "steps begin " + milliseconds(behind) + " too late";
+  if (busy > options_.stall && function != nullptr) why += ", the model is in " + std::string(function);
+  // First the robot, then the log: writing may wait.
+  if (options_.safe_stop != nullptr) {
+    options_.safe_stop(why.c_str());
+    why += ": `" + options_.safe_stop_name + "` was called";
+  }
+  alarm(Alarm::Kind::Stalled, std::max(busy, behind), std::move(why));
 }
 
 void Watchdog::note_step(const Step& step) {

@@ -1,17 +1,20 @@
 // A thread beside the engine's that notices when the engine stalls: a step that does not return within a bound, or
-// steps that begin later than the bound allows. Then it says so, and calls the model's safe-stop function.
+// steps that begin later than the bound allows. Then it says so, and calls the model's safe-stop function. It does so
+// as well when the engine does not go on: a signal ends the process, the run has ended, the model is paused.
 //
 // It shares nothing with the engine but instants, so that no lock that a hanging function holds can hold it up. It
 // looks eight times within the bound: the function is called after the bound and an eighth of it at the latest, if the
 // system lets the thread run.
 #pragma once
 #include <atomic>
-#include <condition_variable>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <mutex>
+#include <semaphore>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "bip/bip.hpp"
 
@@ -26,10 +29,12 @@ struct WatchOptions {
   std::string safe_stop_name;
   /// Asked on the engine's thread: where that thread notes which C++ function it is in. May be null.
   const std::atomic<const char*>* (*called_now)() = nullptr;
+  /// Sets what the handler of signals that end the process calls, with the reason. May be null.
+  void (*set_crash_hook)(void (*hook)(const char* why)) = nullptr;
 };
 /// What was noticed, in the words of a log.
 struct Alarm {
-  enum class Kind : std::uint8_t { Stalled, RunsAgain, Late } kind = Kind::Stalled;
+  enum class Kind : std::uint8_t { Stalled, RunsAgain, Late, Stopped } kind = Kind::Stalled;
   std::int64_t ns = 0;  // of the wall clock: how long, how late
   std::string text;
 };
@@ -44,11 +49,11 @@ class Watchdog {
   std::function<void(const Alarm&)> on_alarm;
   void start();
   void halt();
+  /// Any thread: the engine does not go on, so the safe-stop function is called, on the watchdog's thread.
+  void stop_robot(std::string why);
 
   // ---- the engine's thread
-  void enter_thread() {
-    if (options_.called_now != nullptr) called_.store(options_.called_now());
-  }
+  void enter_thread();
   /// Before and after a step or a command, which may wait or work.
   void begin();
   void end() { begun_.store(0, std::memory_order_relaxed); }
@@ -57,6 +62,9 @@ class Watchdog {
 
  private:
   void watch();
+  void look();
+  void do_asked_stops();
+  static void on_crash(const char* why);
   [[nodiscard]] std::int64_t busy_for(std::int64_t now) const;
   void alarm(Alarm::Kind kind, std::int64_t ns, std::string text);
 
@@ -65,11 +73,17 @@ class Watchdog {
   std::atomic<std::int64_t> begun_{0};   // on the wall clock; 0: nothing is done
   std::atomic<std::int64_t> behind_{0};  // how late the last step began
   std::atomic<const std::atomic<const char*>*> called_{nullptr};
-  std::int64_t last_late_ = -1;  // the instant of which a late step was told
+  std::int64_t last_late_ = -1;     // the instant of the last late step that was reported
+  std::int64_t stalled_since_ = 0;  // 0: it runs
   std::mutex lock_;
-  std::condition_variable changed_;
-  bool quits_ = false;
+  std::vector<std::string> asked_stops_;  // why
+  std::counting_semaphore<> changed_{0};
+  std::atomic<bool> quits_{false};
   std::thread thread_;
+  std::unique_ptr<std::byte[]> signal_stack_;  // of the engine's thread
+  // A crash: the handler waits on another thread until the function has returned.
+  std::atomic<const char*> crash_why_{nullptr};
+  std::atomic<bool> has_stopped_for_crash_{false};
 };
 
 }  // namespace bip::serve

@@ -1,4 +1,4 @@
-// Better code for a running image: somebody makes it on another thread, the engine takes it between two steps. The
+// Better code for a running image: another thread makes it, the engine takes it between two steps. The
 // run's steps are the same; only how long they take changes.
 #pragma once
 #include <atomic>

@@ -12,7 +12,7 @@ namespace bip::rt {
 namespace {
 // Real time: so often the engine may look at an instant whose steps do not end while an event of a later one waits.
 constexpr u32 kMaxStalls = 64;
-// A full queue of posted events is told to have room again so many times while the model takes it.
+// While the model takes the events of a full queue, the inbox is notified so many times that it has room again.
 constexpr u32 kReleases = 64;
 // Actions at work at once; others wait for a thread.
 constexpr u32 kMostThreads = 64;
@@ -153,7 +153,7 @@ i64 EventFeed::wait_for_outside(Core& core, i64 target) {
   release(core);
   engine_.instant.store(core.now(), std::memory_order_relaxed);
   stalls_ = target == core.now() && !arrived_.empty() ? stalls_ + 1 : 0;
-  // A first look without a word to who posts: he would wake us, and most looks find something.
+  // The first look does not announce a sleep: most looks find something, and a post would pay for waking this thread.
   bool is_prepared = false;
   while (true) {
     if (is_prepared) waker().prepare();
@@ -163,14 +163,16 @@ i64 EventFeed::wait_for_outside(Core& core, i64 target) {
     if (!arrived_.empty() && (arrived_.front().time <= target || stalls_ > kMaxStalls))
       event = std::min({event, arrived_.front().time, target});
     if (event != kForever && next_ < script_.size() && script_[next_].look != kAnyLook &&
-        (script_[next_].look != looks_ || event < core.now() || event > target)) {
+        (script_[next_].look != looks_ || script_[next_].kind == EventKind::Resume || event < core.now() ||
+         event > target)) {
       failed_ = true;
       const Event& next = script_[next_];
-      const std::string what = next.kind == EventKind::Port
-                                   ? "the event for port `" + ports_.path(next.row)
-                                   : std::string("what ended in `") + ports_.atom_path(next.row);
+      const std::string what = next.kind == EventKind::Resume ? std::string("an action of `resume` returned")
+                               : next.kind == EventKind::Port
+                                   ? "the event for port `" + ports_.path(next.row) + '`'
+                                   : std::string("what ended in `") + ports_.atom_path(next.row) + '`';
       (void)core.events().fail_outside(FaultCode::ReplayDiffers,
-                                       "the run differs from what was recorded before " + what + '`');
+                                       "the run differs from what was recorded before " + what);
       return kForever;
     }
     const i64 until = event == kForever ? target : std::max(event, core.now());
@@ -209,12 +211,37 @@ bool EventFeed::deliver(Core& core) {
     if (is_open_ && held_[event.row]++ == 0) active_.push_back(event.row);
     if (!sources_.delivered(core, event.row)) return fail(core);
   }
-  // Events that nobody takes make no step.
+  // Events that no port takes make no step.
   collect_strings(core);
   return true;
 }
 
-// It is told, and an event comes to the port that wants to know.
+bool EventFeed::hold_until_return(Core& core) {
+  Event event{core.now(), 0, looks_ + 1, {}, EventKind::Resume, 0, 0};
+  if (wall_ != nullptr) {
+    event.until = std::max(wall_->now(), core.now());
+    return deliver(core, event);
+  }
+  if (next_ >= script_.size() || script_[next_].kind != EventKind::Resume || script_[next_].look != event.look)
+    return true;
+  event.until = script_[next_++].until;
+  return deliver(core, event);
+}
+
+// Do all atoms that `resume` holds go on in time if their actions returned at the instant? By more than a millisecond
+// of the wall clock, that is; a replay tells of returns that were in time.
+bool EventFeed::is_in_time(Core& core, i64 instant) {
+  for (const u32 atom : core.time().resuming()) {
+    if (wall_ == nullptr || !wall_->is_too_late(instant, core.time().may_resume_until(atom))) continue;
+    if (!is_relaxed_) return core.time().fail_late_resume(atom, instant);
+    if (warnings_ == nullptr) continue;
+    const std::string text = core.time().late_resume(atom, instant).what;
+    std::fprintf(warnings_, "warning: %s\n", text.c_str());
+  }
+  return true;
+}
+
+// Reports the overrun, and posts an event to the port that the transition names for it.
 bool EventFeed::overrun(Core& core, u32 atom) {
   if (!core.actions().is_at_work(atom))
     return core.events().fail_outside(FaultCode::ReplayDiffers,
@@ -232,7 +259,8 @@ bool EventFeed::overrun(Core& core, u32 atom) {
 bool EventFeed::deliver(Core& core, const Event& event) {
   if (record_ != nullptr) {
     std::string line;
-    append_event(line, ports_, {core.now(), event.row, looks_, event.values, event.kind, 0});
+    const u64 look = event.kind == EventKind::Resume ? looks_ + 1 : looks_;
+    append_event(line, ports_, {core.now(), event.row, look, event.values, event.kind, 0, event.until});
     record_->write(line);
   }
   if (noted_ != nullptr) noted_->push_back(event);
@@ -249,6 +277,8 @@ void EventFeed::rewind(std::size_t delivered) {
 
 bool EventFeed::redeliver(Core& core, const Event& event) {
   if (event.kind == EventKind::Overrun) return overrun(core, event.row);
+  if (event.kind == EventKind::Resume)
+    return is_in_time(core, event.until) && core.time().returned_at(std::max(event.until, core.now()));
   BIP_ASSERT(event.kind == EventKind::Return || event.row < ports_.size(), "port {} of {}", event.row, ports_.size());
   if (event.kind == EventKind::Return) {
     if (!core.actions().is_at_work(event.row))

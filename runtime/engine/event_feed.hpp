@@ -38,8 +38,10 @@ class EventFeed {
   void open_inbox();
   /// Real time, after follow: actions that run beside the others (`@async`) have threads, and are waited for.
   void open_pool(Core& core);
-  /// Where it is told that one has used up its budget; null: nowhere.
+  /// Where an action that has used up its budget is reported; null: nowhere.
   void warn(std::FILE* file) { warnings_ = file; }
+  /// An action that returns later than its `resume` allows is a warning instead of a fault.
+  void relax() { is_relaxed_ = true; }
   [[nodiscard]] u64 overruns() const { return overruns_; }
   /// From now on waiting sleeps.
   void follow(RealTime& wall);
@@ -56,7 +58,7 @@ class EventFeed {
   [[nodiscard]] bool post(u32 row, std::vector<EventValue> values) {
     return inbox_.post(row, std::move(values), wall_);
   }
-  /// Any thread: who waits returns, and is_stopped().
+  /// Any thread: a wait returns, and is_stopped() holds.
   void stop();
   void go_on() { wants_stop_.store(false); }
   /// The instant `now` of the model is now on the wall, and events that wait come now.
@@ -68,10 +70,15 @@ class EventFeed {
   /// then, no earlier than now; kForever: none does, or is_stopped(), or failed(). In real time it is then `target`.
   [[nodiscard]] i64 wait(Core& core, i64 target) {
     if (ports_.size() != 0 || wall_ != nullptr || !script_.empty()) return wait_for_outside(core, target);
-    // Nothing comes from outside and nobody sleeps.
+    // Nothing comes from outside, and no thread sleeps.
     gave_up_ = is_interrupted();
     looks_ += gave_up_ ? 0 : 1;
     return kForever;
+  }
+  /// After each step. In real time an atom that `resume` holds goes on no earlier than its action has returned; a
+  /// replay says when that was. False: a fault.
+  [[nodiscard]] bool resume(Core& core) {
+    return !core.is_timed() || core.time().resuming().empty() || hold_until_return(core);
   }
   /// All events of this instant into the core. False: a fault.
   [[nodiscard]] bool deliver(Core& core);
@@ -86,6 +93,8 @@ class EventFeed {
   [[nodiscard]] bool is_due(const Event& event, i64 target) const;
   bool collect(Core& core, i64 until);
   bool deliver(Core& core, const Event& event);
+  bool hold_until_return(Core& core);
+  bool is_in_time(Core& core, i64 instant);
   bool overrun(Core& core, u32 atom);
   void forget_jobs(const Core& core, std::size_t first);
   void look_at_budgets(Core& core, std::size_t first);
@@ -107,7 +116,7 @@ class EventFeed {
   RunFile* record_ = nullptr;
   std::vector<Event>* noted_ = nullptr;
   bool is_open_ = false, failed_ = false;
-  bool gave_up_ = false;
+  bool gave_up_ = false, is_relaxed_ = false;
   std::atomic<bool> wants_stop_{false};
   std::vector<Cell> cells_;
   std::FILE* warnings_ = nullptr;

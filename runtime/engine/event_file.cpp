@@ -108,6 +108,11 @@ bool read_event(JsonLine& json, const EventPorts& ports, EventSource source, Eve
       event.row = ports.find_atom(path);
       has_port = event.row != kNone;
       if (!has_port) json.fail("there is no component `" + path + "` with actions that run beside the others");
+    } else if (source == EventSource::Record && key == "resumes") {
+      event.kind = EventKind::Resume;
+      event.until = json.integer();
+      if (event.until < event.time || event.until > kMaxTicks) json.fail("`resumes` is no instant after `time`, in ns");
+      has_port = true;
     } else if (key == "values") {
       if (!has_port || event.kind != EventKind::Port) json.fail("`values` comes before `port`");
       else read_values(json, ports, event);
@@ -280,6 +285,12 @@ void append_event(std::string& out, const EventPorts& ports, const Event& event)
   if (event.look != kAnyLook) {
     out += R"(,"look":)";
     append_number(out, event.look);
+  }
+  if (event.kind == EventKind::Resume) {
+    out += R"(,"resumes":)";
+    append_number(out, static_cast<u64>(event.until));
+    out += "}\n";
+    return;
   }
   if (event.kind != EventKind::Port) {
     out += event.kind == EventKind::Return ? R"(,"return":)" : R"(,"overrun":)";

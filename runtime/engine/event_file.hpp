@@ -11,8 +11,9 @@
 namespace bip::rt {
 
 inline constexpr u64 kAnyLook = ~u64{0};
-/// Return, Overrun: the action of an atom that runs beside the others (`@async`) has ended; its budget has.
-enum class EventKind : std::uint8_t { Port, Return, Overrun };
+/// Return, Overrun: the action of an atom that runs beside the others (`@async`) has ended; its budget has. Resume: so
+/// long did the actions of the last step take that `resume` holds.
+enum class EventKind : std::uint8_t { Port, Return, Overrun, Resume };
 /// An event for a row of EventPorts, or of an atom.
 struct Event {
   i64 time = 0;
@@ -20,7 +21,8 @@ struct Event {
   u64 look = kAnyLook;  // replay: how often the engine had looked for its next step when it came
   std::vector<EventValue> values;
   EventKind kind = EventKind::Port;
-  u64 job = 0;  // Return: its number in the pool
+  u64 job = 0;    // Return: its number in the pool
+  i64 until = 0;  // Resume: the instant at which they returned
 };
 
 /// What the first and the last line of a record say of the run: replay needs it.

@@ -9,7 +9,7 @@ namespace bip::rt {
 void Inbox::add(Event event) {
   BIP_ASSERT(event.kind == EventKind::Port || event.job != 0, "an action without a job returns");
   events_.push_back(std::move(event));
-  // Before the waker is asked whether somebody sleeps, in the one order of all such accesses.
+  // Before the waker is asked whether its thread sleeps, in the one order of all such accesses.
   if (!has_events_.load(std::memory_order_relaxed)) has_events_.store(true, std::memory_order_seq_cst);
 }
 

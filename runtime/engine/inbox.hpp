@@ -1,6 +1,6 @@
 // Events, and what tells that actions have ended, on their way from other threads to the engine, with a bound on what
-// waits for each port, so that nobody who posts faster than the model takes fills the memory. A full queue is told to
-// who posts; nothing that was taken in is lost.
+// waits for each port, so that a thread that posts faster than the model takes does not fill the memory. A post to a
+// full queue is refused; no accepted event is lost.
 //
 // Any thread posts, one thread takes. Cost of a post: a lock held for a move, and a system call if the engine sleeps;
 // of a look that finds nothing: a load.
@@ -24,7 +24,8 @@ class Inbox {
   [[nodiscard]] bool post(u32 row, std::vector<EventValue> values, const RealTime* wall);
   /// A job of the atom has ended, now.
   void note_return(u32 atom, u64 job, const RealTime& wall);
-  /// Moves all that came to the end of `out`, in their order. A post that is not seen wakes who has prepared to sleep.
+  /// Moves all that came to the end of `out`, in their order. A post that is not among them wakes the thread that has
+  /// prepared to sleep.
   void take(std::deque<Event>& out);
   /// Starts the clock anew at an instant, which becomes that of all events that are here.
   void restart(RealTime& wall, i64 now);

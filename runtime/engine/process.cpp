@@ -118,7 +118,7 @@ bool run_on_larger_stack(Body& body) {
 
 int run_process(int (*body)(int argc, char** argv), int argc, char** argv) {
   hold_standard_descriptors();
-  // A file at its limit of size is a failed write, which is told.
+  // A file at its limit of size is a failed write, which is reported.
   std::signal(SIGXFSZ, SIG_IGN);
   Body called{body, argc, argv};
   if (!is_stack_small() || !run_on_larger_stack(called)) bip_run_body(&called);

@@ -1,8 +1,8 @@
 // Model time against the wall clock: sleeps to absolute deadlines and keeps how late each step was.
 //
 // An instant of the model is due at start + (instant - first) / speed on the system's monotonic clock, so lateness
-// never adds up. Nothing here sleeps: who waits (event_feed.hpp) asks when an instant is due. Lateness is told, never
-// fed back: the run's steps and instants are those of logical time.
+// never adds up. Nothing here sleeps: the code that waits (event_feed.hpp) asks when an instant is due. Lateness is
+// reported, never fed back: the run's steps and instants are those of logical time.
 #pragma once
 #include <array>
 #include <atomic>

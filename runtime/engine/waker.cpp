@@ -23,7 +23,7 @@ i64 wall_clock() {
 }
 
 void Waker::wake() noexcept {
-  // Who posts for all he is worth finds nobody asleep, and writes to nothing that others read.
+  // A thread that posts without pause finds the other one awake, and writes to nothing that other threads read.
   if (sleeps_.load(std::memory_order_seq_cst) == 0 || sleeps_.exchange(0, std::memory_order_seq_cst) == 0) return;
   const int before = errno;
   (void)::syscall(SYS_futex, &sleeps_, FUTEX_WAKE_PRIVATE, 1, nullptr, nullptr, 0);

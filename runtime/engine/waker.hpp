@@ -1,7 +1,7 @@
-// Sleeping until an instant of the wall clock, or until somebody wakes: another thread, or a signal handler.
+// Sleeping until an instant of the wall clock, or until another thread or a signal handler wakes the sleeper.
 //
 // A futex: the kernel compares the word before it lets anybody sleep, so no wake is lost between looking and sleeping,
-// and no time is spent between. wake() costs a system call only if somebody sleeps. One thread sleeps.
+// and no time is spent between. wake() costs a system call only if the thread sleeps. One thread sleeps.
 #pragma once
 #include <atomic>
 #include <cstdint>
@@ -24,12 +24,12 @@ class Waker {
   void stay_awake() noexcept { sleeps_.store(0, std::memory_order_relaxed); }
   /// Sleeps to an instant of CLOCK_MONOTONIC in ns, kForever for none, or until it is woken. After prepare().
   void sleep_until(i64 instant) noexcept;
-  /// When the last sleep ended, on CLOCK_MONOTONIC in ns, 1 if there was none; 0: somebody sleeps. Any thread.
+  /// When the last sleep ended, on CLOCK_MONOTONIC in ns, 1 if there was none; 0: the thread sleeps. Any thread.
   [[nodiscard]] i64 awake_since() const noexcept { return awake_since_.load(std::memory_order_relaxed); }
 
  private:
   std::atomic<i64> awake_since_{1};
-  std::atomic<std::uint32_t> sleeps_{0};  // 1: somebody sleeps, or will
+  std::atomic<std::uint32_t> sleeps_{0};  // 1: the thread sleeps, or is about to
 };
 
 /// CLOCK_MONOTONIC in ns.

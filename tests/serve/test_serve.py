@@ -239,7 +239,20 @@ for first in (b'{"do":"shutdown"}\n', b'{"do":"hello"}\n', b'{"do":"hello","toke
 page = b"POST / HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n" + b'{"do":"hello","token":"%s"}\n{"do":"shutdown"}\n' % token.encode()
 assert told_by(page) == b"", "a web page is answered"
 good = socket.create_connection(("127.0.0.1", port), 20); reader = good.makefile("rb")
-assert ask(do="hello", token=token)["ok"]
+assert ask(do="hello", token=token)["role"] == "operator"
+roles = {}
+for _ in range(2):
+    role, given = re.fullmatch("bipc: token of (requester|observer)s ([0-9a-f]{32})", server.stderr.readline().strip()).groups()
+    roles[role] = given
+for role, may in (("observer", ["state"]), ("requester", ["state", "post"])):
+    some = socket.create_connection(("127.0.0.1", port), timeout=10).makefile("rw")
+    print(json.dumps({"do": "hello", "token": roles[role]}), file=some, flush=True)
+    assert json.loads(some.readline())["role"] == role
+    for request in ({"do": "state"}, {"do": "post", "port": "c.add", "values": [1]}, {"do": "pause"}, {"do": "restore", "snapshot": 0}, {"do": "shutdown"}, {"do": "hello", "role": "operator"}):
+        print(json.dumps(request), file=some, flush=True)
+        answer = json.loads(some.readline())
+        assert answer["ok"] == (request["do"] in may), (role, request, answer)
+    some.close()
 other = socket.create_connection(("127.0.0.1", port), 20)
 other.sendall(b'{"do":"hello","token":"%s"}\n{"do":"post","port":"c.add","values":[1]' % token.encode())
 other.close()

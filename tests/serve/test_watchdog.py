@@ -3,7 +3,8 @@
 
 A wheel whose world is a thread of its own: it rolls on by the wall clock as it was last told, whatever the controller does, and writes down
 where it is. What is judged is that record, by nothing that the controller shares. Once with the watchdog, once without, so that the
-test shows what it is for; and codels that take so long that steps begin late.
+test shows what it is for; and codels that take so long that steps begin late. Then what else ends or holds up the engine: signals, errors of the model,
+a pause, the end of the process.
 """
 import os
 import pathlib
@@ -22,14 +23,22 @@ MODULE = """module wheel { number: 1; internal_data: DATA; };
 request Drive { type: exec; exec_task: Motion; codel_main: wheelDrive; codel_inter: wheelBrake; };
 request Hang { type: exec; exec_task: Motion; codel_main: wheelHang; };
 request Dawdle { type: exec; exec_task: Motion; codel_main: wheelDawdle; };
+request Address { type: exec; exec_task: Motion; codel_main: wheelAddress; };
+request Divide { type: exec; exec_task: Motion; codel_main: wheelDivide; };
+request Deep { type: exec; exec_task: Motion; codel_main: wheelDeep; };
+request Terminate { type: exec; exec_task: Motion; codel_main: wheelTerminate; };
+request Exit { type: exec; exec_task: Motion; codel_main: wheelExit; };
 exec_task Motion { period: 2; };
 """
 CODELS = """#include "wheel_codels.hpp"
 #include <atomic>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <thread>
 namespace {
+int zero() { static volatile int none = 0; return none; }
+int deep(volatile int* k) { volatile int more[4096]; more[0] = *k + 1; return more[0] < 0 ? 0 : deep(more) + more[0]; }
 std::atomic<double> speed{0};
 std::atomic<bool> is_stopped{false};
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
@@ -56,6 +65,13 @@ void request_asked(const char*, const char*) {}
 void request_input(const char*, const char*) {}
 extern "C" void safe_stop(const char* why) { is_stopped = true; note(why); }
 extern "C" void brake_hard(const char* why) { is_stopped = true; note("brake_hard"); (void)why; }
+extern "C" void brake_forever(const char*) { note("brake_forever"); for (;;) std::this_thread::sleep_for(std::chrono::seconds(1)); }
+extern "C" void brake_badly(const char*) { note("brake_badly"); *reinterpret_cast<volatile int*>(static_cast<long>(zero())) = 1; }
+int wheelAddress(int&) { *reinterpret_cast<volatile int*>(static_cast<long>(zero())) = 1; return 0; }
+int wheelDivide(int&) { return 1000 / zero(); }
+int wheelDeep(int&) { volatile int k = 0; return deep(&k) & 1; }
+int wheelTerminate(int&) { std::thread([] { throw 1; }).join(); return 0; }
+int wheelExit(int&) { std::exit(3); }
 int wheelDrive(int&) { speed = 1; return 2; }
 int wheelBrake(int&) { speed = 0; return 0; }
 int wheelHang(int&) { note("hangs"); std::this_thread::sleep_for(std::chrono::milliseconds(4000)); note("returns"); return 0; }
@@ -67,12 +83,11 @@ class Served:
     def __init__(self, folder, *options):
         self.folder = folder
         folder.mkdir()
-        for name in ("wheel.bip", "wheel_codels.hpp", "wheel_codels.cpp"):
-            (folder / name).write_text((folder.parent / name).read_text(encoding="utf-8"), encoding="utf-8")
         self.log = open(folder / "log", "w+", encoding="utf-8")
-        self.server = subprocess.Popen([BIPC, "serve", "--asap", "--policy", "fair", "--socket", "s", *options, "wheel.bip"], cwd=folder, stdout=self.log, stderr=self.log)
+        self.server = subprocess.Popen([BIPC, "serve", "--asap", "--policy", "fair", "--socket", "s", *options, "../wheel.bip"], cwd=folder, stdout=self.log, stderr=self.log)
+        # It says so when it listens; the file is there before.
         for _ in range(3000):
-            if (folder / "s").exists() or self.server.poll() is not None:
+            if "listening" in (folder / "log").read_text(encoding="utf-8") or self.server.poll() is not None:
                 break
             time.sleep(0.02)
         here = os.getcwd()
@@ -100,6 +115,9 @@ class Served:
 
     def end(self):
         self.client.ask("shutdown")
+        return self.ended()
+
+    def ended(self):
         code = self.server.wait(20)
         self.log.seek(0)
         events = [line.split(" ", 1) for line in (self.folder / "events").read_text(encoding="utf-8").splitlines()] if (self.folder / "events").exists() else []
@@ -149,6 +167,9 @@ def main():
         check("without a watchdog it rolls on for as long as the codel hangs", seconds > 3 and metres > 2.5, (seconds, metres))
         check("and nobody says so", "R0046" not in log, log)
         others(work)
+        signals(work)
+        silent(work)
+        ends(work)
     return finish("watchdog")
 
 
@@ -161,11 +182,117 @@ def others(work):
     check("the other function", named.wait("stalled", 4))
     named.wait("runs again", 8)
     _, log, events, _ = named.end()
-    check("is called", [what for _, what in events].count("brake_hard") == 1 and log.count("R0046") == 2, (events, log))
+    check("is called", [what for _, what in events].count("brake_hard") == 2 and log.count("R0049") == 1 and log.count("R0046") == 2, (events, log))
     refused = subprocess.run([BIPC, "serve", "--safe-stop", "fly", "wheel.bip"], cwd=work, capture_output=True, text=True, stdin=subprocess.DEVNULL)
     check("a function that is not there", refused.returncode == 2 and 'has no function `extern "C" void fly(const char* why)`' in refused.stderr, refused)
     refused = subprocess.run([BIPC, "serve", "--stall-after", "soon", "wheel.bip"], cwd=work, capture_output=True, text=True, stdin=subprocess.DEVNULL)
     check("a bound that is none", refused.returncode == 2 and "is no duration" in refused.stderr, refused)
+
+
+def signals(work):
+    """A codel that a signal ends, on a full stack, in a thread of its own: the robot is stopped before the process ends."""
+    for service, expected, name, where in (("Address", -11, "signal SIGSEGV", "wheelAddress"), ("Divide", -8, "signal SIGFPE", "wheelDivide"), ("Deep", -11, "signal SIGSEGV", "wheelDeep"),
+                                           ("Terminate", 70, "an exception ends the process", ""), ("Exit", 3, "the model's C++ ends the process", "")):
+        served = Served(work / service, "--stall-after", "0")
+        served.ask("wheel.Drive")
+        check("it drives", served.wait("request", reply="intermediate"))
+        served.ask("wheel." + service)
+        code, log, events, record = served.ended()
+        check(f"{service}: the process ends", code == expected, (code, log))
+        check(f"{service}: the safe-stop function hears why, once", len(events) == 1 and events[0][1].startswith(name) and where in events[0][1], events)
+        check(f"{service}: the wheel stands before that", record and record[-1][2] == 0 or events and record[-1][0] < events[0][0] + 0.02, record[-3:])
+        check(f"{service}: the log says so", f"error: {name}" in log or not where, log)
+    for function in ("brake_forever", "brake_badly"):
+        served = Served(work / function, "--stall-after", "0", "--safe-stop", function)
+        begin = time.monotonic()
+        served.ask("wheel.Address")
+        code, log, events, _ = served.ended()
+        check(f"{function} does not keep the process", code == -11 and [what for _, what in events] == [function] and time.monotonic() - begin < 6, (code, events, log))
+
+
+FAULTY = """@cpp(include="stop.hpp", src="stop.cpp")
+package faulty
+  extern function int fine(const int)
+  port type Signal()
+  connector type One(Signal p)
+    define p
+  end
+  atom type A()
+    clock c unit millisecond
+    data int n = 3
+    data int sixth = 0
+    export port Signal p()
+    place S
+    initial to S
+    on p from S to S provided c == 20 do { n = n - fine(1); sixth = 6 / n; c = 0; }
+  end
+  compound type Root()
+    component A a()
+    connector One p(a.p)
+  end
+end
+"""
+
+
+def silent(work):
+    """The decisional level falls silent: the robot stops if that was said, and goes on else. Who only looks is not the decisional level."""
+    for name, options in (("dead-man", ["--silent-after", "500ms"]), ("goes on", [])):
+        served = Served(work / name.replace(" ", "_"), *options)
+        served.ask("wheel.Drive")
+        check("it drives", served.wait("request", reply="intermediate"))
+        for _ in range(4):
+            time.sleep(0.25)
+            served.client.ask("requests")
+        with_events = (served.folder / "events").exists()
+        check(f"{name}: who speaks is heard", not with_events)
+        here = os.getcwd()
+        os.chdir(served.folder)
+        observer = Client("s", 20)
+        os.chdir(here)
+        role = observer.ask("hello", role="observer")["role"]
+        check("a client may take a smaller role", role == "observer", role)
+        for request in ({"do": "request", "service": "wheel.Hang"}, {"do": "shutdown"}, {"do": "pause"}, {"do": "hello", "role": "operator"}):
+            answer = observer.ask(request.pop("do"), **request)
+            check("and has no more rights then", not answer["ok"] and "observer" in answer["error"], answer)
+        for _ in range(6):
+            time.sleep(0.2)
+            observer.ask("state", atoms=[])
+        told = served.wait("stopped", 0.1)
+        moves = not [1 for _, what in events_of(served.folder) if "silent for 500 ms" in what]
+        check(f"{name}: the robot {'goes on' if not options else 'stops'}", moves == (not options) and (told is not None) == bool(options), told)
+        served.ask("wheel.Drive")
+        served.end()
+
+
+def events_of(folder):
+    return [line.split(" ", 1) for line in (folder / "events").read_text(encoding="utf-8").splitlines()] if (folder / "events").exists() else []
+
+
+def ends(work):
+    """The engine stands still for another reason: so does the robot."""
+    served = Served(work / "paused", "--stall-after", "0")
+    served.client.ask("pause")
+    check("a pause stops the robot", served.wait("stopped", 5))
+    served.client.ask("pause")
+    refused = subprocess.run([BIPC, "serve", "--silent-after", "1s", str(pathlib.Path(__file__).parent / "counter.bip")], capture_output=True, text=True, stdin=subprocess.DEVNULL)
+    check("who has nothing to stop needs no dead-man rule", refused.returncode == 2 and "`--silent-after` stops the robot" in refused.stderr, refused)
+    code, log, events, _ = served.end()
+    check("once, and the end of the process does", [what for _, what in events] == ["the model is paused", "the model is not served any more"], events)
+    check("the log says both", log.count("warning[R0049]: ") == 2 and "the model is paused: `safe_stop` was called" in log and code == 0, log)
+    folder = work / "faulty"
+    folder.mkdir()
+    (folder / "faulty.bip").write_text(FAULTY, encoding="utf-8")
+    (folder / "stop.hpp").write_text("int fine(int n);\n", encoding="utf-8")
+    (folder / "stop.cpp").write_text('#include <cstdio>\nint fine(int n) { return n; }\nextern "C" void safe_stop(const char* why) { std::FILE* f = std::fopen("events", "a"); std::fprintf(f, "%s\\n", why); std::fclose(f); }\n', encoding="utf-8")
+    server = subprocess.Popen([BIPC, "serve", "--asap", "--paused", "faulty.bip"], cwd=folder, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    server.stdin.write('{"do":"subscribe","interactions":["none"]}\n{"do":"resume"}\n')
+    server.stdin.flush()
+    told = [server.stdout.readline() for _ in range(4)]
+    server.stdin.close()
+    log = server.stderr.read()
+    code = server.wait(20)
+    events = (folder / "events").read_text(encoding="utf-8").splitlines() if (folder / "events").exists() else []
+    check("an error of the model stops the robot", "the run has ended by an error" in events and any('"note":"stopped"' in line for line in told), (events, told, log, code))
 
 
 if __name__ == "__main__":
