@@ -36,7 +36,7 @@ const char* flag_of(Optimisation optimisation) {
 std::vector<std::string> runtime_sources(const std::string& directory) {
   namespace fs = std::filesystem;
   std::vector<std::string> sources;
-  for (const char* folder : {"core", "engine", "explore", "trace"}) {
+  for (const char* folder : {"core", "distributed", "engine", "explore", "trace"}) {
     std::error_code ignored;
     for (const auto& entry : fs::recursive_directory_iterator(fs::path(directory) / folder, ignored)) {
       if (entry.path().extension() == ".cpp") sources.push_back(entry.path().string());
@@ -102,7 +102,7 @@ bool build_program(Compilation& c, const BuildArguments& arguments) {
   }
   for (const std::string& dir : cpp.include_dirs) command.push_back("-I" + dir);
   for (const std::string& file : cpp.sources) {
-    // The C++ compiler takes a file of C for C++ unless it is told.
+    // Without the option the C++ compiler takes a file of C for C++.
     if (std::filesystem::path(file).extension() == ".c") command.insert(command.end(), {"-x", "c", file, "-x", "none"});
     else command.push_back(file);
   }

@@ -109,6 +109,12 @@ bool prepare_distributed(Compilation& c, const RunArguments& arguments, rt::Plac
   return crosses_nothing(c, linked, rt::distribute(linked.tables, linked.rules, placement));
 }
 
+bool prepare_deployed(Compilation& c, const std::string& placement_path, rt::Placement& placement) {
+  if (!is_distributable(c) || !read_placement(c, placement_path, placement)) return false;
+  const Linked linked(c.lowered->image);
+  return crosses_nothing(c, linked, rt::distribute(linked.tables, linked.rules, placement));
+}
+
 std::string distribution_text(Compilation& c, const std::string& placement_path) {
   rt::Placement placement;
   if (!is_distributable(c) || !read_placement(c, placement_path, placement)) return {};

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "compiler/base/ascii.hpp"
 #include "compiler/driver/distributed_runs.hpp"
 
 namespace bip::driver {
@@ -48,6 +49,27 @@ bool names(std::string_view pattern, std::string_view path) {
     if (index < from || index >= until) return false;
   }
   return path.empty() || path.front() == '.' || path.front() == '[';
+}
+
+// HOST:PORT; whether there is such a host is found out when the node listens there.
+bool is_address(std::string_view text) {
+  const std::size_t colon = text.rfind(':');
+  if (colon == 0 || colon == std::string_view::npos) return false;
+  const std::string_view port = text.substr(colon + 1);
+  std::uint16_t number = 0;
+  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), number);
+  if (error != std::errc() || end != port.data() + port.size() || number == 0) return false;
+  std::string_view host = text.substr(0, colon);
+  // Hosts come into scripts: no sign of a shell, and nothing that a program would take for an option.
+  std::string_view signs = "._-";
+  if (host.front() == '[') {
+    if (host.size() < 3 || host.back() != ']') return false;
+    host = host.substr(1, host.size() - 2);
+    signs = ":.%";
+  }
+  return host.front() != '-' && std::all_of(host.begin(), host.end(), [&](char c) {
+           return is_letter(c) || is_digit(c) || signs.find(c) != std::string_view::npos;
+         });
 }
 
 class PlacementReader {
@@ -104,6 +126,10 @@ class PlacementReader {
       return;
     }
     const std::string name(words_[1].text);
+    if (words_.size() == 4 && !is_address(words_[3].text)) {
+      c_.diags.report(Diag::kB5073, words_[3].range, fmt::format("`{}` is no `ADDRESS:PORT`", words_[3].text))
+          .help("for example `10.0.0.7:7701`, `lab.example:7701` or `[fd00::7]:7701`");
+    }
     if (name.find_first_of("-,*[]") != std::string::npos) {
       c_.diags.report(Diag::kB5073, words_[1].range, fmt::format("`{}` is no name of a node", name));
     } else if (std::find(placement_.nodes.begin(), placement_.nodes.end(), name) != placement_.nodes.end()) {
@@ -112,6 +138,7 @@ class PlacementReader {
       c_.diags.report(Diag::kB5073, words_[1].range, fmt::format("more than {} nodes", rt::kMostNodes));
     } else {
       placement_.nodes.push_back(name);
+      placement_.addresses.emplace_back(words_.size() == 4 ? words_[3].text : std::string_view());
     }
   }
 

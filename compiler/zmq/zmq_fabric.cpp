@@ -17,8 +17,12 @@ namespace bip::zmq_fabric {
 namespace {
 
 constexpr int kMostBytes = 1 << 26;
+constexpr int kMostStalled = 5000;    // ms that sent bytes wait for TCP's confirmation
 constexpr std::size_t kKeyText = 40;  // of 32 bytes
 constexpr const char* kDoor = "inproc://zeromq.zap.01";
+constexpr const char* kFailures = "inproc://failures";
+// Handshakes that end before a key is asked about: other server keys, other protocols, odd bytes.
+constexpr int kFailedHandshakes = ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL;
 
 class Socket {
  public:
@@ -118,6 +122,13 @@ class ZmqFabric final : public rt::Fabric {
            socket.set(ZMQ_CURVE_PUBLICKEY, plan.keys.open) && socket.set(ZMQ_CURVE_SECRETKEY, plan.keys.secret);
   }
 
+  // To other hosts: what cannot be sent is dropped, so that nothing piles up while a host is away, and a connection
+  // that only seems to be one is made anew.
+  [[nodiscard]] static bool prepare_remote(Socket& socket, const std::string& address) {
+    if (!address.starts_with("tcp:")) return true;
+    return socket.set(ZMQ_IMMEDIATE, 1) && socket.set(ZMQ_TCP_MAXRT, kMostStalled);
+  }
+
   [[nodiscard]] bool set_most_bytes(Socket& socket) {
     const std::int64_t most = kMostBytes;
     return zmq_setsockopt(socket.get(), ZMQ_MAXMSGSIZE, &most, sizeof most) == 0;
@@ -127,8 +138,19 @@ class ZmqFabric final : public rt::Fabric {
     // The door is there before anybody can knock.
     Socket door(context_, ZMQ_REP);
     if (door.get() == nullptr || !door.set(ZMQ_LINGER, 0) || zmq_bind(door.get(), kDoor) != 0) return false;
-    doorkeeper_ = std::thread([this, socket = std::move(door)] { keep_door(socket.get()); });
     Socket socket(context_, ZMQ_ROUTER);
+    Socket failures(context_, ZMQ_PAIR);
+    if (socket.get() == nullptr || failures.get() == nullptr ||
+        zmq_socket_monitor(socket.get(), kFailures, kFailedHandshakes) != 0 ||
+        zmq_connect(failures.get(), kFailures) != 0)
+      return false;
+    doorkeeper_ = std::thread([this, asked = std::move(door), failed = std::move(failures)] {
+      zmq_pollitem_t items[] = {{asked.get(), 0, ZMQ_POLLIN, 0}, {failed.get(), 0, ZMQ_POLLIN, 0}};
+      while (zmq_poll(items, 2, -1) >= 0 || errno == EINTR) {
+        if (items[0].revents != 0 && !answer_at_door(asked.get())) return;
+        if (items[1].revents != 0 && !count_failure(failed.get())) return;
+      }
+    });
     if (!prepare(socket, plan) || !set_most_bytes(socket) || !socket.set(ZMQ_ROUTER_HANDOVER, 1) ||
         !socket.set(ZMQ_ROUTER_MANDATORY, 1) || !socket.set(ZMQ_CURVE_SERVER, 1) ||
         !socket.set(ZMQ_ZAP_DOMAIN, std::string("bipc")) || zmq_bind(socket.get(), plan.addresses[self_].c_str()) != 0)
@@ -139,9 +161,10 @@ class ZmqFabric final : public rt::Fabric {
 
   [[nodiscard]] bool connect(const rt::FabricPlan& plan, std::uint32_t peer) {
     Socket socket(context_, ZMQ_DEALER);
-    if (!prepare(socket, plan) || !set_most_bytes(socket) || !socket.set(ZMQ_ROUTING_ID, identity_of(self_)) ||
-        !socket.set(ZMQ_CURVE_SERVERKEY, plan.open_keys[peer]) || !socket.set(ZMQ_RECONNECT_IVL, 20) ||
-        !socket.set(ZMQ_RECONNECT_IVL_MAX, 500) || zmq_connect(socket.get(), plan.addresses[peer].c_str()) != 0)
+    if (!prepare(socket, plan) || !prepare_remote(socket, plan.addresses[peer]) || !set_most_bytes(socket) ||
+        !socket.set(ZMQ_ROUTING_ID, identity_of(self_)) || !socket.set(ZMQ_CURVE_SERVERKEY, plan.open_keys[peer]) ||
+        !socket.set(ZMQ_RECONNECT_IVL, 20) || !socket.set(ZMQ_RECONNECT_IVL_MAX, 500) ||
+        zmq_connect(socket.get(), plan.addresses[peer].c_str()) != 0)
       return false;
     connected_.push_back(std::move(socket));
     return true;
@@ -163,7 +186,7 @@ class ZmqFabric final : public rt::Fabric {
     return parts;
   }
 
-  // Everything that is there. Frames have one part; more are of nobody that speaks this protocol.
+  // Takes all that has arrived. Frames of this protocol have one part; others are refused.
   void receive(std::vector<rt::Arrival>& arrivals) {
     for (std::uint32_t peer = 0; peer < connected_.size(); ++peer) {
       Bytes bytes;
@@ -185,29 +208,41 @@ class ZmqFabric final : public rt::Fabric {
     }
   }
 
+  // All parts of a message. False: the sockets are closed.
+  static bool receive_parts(void* socket, std::vector<std::string>& parts) {
+    for (bool more = true; more;) {
+      Bytes part;
+      if (zmq_msg_recv(&part.message, socket, 0) < 0) {
+        if (errno == EINTR) continue;
+        return false;
+      }
+      parts.emplace_back(part.view());
+      more = zmq_msg_more(&part.message) != 0;
+    }
+    return true;
+  }
+
   // Answers ZeroMQ's question whether a key may connect (ZAP, RFC 27), on a thread that sleeps otherwise.
   // Requests: version, number, domain, address, identity, mechanism, key. Answers: version, number, status, text,
   // user, metadata.
-  void keep_door(void* door) {
-    for (;;) {
-      std::vector<std::string> request;
-      for (bool more = true; more;) {
-        Bytes part;
-        if (zmq_msg_recv(&part.message, door, 0) < 0) {
-          if (errno == EINTR) continue;
-          return;
-        }
-        request.emplace_back(part.view());
-        more = zmq_msg_more(&part.message) != 0;
-      }
-      if (request.size() < 2) continue;
-      const auto known = request.size() == 7 && request[5] == "CURVE" ? keys_.find(request[6]) : keys_.end();
-      if (known == keys_.end()) refused_.fetch_add(1, std::memory_order_relaxed);
-      const std::string user = known == keys_.end() ? std::string() : std::to_string(known->second);
-      const std::string answer[] = {"1.0", request[1], known == keys_.end() ? "400" : "200", "", user, ""};
-      for (std::size_t i = 0; i < std::size(answer); ++i)
-        (void)zmq_send(door, answer[i].data(), answer[i].size(), i + 1 == std::size(answer) ? 0 : ZMQ_SNDMORE);
-    }
+  bool answer_at_door(void* door) {
+    std::vector<std::string> request;
+    if (!receive_parts(door, request)) return false;
+    if (request.size() < 2) return true;
+    const auto known = request.size() == 7 && request[5] == "CURVE" ? keys_.find(request[6]) : keys_.end();
+    if (known == keys_.end()) refused_.fetch_add(1, std::memory_order_relaxed);
+    const std::string user = known == keys_.end() ? std::string() : std::to_string(known->second);
+    const std::string answer[] = {"1.0", request[1], known == keys_.end() ? "400" : "200", "", user, ""};
+    for (std::size_t i = 0; i < std::size(answer); ++i)
+      (void)zmq_send(door, answer[i].data(), answer[i].size(), i + 1 == std::size(answer) ? 0 : ZMQ_SNDMORE);
+    return true;
+  }
+
+  bool count_failure(void* failures) {
+    std::vector<std::string> event;
+    if (!receive_parts(failures, event)) return false;
+    refused_.fetch_add(1, std::memory_order_relaxed);
+    return true;
   }
 
   void* context_;

@@ -10,7 +10,6 @@ namespace bip::rt {
 
 namespace {
 
-constexpr u64 kProtocol = 1;
 enum class Tag : std::uint8_t { Offer, Begin, Stop, Control };
 
 }  // namespace
@@ -102,7 +101,7 @@ bool Codec::read(std::string_view bytes, u32 from, u32 self, Frame& frame) const
   frame.stamp = reader.number();
   const u64 count = reader.count();
   if (!reader.is_sound() || (count != 0 && frame.number == 0) || count > Link::kMostMessages) return false;
-  // Clocks that are about to overflow are nobody's.
+  // No sound peer sends clocks that are about to overflow.
   if (frame.stamp >> 56 != 0) return false;
   frame.messages.reserve(count);
   for (u64 i = 0; i < count && reader.is_sound(); ++i) {

@@ -22,8 +22,9 @@ inline constexpr u32 kMostNodes = 64;
 
 /// Where the atoms are at home.
 struct Placement {
-  std::vector<std::string> nodes;  // their names
-  std::vector<u32> home;           // by atom
+  std::vector<std::string> nodes;           // their names
+  std::vector<u32> home;                    // by atom
+  std::vector<std::string> addresses = {};  // by node: HOST:PORT, or empty; of a placement without a file: none
 };
 
 /// Variables that connectors and rules read or write, and traces show: rows in `all`, by atom. What an offer carries.

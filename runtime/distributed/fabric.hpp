@@ -16,7 +16,7 @@ struct FabricKeys {
   std::string open, secret;
 };
 
-/// One process's view of all of them. Peers are numbered; who has the larger number connects.
+/// One process's view of all of them. Peers are numbered; the peer with the larger number connects.
 struct FabricPlan {
   std::uint32_t self = 0;
   std::vector<std::string> addresses;  // by peer: where it listens; empty: nowhere
@@ -25,18 +25,18 @@ struct FabricPlan {
 };
 
 struct Arrival {
-  std::uint32_t from = 0;  // who has shown that peer's key
+  std::uint32_t from = 0;  // the peer whose key the sender has shown
   std::string bytes;
 };
 
 struct FabricCounts {
-  std::uint64_t refused = 0;  // connections with a key of nobody
+  std::uint64_t refused = 0;  // connections whose key belongs to no peer
 };
 
 class Fabric {
  public:
   virtual ~Fabric() = default;
-  /// May lose the bytes: then nobody hears of it.
+  /// May lose the bytes without a report.
   virtual void send(std::uint32_t peer, std::string_view bytes) = 0;
   /// Appends what came. Waits for it until `ms` have passed (-1: for ever), one of `files` can be read, or a signal.
   /// Returns whether a file can be read.

@@ -9,6 +9,9 @@
 
 namespace bip::rt {
 
+/// Of frames and greetings: programs of other versions do not understand each other.
+inline constexpr u64 kProtocol = 1;
+
 /// From an atom's home to its coordinator: it is at rest, and can do this.
 struct Offer {
   u32 atom = kNone;
@@ -42,7 +45,7 @@ struct Control {
     Count,   // round
     Lost,    // node
     Halt,    // begin nothing more
-    Finish,  // say your last state, then end
+    Finish,  // say your last state, then wait. A second one: how the run ended, steps
     Beat,    // to a node: say where your clock is. To the launcher: clock, steps, credit that is not spent
     // To the launcher.
     Ready,

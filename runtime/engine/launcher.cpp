@@ -7,6 +7,7 @@
 #include "bip/assert.hpp"
 #include "runtime/core/final_state.hpp"
 #include "runtime/distributed/station.hpp"
+#include "runtime/engine/gathering.hpp"
 #include "runtime/engine/interrupt.hpp"
 #include "runtime/engine/loss_story.hpp"
 #include "runtime/engine/node_process.hpp"
@@ -19,6 +20,7 @@ namespace bip::rt {
 namespace {
 
 constexpr i64 kBeat = 1000000000;      // ns between beats
+constexpr i64 kMostMissed = 3;         // missed beats until silence is reported
 constexpr i64 kStale = 20000000;       // ns that a step may wait for nodes to say that they have no earlier one
 constexpr i64 kAskAgain = 5000000;     // ns until credit is asked for again
 constexpr i64 kPatience = 3000000000;  // ns for nodes to end their actions after Ctrl-C
@@ -29,6 +31,7 @@ enum class RunPhase : std::uint8_t { Running, Counting, Ending };
 // What the launcher knows of a node.
 struct Member {
   bool is_there = false, is_lost = false, has_finished = false;
+  bool is_silent = false;  // and that was reported
   bool is_idle = false, wants = false, has_counted = false, owes_credit = false;
   u64 sent = 0, received = 0, steps = 0;
   u64 granted = 0;  // credit, but for what it gave back
@@ -54,19 +57,26 @@ class Launcher {
     const State initial = core_.snapshot();
     last_ = initial;
     const i64 began = wall_clock();
-    if (!open(initial)) return std::move(result_);
+    if (!open(initial)) {
+      if (result_.error.empty()) result_.end = End::Interrupted;
+      return std::move(result_);
+    }
     share_out();
     beat_at_ = began + kBeat;
     while (!has_ended()) {
       const i64 now = wall_clock();
       advance(now);
-      const i64 due = std::min({station_->due(), next_due(), beat_at_});
+      i64 due = std::min({station_->due(), next_due(), beat_at_});
       arrivals_.clear();
+      if (gathering_) due = std::min(due, gathering_->due());
       const bool any_ended =
           fabric_->wait(static_cast<int>((std::max<i64>(due - now, 0) + 999999) / 1000000), team_.files(), arrivals_);
       const i64 woken = wall_clock();
       heard_.clear();
-      for (const Arrival& arrival : arrivals_) station_->take(arrival, woken, heard_);
+      for (const Arrival& arrival : arrivals_) {
+        if (gathering_ && is_greeting(arrival.bytes)) take_greeting(arrival);
+        else station_->take(arrival, woken, heard_);
+      }
       for (const Heard& heard : heard_) take(heard, woken);
       if (any_ended) take_ended();
       if (result_.started == 0 &&
@@ -76,7 +86,10 @@ class Launcher {
     station_->send(wall_clock());
     end(initial);
     // What they said last has come: they may go.
-    for (u32 node = 0; node < members_.size(); ++node) station_->greet(node);
+    const u64 ended = static_cast<u64>(result_.lost_nodes.empty() ? result_.end : End::Interrupted);
+    say_all(Control::Kind::Finish, {ended, result_.steps});
+    station_->send(wall_clock());
+    if (gathering_) wait_for_confirmations();
     team_.wait_for_all(1000);
     return std::move(result_);
   }
@@ -102,15 +115,91 @@ class Launcher {
       const NodeSetup setup{core_.image(), core_.parts().options, distribution_, node, run_, seed_, options_, output_};
       return NodeProcess(setup, *fabric).run(initial) ? 0 : 1;
     };
-    result_.error = team_.start(nodes, *options_.fabrics, live);
+    const Deployment* const deployment = options_.deployment;
+    result_.error = deployment == nullptr ? team_.start(nodes, *options_.fabrics, live)
+                                          : team_.start_first(launcher_plan(*deployment),
+                                                              [&] { return live(0, node_plan(*deployment)); });
     if (!result_.error.empty()) return false;
     fabric_ = options_.fabrics->open(team_.plan(), result_.error);
     if (fabric_ == nullptr) return false;
+    if (deployment != nullptr && !gather(*deployment)) return false;
     station_ = std::make_unique<Station>(*fabric_, codec_, nodes, nodes);
     // Nodes that must not say anything before it is known here wait for the answer.
     if (writes_ && options_.on_loss == OnLoss::GoOn) station_->answer_at_once();
     for (u32 node = 0; node < nodes; ++node) station_->greet(node);
     return true;
+  }
+
+  // Waits until all nodes are there. False: interrupted, or the node beside this one has ended.
+  bool gather(const Deployment& deployment) {
+    gathering_ = std::make_unique<Gathering>(deployment, *fabric_, welcome());
+    while (!gathering_->is_complete()) {
+      const i64 now = wall_clock();
+      gathering_->tick(now);
+      arrivals_.clear();
+      const i64 wait = std::max<i64>(gathering_->due() - now, 0) / 1000000 + 1;
+      if (fabric_->wait(static_cast<int>(wait), team_.files(), arrivals_)) {
+        result_.error = "node `" + deployment.names[0] + "` has ended before the run began";
+        return false;
+      }
+      for (const Arrival& arrival : arrivals_) (void)gathering_->take(arrival, wall_clock());
+      if (is_interrupted()) return false;
+    }
+    gathering_->welcome(wall_clock());
+    gathered_at_ = wall_clock();
+    return true;
+  }
+
+  [[nodiscard]] Greeting welcome() const {
+    return {.kind = Greeting::Kind::Welcome,
+            .number = run_,
+            .model = options_.deployment->model,
+            .seed = seed_,
+            .policy = static_cast<u32>(options_.policy),
+            .format = static_cast<u32>(options_.format),
+            .is_silent = options_.silent,
+            .is_traced = !options_.trace_path.empty(),
+            .goes_on = options_.on_loss == OnLoss::GoOn,
+            .has_maximal_progress = options_.maximal_progress};
+  }
+
+  void take_greeting(const Arrival& arrival) {
+    const std::string gone = gathering_->take(arrival, wall_clock());
+    if (!gone.empty() && !members_[arrival.from].has_finished) lose(arrival.from, gone);
+  }
+
+  // Nodes on other hosts are heard at every beat, or are lost.
+  void look_for_silence(i64 now) {
+    for (u32 node = 1; node < members_.size(); ++node) {
+      Member& member = members_[node];
+      if (member.is_lost || member.has_finished) continue;
+      const i64 silence = now - std::max(gathered_at_, station_->last_heard(node));
+      const std::string seconds = std::to_string(silence / kBeat) + " s";
+      if (silence >= options_.lost_after) {
+        lose(node, "gave no sign for " + seconds);
+      } else if (silence >= kMostMissed * kBeat && !member.is_silent) {
+        member.is_silent = true;
+        gathering_->tell("node `" + distribution_.placement.nodes[node] + "` gives no sign for " + seconds);
+      } else if (silence < 2 * kBeat && member.is_silent) {
+        member.is_silent = false;
+        gathering_->tell("node `" + distribution_.placement.nodes[node] + "` is heard again");
+      }
+    }
+  }
+
+  void wait_for_confirmations() {
+    const i64 until = wall_clock() + kBeat;
+    for (i64 now = wall_clock(); now < until; now = wall_clock()) {
+      bool are_confirmed = true;
+      for (u32 node = 0; node < members_.size(); ++node)
+        are_confirmed = are_confirmed && (members_[node].is_lost || station_->link(node).unconfirmed().empty());
+      if (are_confirmed) return;
+      arrivals_.clear();
+      heard_.clear();
+      (void)fabric_->wait(static_cast<int>((until - now) / 1000000 + 1), {}, arrivals_);
+      for (const Arrival& arrival : arrivals_) station_->take(arrival, wall_clock(), heard_);
+      station_->tick(wall_clock());
+    }
   }
 
   void say(u32 node, Control::Kind kind, std::vector<u64> numbers = {}) {
@@ -168,7 +257,10 @@ class Launcher {
     const std::vector<u64>& numbers = control->numbers;
     const auto number = [&](std::size_t k) { return k < numbers.size() ? numbers[k] : 0; };
     switch (control->kind) {
-      case Control::Kind::Ready: member.is_there = true; return;
+      case Control::Kind::Ready:
+        member.is_there = true;
+        if (gathering_) gathering_->note_in_run(heard.from);
+        return;
       case Control::Kind::Idle:
         member.is_idle = true;
         member.sent = number(0);
@@ -287,6 +379,7 @@ class Launcher {
     if (member.is_lost) return;
     if (!has_lost_) lost_after_ = writes_ ? merge_.written() : steps();
     has_lost_ = true;
+    if (gathering_) gathering_->tell("node `" + distribution_.placement.nodes[node] + "` is lost: " + how);
     how_ += (how_.empty() ? ": " : "; ") + ('`' + distribution_.placement.nodes[node] + "` " + how);
     member.is_lost = true;
     station_->close(node);
@@ -347,6 +440,10 @@ class Launcher {
         if (!members_[node].has_finished) lose(node, "was at work for too long");
       }
     }
+    if (gathering_) {
+      gathering_->tick(now);
+      look_for_silence(now);
+    }
     serve_wants(now);
     if (phase_ == RunPhase::Running && is_changed_ && !is_credit_coming() && is_balanced() &&
         all([](const Member& member) { return member.is_idle; }))
@@ -380,7 +477,7 @@ class Launcher {
     const bool is_over = all([](const Member& member) { return member.is_idle; }) && is_balanced() &&
                          sum_of_sent() == first_sum_ && !is_credit_coming();
     phase_ = is_over ? RunPhase::Ending : RunPhase::Running;
-    // Who rests and had told it tells it no second time.
+    // A node that rests reports it once.
     is_changed_ = true;
     if (is_over) say_all(Control::Kind::Finish);
   }
@@ -479,10 +576,12 @@ class Launcher {
   NodeTeam team_;
   std::unique_ptr<Fabric> fabric_;
   std::unique_ptr<Station> station_;
+  std::unique_ptr<Gathering> gathering_;  // of nodes on several hosts
+  i64 gathered_at_ = 0;
 
   RunPhase phase_ = RunPhase::Running;
   State last_;
-  u64 pool_ = 0;  // credit that nobody has
+  u64 pool_ = 0;  // credit that is granted to no node
   u64 round_ = 0, first_sum_ = 0;
   u64 odd_ = 0;  // messages that say what cannot be
   bool is_changed_ = false, is_halted_ = false, is_interrupted_ = false;

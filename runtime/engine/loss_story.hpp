@@ -1,4 +1,5 @@
-// What is told of a distributed run that lost nodes: who is lost, what was at home there, who waits for it.
+// The report of a distributed run that lost nodes: which nodes, which components were at home there, which wait for
+// them.
 #pragma once
 #include <string>
 #include <vector>

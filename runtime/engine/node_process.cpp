@@ -6,15 +6,19 @@
 #include <algorithm>
 
 #include "bip/assert.hpp"
+#include "runtime/engine/interrupt.hpp"
 #include "runtime/engine/waker.hpp"
 
 namespace bip::rt {
 
 namespace {
 
-constexpr i64 kQuiet = 2000000;              // ns of rest before it is told
+constexpr i64 kQuiet = 2000000;              // ns of rest before it is reported
 constexpr i64 kSendWhile = 100000;           // ns of actions after which what is ready is sent
 constexpr i64 kLastWords = 2000000000;       // ns to wait for the launcher to hear them
+constexpr i64 kLook = 1000000000;            // ns between looks whether the launcher is there
+constexpr int kGoodbyes = 4, kGoodbye = 50;  // ms
+constexpr i64 kLonger = 2000000000;          // ns that the launcher, which waits for all, is waited for longer
 constexpr std::size_t kMostBegun = 256;      // steps before what is ready is sent
 constexpr std::size_t kMostUnsaid = 100000;  // messages to the launcher: then nothing begins
 
@@ -48,6 +52,7 @@ NodeProcess::NodeProcess(const NodeSetup& setup, Fabric& fabric)
       codec_(node_.core().tables(), setup.distribution, setup.run),
       station_(fabric, codec_, setup.self, launcher_ + 1),
       scheduler_(setup.options.policy, setup.seed + setup.self),
+      is_remote_(setup.options.deployment != nullptr && setup.self != 0),
       sent_(launcher_, 0),
       received_(launcher_, 0) {}
 
@@ -57,18 +62,26 @@ bool NodeProcess::run(const State& initial) {
   BIP_ENSURE(node_.start(initial), "the initial state has no fault");
   for (u32 peer = 0; peer < setup_.self; ++peer) station_.greet(peer);
   say(Control::Kind::Ready, {});
+  started_ = wall_clock();
   bool has_work = true;
   i64 leave_at = 0;
   for (;;) {
     i64 now = wall_clock();
-    if (is_finished_ && (station_.link(launcher_).unconfirmed().empty() || now >= leave_at)) return true;
-    const i64 due = next_due(has_work);
+    const bool has_said_all = told_end_ != kNotTold && station_.link(launcher_).unconfirmed().empty();
+    if (is_finished_ && (has_said_all || now >= leave_at)) return true;
+    if (is_remote_ && must_leave(now)) return false;
+    i64 due = next_due(has_work);
+    if (is_finished_) due = std::min(due, leave_at);
+    if (is_remote_) due = std::min(due, now + kLook);
     arrivals_.clear();
     (void)fabric_.wait(due == kForever ? -1 : static_cast<int>((std::max<i64>(due - now, 0) + 999999) / 1000000), {},
                        arrivals_);
     now = wall_clock();
     heard_.clear();
-    for (const Arrival& arrival : arrivals_) station_.take(arrival, now, heard_);
+    for (const Arrival& arrival : arrivals_) {
+      if (is_greeting(arrival.bytes)) take_greeting(arrival);
+      else station_.take(arrival, now, heard_);
+    }
     for (const Heard& heard : heard_) take(heard);
     has_work = has_worked();
     release_held();
@@ -77,6 +90,32 @@ bool NodeProcess::run(const State& initial) {
     station_.tick(wall_clock());
     if (is_finished_ && leave_at == 0) leave_at = wall_clock() + kLastWords;
   }
+}
+
+// A launcher that knocks again, with another number, has forgotten this run.
+void NodeProcess::take_greeting(const Arrival& arrival) {
+  Greeting greeting;
+  if (!is_remote_ || arrival.from != launcher_ || !read(arrival.bytes, greeting)) return;
+  if (greeting.kind == Greeting::Kind::Knock && greeting.number != setup_.run) why_ = "the launcher was started anew";
+}
+
+bool NodeProcess::must_leave(i64 now) {
+  if (is_interrupted()) why_ = "ended by signal " + std::to_string(interrupting_signal());
+  const i64 silence = now - std::max(started_, station_.last_heard(launcher_));
+  if (silence > setup_.options.lost_after + kLonger)
+    why_ = "no word of the launcher for " + std::to_string(silence / 1000000000) + " s";
+  if (why_.empty()) return false;
+  const std::string leave = text_of(Greeting{.kind = Greeting::Kind::Leave, .number = setup_.run, .model = why_});
+  // Sockets forget what is unsent when they are closed. What still comes ends no wait early.
+  for (int k = 0; k < kGoodbyes; ++k) {
+    fabric_.send(launcher_, leave);
+    const i64 until = wall_clock() + i64{kGoodbye} * 1000000;
+    for (i64 left = until - wall_clock(); left > 0; left = until - wall_clock()) {
+      arrivals_.clear();
+      (void)fabric_.wait(static_cast<int>(left / 1000000 + 1), {}, arrivals_);
+    }
+  }
+  return true;
 }
 
 i64 NodeProcess::next_due(bool has_work) const {
@@ -116,7 +155,10 @@ void NodeProcess::take_control(const Control& control) {
       is_halted_ = true;
       is_idle_ = false;
       return;
-    case Control::Kind::Finish: return say_last_state();
+    case Control::Kind::Finish:
+      if (!is_finished_) return say_last_state();
+      if (control.numbers.size() == 2) told_end_ = control.numbers[0], told_steps_ = control.numbers[1];
+      return;
     case Control::Kind::Beat: return say(Control::Kind::Beat, {station_.clock(), steps_});
     case Control::Kind::Ready:
     case Control::Kind::Idle:

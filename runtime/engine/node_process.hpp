@@ -7,6 +7,7 @@
 #include <deque>
 
 #include "runtime/core/core.hpp"
+#include "runtime/distributed/greeting.hpp"
 #include "runtime/distributed/node.hpp"
 #include "runtime/distributed/station.hpp"
 #include "runtime/engine/output.hpp"
@@ -39,8 +40,13 @@ class NodeProcess {
   NodeProcess(const NodeProcess&) = delete;
   NodeProcess& operator=(const NodeProcess&) = delete;
 
-  /// From the initial state until the launcher ends the run. False: the launcher is gone.
+  /// From the initial state until the launcher ends the run. False: it ended by itself; why() tells.
   bool run(const State& initial);
+  [[nodiscard]] const std::string& why() const { return why_; }
+  /// How the run ended, as the launcher said, and its steps; kNotTold.
+  static constexpr u64 kNotTold = ~u64{0};
+  [[nodiscard]] u64 told_end() const { return told_end_; }
+  [[nodiscard]] u64 told_steps() const { return told_steps_; }
 
  private:
   // A message that must not be sent before the launcher has all that it depends on.
@@ -49,6 +55,8 @@ class NodeProcess {
     Outgoing outgoing;
   };
 
+  void take_greeting(const Arrival& arrival);
+  [[nodiscard]] bool must_leave(i64 now);
   void take(const Heard& heard);
   void take_control(const Control& control);
   void give_back();
@@ -75,13 +83,18 @@ class NodeProcess {
   Scheduler scheduler_;
   const State* initial_ = nullptr;
 
+  bool is_remote_;   // the launcher may be on another host, and cannot watch this process
+  i64 started_ = 0;  // ns of the wall clock
+  std::string why_;
+  u64 told_end_ = kNotTold, told_steps_ = 0;
+
   u64 credit_ = 0;  // steps that may begin
   u64 steps_ = 0, border_steps_ = 0;
   bool wants_ = false, has_asked_ = false;
   bool is_halted_ = false, is_idle_ = false, is_finished_ = false;
   std::vector<u64> sent_, received_;  // by node: offers, begins, stops
   std::deque<Held> held_;
-  i64 idle_since_ = 0;  // 0: told, or at work
+  i64 idle_since_ = 0;  // 0: reported, or at work
   u64 fault_step_ = ~u64{0};
   u32 fault_order_ = 0;
   // Scratch.

@@ -67,28 +67,41 @@ std::string NodeTeam::start(u32 nodes, const FabricFactory& fabrics,
     plan_.addresses.push_back(peer == nodes ? std::string() : "ipc://" + socket_of(folder_, peer));
   }
   plan_.keys = keys[nodes];
-  // What is buffered now would be written by each of them.
-  std::fflush(nullptr);
-  const pid_t parent = ::getpid();
   for (u32 node = 0; node < nodes; ++node) {
-    const pid_t process = ::fork();
-    if (process < 0) return std::string("a process cannot be started: ") + std::strerror(errno);
-    if (process == 0) {
-      // Ends with the launcher; signals of the terminal are for the launcher.
-      ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-      if (::getppid() != parent) std::_Exit(1);
-      for (const int signal : kEndingSignals) ::signal(signal, SIG_IGN);
+    std::string problem = start_child([&] {
       FabricPlan plan = plan_;
       plan.self = node;
       plan.keys = keys[node];
-      const int code = live(node, plan);
-      std::fflush(stdout);
-      std::fflush(stderr);
-      std::_Exit(code);
-    }
-    children_.push_back({process, watch(process)});
-    if (children_.back().file >= 0) files_.push_back(children_.back().file);
+      return live(node, plan);
+    });
+    if (!problem.empty()) return problem;
   }
+  return {};
+}
+
+std::string NodeTeam::start_first(const FabricPlan& plan, const std::function<int()>& live) {
+  plan_ = plan;
+  return start_child(live);
+}
+
+std::string NodeTeam::start_child(const std::function<int()>& live) {
+  // What is buffered now would be written by the child as well.
+  std::fflush(nullptr);
+  const pid_t parent = ::getpid();
+  const pid_t process = ::fork();
+  if (process < 0) return std::string("a process cannot be started: ") + std::strerror(errno);
+  if (process == 0) {
+    // Ends with the launcher; signals of the terminal are for the launcher.
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (::getppid() != parent) std::_Exit(1);
+    for (const int signal : kEndingSignals) ::signal(signal, SIG_IGN);
+    const int code = live();
+    std::fflush(stdout);
+    std::fflush(stderr);
+    std::_Exit(code);
+  }
+  children_.push_back({process, watch(process)});
+  if (children_.back().file >= 0) files_.push_back(children_.back().file);
   return {};
 }
 

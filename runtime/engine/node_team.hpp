@@ -30,6 +30,8 @@ class NodeTeam {
   /// its number and plan, and ends with what that returns. Returns why it cannot be; empty: it could.
   [[nodiscard]] std::string start(u32 nodes, const FabricFactory& fabrics,
                                   const std::function<int(u32, const FabricPlan&)>& live);
+  /// Of a run on several hosts: starts the one node that is on this one, with the number 0.
+  [[nodiscard]] std::string start_first(const FabricPlan& plan, const std::function<int()>& live);
   /// The launcher's.
   [[nodiscard]] const FabricPlan& plan() const { return plan_; }
   /// Readable when processes have ended.
@@ -45,6 +47,7 @@ class NodeTeam {
     int file = -1;
   };
   void close_file(Child& child);
+  [[nodiscard]] std::string start_child(const std::function<int()>& live);
 
   FabricPlan plan_;
   std::string folder_;

@@ -21,7 +21,7 @@ struct Seat {
   std::unique_ptr<Node> node;
   Scheduler scheduler;
   std::vector<Link> links;       // by peer
-  std::vector<u64> again_until;  // by peer: frames up to this number are sent again; 0: nobody looks
+  std::vector<u64> again_until;  // by peer: frames up to this number are sent again; 0: none
   bool has_turn = false;
   bool is_lost = false;
 };
@@ -197,7 +197,7 @@ class SimulatedRun {
     for (const Seat& seat : seats_) seat.node->save(last);
     result.steps = steps_;
     if (fault != nullptr) {
-      // The step that ends in a fault is told, like that of any run.
+      // The step that ends in a fault is in the trace, as in any run.
       if (writes_) flights_.write_until(fault->fault_step);
       result.steps = fault->fault_step;
       result.end = End::Fault;

@@ -60,7 +60,7 @@ void StepMerge::write_ready() {
 
 void StepMerge::write_until(u64 step) {
   while (!flights_.empty() && flights_.begin()->first <= step) {
-    // Of a node that was lost before it told of the step.
+    // The node was lost before it reported the step.
     if (flights_.begin()->second.is_told) write_first();
     else flights_.erase(flights_.begin());
   }

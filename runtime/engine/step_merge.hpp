@@ -29,7 +29,7 @@ class StepMerge {
   /// The node will tell of no step up to this one any more.
   void raise_bound(u32 node, u64 step) { bounds_[node] = std::max(bounds_[node], step); }
   [[nodiscard]] u64 bound(u32 node) const { return bounds_[node]; }
-  /// What the node has not told is told by nobody; its parts do not end.
+  /// Parts of steps that the node has not reported stay open.
   void lose(u32 node) { is_lost_[node] = true; }
   void write_ready();
   /// Up to this step, whether its parts have ended or not.

@@ -23,7 +23,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 HERE = ROOT / "tests" / "fuzz"
 BUILD = pathlib.Path(os.environ.get("BIPC_FUZZ_BUILD") or ROOT / "build-fuzz").resolve()
 WORK = BUILD / "fuzzing"
-TARGETS = ("text", "bsys", "format", "lsp", "genom", "rules", "property")
+TARGETS = ("text", "bsys", "format", "lsp", "genom", "rules", "property", "frame")
 MOST_BYTES = 350_000
 PROTOCOL = ["textDocument", "uri", "text", "version", "position", "line", "character", "range", "start", "end", "contentChanges", "newName", "context", "includeDeclaration", "jsonrpc",
             "method", "params", "id", "initialize", "shutdown", "exit", "textDocument/didOpen", "textDocument/didChange", "textDocument/didClose", "textDocument/didSave",

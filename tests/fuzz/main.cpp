@@ -75,7 +75,8 @@ void run(bip::fuzz::Target target, const std::string& input, const std::string& 
 int main(int argc, char** argv) {
   const bip::fuzz::Target target = argc > 1 ? bip::fuzz::find_target(argv[1]) : nullptr;
   if (target == nullptr) {
-    std::fprintf(stderr, "usage: bip-fuzz text|bsys|format|lsp|genom|rules|property [--edits N] [--seed S] FILE...\n");
+    std::fprintf(stderr,
+                 "usage: bip-fuzz text|bsys|format|lsp|genom|rules|property|frame [--edits N] [--seed S] FILE...\n");
     return 64;
   }
   std::size_t edits = 0;

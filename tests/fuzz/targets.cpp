@@ -86,6 +86,7 @@ Target find_target(std::string_view name) {
   if (name == "genom") return try_genom;
   if (name == "rules") return try_rules;
   if (name == "property") return try_property;
+  if (name == "frame") return try_frame;
   return nullptr;
 }
 

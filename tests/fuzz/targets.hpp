@@ -41,7 +41,10 @@ inline constexpr std::size_t kMaxBip = 400'000;
 /// Properties for `verify` and `explore`: an error with its column, or one that can be evaluated, encoded and written.
 [[nodiscard]] Verdict try_property(std::string_view input);
 
-/// "text", "bsys", "format", "lsp", "genom", "rules" or "property"; nullptr for another name.
+/// What peers of a distributed run send: a frame or a greeting that can be written and read again, or nothing.
+[[nodiscard]] Verdict try_frame(std::string_view input);
+
+/// "text", "bsys", "format", "lsp", "genom", "rules", "property" or "frame"; nullptr for another name.
 using Target = Verdict (*)(std::string_view);
 [[nodiscard]] Target find_target(std::string_view name);
 

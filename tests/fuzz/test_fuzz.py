@@ -66,6 +66,29 @@ PROPERTIES = ["never tank.level > 1.5", "always tank.heat <= 2.5e3 && tank@LOW",
               "always ROOT.tank.level >= 0", "never " + "!" * 150 + "tank.open", "never tank.level > .5", "never " + " || ".join(["tank@LOW"] * 100)]
 
 
+def number(value):
+    """LEB128."""
+    made = bytearray()
+    while value >= 0x80:
+        made.append(value & 0x7f | 0x80)
+        value >>= 7
+    return bytes(made + bytes([value]))
+
+
+def frames():
+    """Of the peers of target_frame.cpp, from node 2 to node 1, and greetings."""
+    cells = [5, 1 << 63]
+    offer, net = [0, 1, 3, 1, 1, 0, 17, 2, *cells], [0, 2, 3, 0, 3, 1, 2, 17, 2, *cells]
+    begin, stop = [1, 900, 1, 0, 4, 0, 1, *cells], [2, 12]
+    control = [3, 7, 3, 1, 1 << 40, 0, 1, 2, ord("h"), ord("i")]
+    made = {}
+    for name, messages in {"offer": [offer], "net": [net], "begin": [begin], "control": [control], "all": [offer, net, begin, stop, control], "none": []}.items():
+        made[name + ".frame"] = b"".join(map(number, [1, 42, 1, 3 if messages else 0, 2, 99, len(messages), *(value for message in messages for value in message)]))
+    made["welcome.frame"] = b"\0" + b"".join(map(number, [1, 2, 77, 2])) + b"ab" + b"".join(map(number, [1 << 63, 2, 3, 1, 0, 1, 1]))
+    made["answer.frame"] = b"\0" + b"".join(map(number, [1, 1, 5, 1])) + b"m"
+    return made
+
+
 def systems():
     """.bsys of some models, as bipc prints them."""
     made = {}
@@ -106,7 +129,7 @@ def sessions(texts):
 def write(folder, texts):
     folder.mkdir(parents=True, exist_ok=True)
     for name, text in texts.items():
-        (folder / name).write_text(text, encoding="utf-8")
+        (folder / name).write_bytes(text if isinstance(text, bytes) else text.encode("utf-8"))
     return sorted(str(folder / name) for name in texts)
 
 
@@ -124,15 +147,16 @@ def main():
         write(folder / "genom", descriptions())
         write(folder / "rules", rules())
         write(folder / "property", {f"{k}.txt": text for k, text in enumerate(PROPERTIES)})
+        write(folder / "frame", frames())
         return
     passed = failed = 0
     with tempfile.TemporaryDirectory() as work:
         work = pathlib.Path(work)
         seeds = {"text": write(work / "text", sources()), "bsys": write(work / "bsys", systems()),
                  "lsp": write(work / "lsp", sessions(sources())), "genom": write(work / "genom", descriptions()), "rules": write(work / "rules", rules()),
-                 "property": write(work / "property", {f"{k}.txt": text for k, text in enumerate(PROPERTIES)})}
+                 "property": write(work / "property", {f"{k}.txt": text for k, text in enumerate(PROPERTIES)}), "frame": write(work / "frame", frames())}
         seeds["format"] = seeds["text"]
-        shares = {"text": 0.4, "bsys": 0.2, "format": 0.2, "lsp": 0.1, "genom": 0.03, "rules": 0.02, "property": 0.05}
+        shares = {"text": 0.35, "bsys": 0.2, "format": 0.2, "lsp": 0.1, "genom": 0.03, "rules": 0.02, "property": 0.05, "frame": 0.05}
         for target, share in shares.items():
             kept = sorted(str(p) for p in (HERE / "regressions" / target).glob("*"))
             kept += [str(p) for p in kept_inputs.unpack(target, work / "corpus" / target)]

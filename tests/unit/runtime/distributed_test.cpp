@@ -7,6 +7,8 @@
 #include <numeric>
 
 #include "runtime/distributed/codec.hpp"
+#include "runtime/distributed/deployment.hpp"
+#include "runtime/distributed/greeting.hpp"
 #include "runtime/distributed/node.hpp"
 #include "runtime/distributed/station.hpp"
 #include "runtime/engine/replay_record.hpp"
@@ -120,6 +122,55 @@ TEST_CASE("every message arrives once and in order, whatever happens to its fram
     here.take(answer, heard);
     CHECK(here.unconfirmed().empty());
   }
+}
+
+TEST_CASE("greetings come back as they were, and are no frames") {
+  const Greeting welcome{.kind = Greeting::Kind::Welcome,
+                         .number = 77,
+                         .model = "a model",
+                         .seed = ~u64{0},
+                         .policy = 2,
+                         .format = 3,
+                         .is_silent = true,
+                         .is_traced = false,
+                         .goes_on = true,
+                         .has_maximal_progress = false};
+  for (const Greeting& greeting : {welcome, Greeting{.kind = Greeting::Kind::Leave, .number = 1, .model = "why"}}) {
+    const std::string bytes = text_of(greeting);
+    CHECK(is_greeting(bytes));
+    Greeting read_back;
+    REQUIRE(read(bytes, read_back));
+    CHECK(text_of(read_back) == bytes);
+    for (std::size_t size = 0; size < bytes.size(); ++size)
+      CHECK_FALSE(read(std::string_view(bytes).substr(0, size), read_back));
+    CHECK_FALSE(read(bytes + '\0', read_back));
+  }
+  // Of another version only that is understood.
+  std::string later = text_of(welcome);
+  later[1] = static_cast<char>(kProtocol + 1);
+  Greeting read_back;
+  REQUIRE(read(later.substr(0, 4), read_back));
+  CHECK(read_back.protocol == kProtocol + 1);
+  CHECK(read_back.model.empty());
+  CHECK_FALSE(is_greeting(std::string(1, static_cast<char>(kProtocol))));
+}
+
+TEST_CASE("plans of nodes on several hosts") {
+  Deployment deployment;
+  deployment.names = {"a", "b"};
+  deployment.addresses = {"10.0.0.1:7701", "lab:7701"};
+  deployment.open_keys = {"A", "B", "L"};
+  deployment.self = 1;
+  deployment.listen = "*:7701";
+  const FabricPlan plan = node_plan(deployment);
+  CHECK(plan.self == 1);
+  CHECK(plan.addresses == std::vector<std::string>{"tcp://10.0.0.1:7701", "tcp://*:7701", ""});
+  deployment.self = 0;
+  deployment.launcher_keys = {"L", "l"};
+  const FabricPlan launcher = launcher_plan(deployment);
+  CHECK(launcher.self == 2);
+  CHECK(launcher.keys.secret == "l");
+  CHECK(launcher.addresses == std::vector<std::string>{"tcp://10.0.0.1:7701", "tcp://lab:7701", ""});
 }
 
 TEST_CASE("frames come back as they were, and odd bytes are refused") {

@@ -1,0 +1,80 @@
+// `bipc deploy` writes folders for the hosts of a run on several nodes, `bipc node` runs one of them.
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+
+#include "compiler/driver/check_outputs.hpp"
+#include "compiler/driver/commands.hpp"
+#include "compiler/driver/deployment_files.hpp"
+#include "compiler/driver/distributed_runs.hpp"
+#include "compiler/driver/report.hpp"
+#include "compiler/pipeline/executor.hpp"
+#include "compiler/pipeline/exit_codes.hpp"
+#include "compiler/pipeline/fabric_loader.hpp"
+
+namespace bip::driver {
+namespace {
+
+int end_unusable(const std::string& problem) {
+  std::fprintf(stderr, "error: %s\n", problem.c_str());
+  return kUsage;
+}
+
+// Options that say how the run goes are the first node's.
+bool has_options_of_run(const NodeArguments& a) {
+  const rt::RunOptions plain;
+  return a.run.has_seed || a.run.limit != plain.limit || a.run.policy != plain.policy || !a.run.trace_path.empty() ||
+         a.run.format != plain.format || a.run.on_loss != plain.on_loss || a.run.silent || a.run.show_state ||
+         a.run.stats;
+}
+
+}  // namespace
+
+int command_deploy(const DeployArguments& arguments) {
+  Compilation c(arguments.compile);
+  rt::Placement placement;
+  const bool ready = compile(c, arguments.file, Stage::Image) &&
+                     prepare_deployed(c, arguments.placement_path, placement) && is_deployable(c, placement);
+  if (!ready) return report(c);
+  const Result<const rt::FabricFactory*> fabrics = load_fabric();
+  if (!fabrics) return end_unusable(fabrics.error());
+  const Result<bool> written = write_deployment(c, placement, arguments, **fabrics);
+  if (const int code = report(c); code != 0) return code;
+  if (!written) return end_unusable(written.error());
+  for (std::size_t node = 0; node < placement.nodes.size(); ++node)
+    std::printf("%s/%s: at %s%s\n", arguments.output.c_str(), placement.nodes[node].c_str(),
+                placement.addresses[node].c_str(), node == 0 ? ", begins the run" : "");
+  return kOk;
+}
+
+int command_node(const NodeArguments& arguments) {
+  namespace fs = std::filesystem;
+  constexpr std::int64_t kLeastSilence = 2000000000;
+  if (arguments.run.lost_after < kLeastSilence)
+    return end_unusable("--lost-after: at least 2s, for there is a sign a second");
+  Compilation c(arguments.compile);
+  rt::Placement placement;
+  Executor executor;
+  const bool ready = compile(c, (fs::path(arguments.folder) / kModelFile).string(), Stage::Image) &&
+                     check_outputs(c, {arguments.run.trace_path}) &&
+                     prepare_deployed(c, (fs::path(arguments.folder) / kPlacementFile).string(), placement) &&
+                     is_deployable(c, placement) && executor.prepare(c, arguments.backend, arguments.optimisation);
+  if (const int code = report(c); code != 0 || !ready) return code;
+  Result<rt::Deployment> deployment = read_deployment(arguments.folder, placement);
+  if (!deployment) return end_unusable(deployment.error());
+  if (!arguments.listen.empty()) deployment->listen = arguments.listen;
+  const Result<const rt::FabricFactory*> fabrics = load_fabric();
+  if (!fabrics) return end_unusable(fabrics.error());
+  rt::RunOptions options = arguments.run;
+  options.engine = rt::Engine::Distributed;
+  options.placement = &placement;
+  options.deployment = &*deployment;
+  options.fabrics = *fabrics;
+  if (deployment->self == 0) return rt::run(c.lowered->image, options, stdout, stderr).exit_code;
+  if (has_options_of_run(arguments))
+    return end_unusable("options of the run are those of its first node, `" + placement.nodes.front() + '`');
+  return rt::run_node(c.lowered->image, options);
+}
+
+}  // namespace bip::driver

@@ -1,0 +1,309 @@
+// See deployment_files.hpp.
+#include "compiler/driver/deployment_files.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "compiler/base/content_hash.hpp"
+#include "compiler/base/read_file.hpp"
+#include "compiler/base/write_file.hpp"
+#include "compiler/emit_cpp/copy_ffi_files.hpp"
+#include "compiler/pipeline/ffi_build.hpp"
+#include "compiler/system/bsys.hpp"
+
+#ifndef BIPC_VERSION
+#define BIPC_VERSION "unknown"
+#endif
+
+namespace bip::driver {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kNodeFile = "node";
+constexpr const char* kKeyFile = "key";
+constexpr const char* kLauncherKeyFile = "launcher.key";
+constexpr const char* kWhereInstalled = "/opt/bipc";
+
+constexpr const char* kStart = R"sh(#!/bin/sh
+# Starts node `{0}`; options are those of `bipc node`.
+exec "${{BIPC:-bipc}}" node "$(dirname "$0")" "$@"
+)sh";
+
+constexpr const char* kUnit = R"([Unit]
+Description=bipc node {0}
+Wants=network-online.target
+After=network-online.target
+
+[Service]
+ExecStart={1}/{0}/start
+User=bipc
+# Where machine code of the model is kept.
+CacheDirectory=bipc
+Environment=XDG_CACHE_HOME=/var/cache/bipc
+Restart=on-failure
+RestartSec=2
+NoNewPrivileges=yes
+PrivateTmp=yes
+ProtectSystem=full
+ProtectHome=yes
+
+[Install]
+WantedBy=multi-user.target
+)";
+
+constexpr const char* kReadme = R"(Node `{0}` of {2}, made by `bipc deploy`.
+
+Needed on its host: the packages bipc and bipc-distributed, of the version with which this was made ({3}).
+Copy this folder there, so that only the user who runs it can read `key`.
+
+  {0}/start
+      runs the node{4}
+  bipc-{0}.service
+      the same as a unit of systemd, for a folder in {1} and a user `bipc`:
+      cp {0}/bipc-{0}.service /etc/systemd/system/ && systemctl enable --now bipc-{0}
+
+It listens at {5}; open that port in the host's firewall. Who has none of the keys in `node` is not heard.
+Nodes start in any order and wait for each other. `{6}` begins the run; its folder has `launcher.key` as well.
+After a change of the model or the placement: deploy again, and copy all folders.
+)";
+
+constexpr const char* kStartAll = R"sh(#!/bin/sh
+# Copies each node's folder to its host and starts it there, over ssh; the first one in the foreground, with the options
+# given here (those of `bipc node`). TARGET: the folder on the hosts.
+set -e
+cd "$(dirname "$0")"
+target=${{TARGET:-bipc-nodes}}
+copy() {{
+  ssh "$2" "mkdir -p '$target' && chmod 700 '$target'"
+  scp -q -p -r "$1" "$2:$target/"
+}}
+{0}trap 'kill $others 2>/dev/null || true' EXIT
+ssh -t {2} "'$target'/{1}/start $*"
+)sh";
+
+bool is_folder_name(const std::string& name) {
+  return !name.empty() && name.front() != '.' && std::all_of(name.begin(), name.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '_' || c == '.';
+  });
+}
+
+std::string host_of(const std::string& address) {
+  std::string host = address.substr(0, address.rfind(':'));
+  if (host.starts_with('[')) host = host.substr(1, host.size() - 2);
+  return host;
+}
+
+// Sockets listen at numbers; of a host's name only the port is known.
+std::string listen_of(const std::string& address) {
+  const std::string host = host_of(address);
+  const bool is_number =
+      host.find_first_not_of("0123456789.") == std::string::npos || host.find(':') != std::string::npos;
+  return is_number ? address : "*" + address.substr(address.rfind(':'));
+}
+
+// Only the owner reads it, from its first byte on.
+Result<bool> write_secret(const fs::path& path, const std::string& text) {
+  ::unlink(path.c_str());
+  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, S_IRUSR | S_IWUSR);
+  if (file < 0) return Failure{path.string() + ": " + std::strerror(errno)};
+  const bool is_written = ::write(file, text.data(), text.size()) == static_cast<ssize_t>(text.size());
+  if (::close(file) != 0 || !is_written) return Failure{path.string() + ": " + std::strerror(errno)};
+  return true;
+}
+
+Result<bool> write_text_file(const fs::path& path, const std::string& text, bool is_program = false) {
+  if (const Result<bool> written = write_file(path, text); !written)
+    return Failure{path.string() + ": " + written.error()};
+  if (is_program && ::chmod(path.c_str(), 0755) != 0) return Failure{path.string() + ": " + std::strerror(errno)};
+  return true;
+}
+
+std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
+
+Result<rt::FabricKeys> read_keys(const fs::path& path, const std::string& open) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0) return Failure{path.string() + ": " + std::strerror(errno)};
+  if ((status.st_mode & (S_IRWXG | S_IRWXO)) != 0)
+    return Failure{path.string() + ": others can read this key: `chmod 600`, or deploy again"};
+  const std::optional<std::string> text = read_file(path);
+  if (!text) return Failure{path.string() + " cannot be read"};
+  return rt::FabricKeys{open, first_line(*text)};
+}
+
+// Everything that all nodes must have alike.
+std::string model_hash(const fs::path& folder, const rt::Placement& placement) {
+  std::vector<std::string> texts{BIPC_VERSION, read_file(folder / kModelFile).value_or("")};
+  std::string homes;
+  for (const std::string& name : placement.nodes) homes += name + '\n';
+  for (const std::uint32_t home : placement.home) homes += std::to_string(home) + ' ';
+  texts.push_back(homes);
+  std::set<fs::path> files;
+  std::error_code error;
+  for (const auto& entry : fs::recursive_directory_iterator(folder / kCppFolder, error)) {
+    if (entry.is_regular_file(error)) files.insert(entry.path());
+  }
+  for (const fs::path& path : files) {
+    texts.push_back(path.lexically_relative(folder).generic_string());
+    texts.push_back(read_file(path).value_or(""));
+  }
+  return content_hash({texts.begin(), texts.end()});
+}
+
+// The model's C++ is where it was copied to, below the node's folder.
+Result<bool> move_cpp(FfiFiles& cpp, const fs::path& folder) {
+  std::map<std::string, std::string> folders;  // by name
+  std::error_code error;
+  for (const auto& entry : fs::recursive_directory_iterator(folder / kCppFolder, error)) {
+    if (!entry.is_regular_file()) continue;
+    const std::string name = entry.path().filename().string();
+    if (!folders.emplace(name, entry.path().parent_path().lexically_relative(folder).generic_string()).second)
+      return Failure{"two C++ files are called `" + name + '`'};
+  }
+  for (auto* files : {&cpp.includes, &cpp.sources, &cpp.objects}) {
+    for (CppFile& file : *files) {
+      const std::string name = fs::path(file.name).filename().string();
+      // A header of the system stays what it is.
+      if (const auto found = folders.find(name); found != folders.end()) file = {found->second, name};
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+bool is_deployable(Compilation& c, const rt::Placement& placement) {
+  std::set<std::string> addresses;
+  for (std::size_t node = 0; node < placement.nodes.size(); ++node) {
+    const std::string& name = placement.nodes[node];
+    const std::string& address = placement.addresses[node];
+    if (!is_folder_name(name)) {
+      c.diags.report(Diag::kB5073, {}, fmt::format("node `{}` cannot be deployed: its folder has its name", name))
+          .help("letters, digits, `_` and `.`");
+    } else if (address.empty()) {
+      c.diags.report(Diag::kB5073, {}, fmt::format("node `{}` has no address", name))
+          .help(fmt::format("`node {} host ADDRESS:PORT`", name));
+    } else if (!addresses.insert(address).second) {
+      c.diags.report(Diag::kB5073, {}, fmt::format("two nodes are at `{}`", address));
+    }
+  }
+  return !c.diags.has_errors();
+}
+
+Result<bool> write_deployment(Compilation& c, const rt::Placement& placement, const DeployArguments& arguments,
+                              const rt::FabricFactory& fabrics) {
+  emit_cpp::CppBuild cpp;
+  if (!find_ffi_files(c, cpp)) return false;
+  const std::optional<std::string> place = read_file(arguments.placement_path);
+  if (!place) return Failure{arguments.placement_path + " cannot be read"};
+
+  const std::size_t nodes = placement.nodes.size();
+  std::vector<rt::FabricKeys> keys;
+  std::string known;
+  for (std::size_t peer = 0; peer <= nodes; ++peer) {
+    keys.push_back(fabrics.make_keys());
+    if (keys.back().open.empty()) return Failure{"no keys can be made: this libzmq has no CURVE"};
+    known += peer == nodes ? "launcher " : "key " + placement.nodes[peer] + ' ';
+    known += keys.back().open + '\n';
+  }
+
+  const fs::path top = arguments.output;
+  std::string copies, starts, model;
+  for (std::size_t node = 0; node < nodes; ++node) {
+    const std::string& name = placement.nodes[node];
+    const fs::path folder = top / name;
+    std::error_code error;
+    fs::create_directories(folder, error);
+    fs::remove_all(folder / kCppFolder, error);
+    fs::create_directories(folder, error);
+    if (error) return Failure{folder.string() + ": " + error.message()};
+    if (const auto copied = emit_cpp::copy_ffi_files(cpp, folder); !copied) return Failure{copied.error()};
+    if (node == 0) {
+      if (const Result<bool> moved = move_cpp(c.system->code.cpp, folder); !moved) return moved;
+      model = system::print(*c.system);
+    }
+    const std::string about = fmt::format(
+        "# Made by `bipc deploy`. Only who has one of these keys is heard; where the nodes are says {}.\nnode {}\n",
+        kPlacementFile, name);
+    const std::string& address = placement.addresses[node];
+    const std::string readme =
+        fmt::format(kReadme, name, kWhereInstalled, nodes, BIPC_VERSION,
+                    node == 0 ? " and the launcher, which prints the steps: see `bipc node --help`" : "",
+                    listen_of(address), placement.nodes[0]);
+    const std::string unit = fmt::format(kUnit, name, kWhereInstalled);
+    const Result<bool> files[] = {
+        write_text_file(folder / kModelFile, model),
+        write_text_file(folder / kPlacementFile, *place),
+        write_text_file(folder / kNodeFile, about + known),
+        write_secret(folder / kKeyFile, keys[node].secret + '\n'),
+        node == 0 ? write_secret(folder / kLauncherKeyFile, keys[nodes].secret + '\n') : Result<bool>(true),
+        write_text_file(folder / "start", fmt::format(kStart, name), true),
+        write_text_file(folder / ("bipc-" + name + ".service"), unit),
+        write_text_file(folder / "README", readme)};
+    for (const Result<bool>& written : files) {
+      if (!written) return Failure{written.error()};
+    }
+    const std::string host = host_of(address);
+    copies += fmt::format("copy {} {}\n", name, host);
+    if (node != 0) starts += fmt::format("ssh {} \"'$target'/{}/start\" & others=\"$others $!\"\n", host, name);
+  }
+  return write_text_file(top / "start",
+                         fmt::format(kStartAll, copies + starts, placement.nodes[0], host_of(placement.addresses[0])),
+                         true);
+}
+
+Result<rt::Deployment> read_deployment(const std::string& folder, const rt::Placement& placement) {
+  const fs::path top = folder;
+  const std::optional<std::string> text = read_file(top / kNodeFile);
+  if (!text) return Failure{(top / kNodeFile).string() + " cannot be read"};
+  rt::Deployment deployment;
+  deployment.names = placement.nodes;
+  deployment.addresses = placement.addresses;
+  deployment.open_keys.assign(placement.nodes.size() + 1, "");
+  std::istringstream lines(*text);
+  std::string self;
+  for (std::string line; std::getline(lines, line);) {
+    // Keys may have a `#` in them.
+    if (line.empty() || line.front() == '#') continue;
+    std::istringstream words(line);
+    std::string what, name, key;
+    words >> what >> name >> key;
+    const auto node = std::find(placement.nodes.begin(), placement.nodes.end(), name);
+    if (what == "node") self = name;
+    else if (what == "launcher") deployment.open_keys.back() = name;
+    else if (what == "key" && node != placement.nodes.end())
+      deployment.open_keys[static_cast<std::size_t>(node - placement.nodes.begin())] = key;
+    else return Failure{(top / kNodeFile).string() + ": odd line: " + line};
+  }
+  const auto own = std::find(placement.nodes.begin(), placement.nodes.end(), self);
+  const bool has_all_keys = std::none_of(deployment.open_keys.begin(), deployment.open_keys.end(),
+                                         [](const std::string& key) { return key.empty(); });
+  if (own == placement.nodes.end() || !has_all_keys)
+    return Failure{(top / kNodeFile).string() + " does not fit " + kPlacementFile + ": deploy again"};
+  deployment.self = static_cast<std::uint32_t>(own - placement.nodes.begin());
+  deployment.listen = listen_of(deployment.addresses[deployment.self]);
+  Result<rt::FabricKeys> keys = read_keys(top / kKeyFile, deployment.open_keys[deployment.self]);
+  if (!keys) return Failure{keys.error()};
+  deployment.keys = *keys;
+  if (deployment.self == 0) {
+    keys = read_keys(top / kLauncherKeyFile, deployment.open_keys.back());
+    if (!keys) return Failure{keys.error()};
+    deployment.launcher_keys = *keys;
+  }
+  deployment.model = model_hash(top, placement);
+  return deployment;
+}
+
+}  // namespace bip::driver

@@ -1,0 +1,98 @@
+// What peers of a distributed run send: a frame of the run that can be written again, a greeting, or nothing. Whatever
+// it is, the links go on.
+#include "compiler/interp/interp.hpp"
+#include "compiler/lower/lower.hpp"
+#include "compiler/pipeline/pipeline.hpp"
+#include "runtime/core/core.hpp"
+#include "runtime/distributed/greeting.hpp"
+#include "runtime/distributed/station.hpp"
+#include "tests/fuzz/targets.hpp"
+
+namespace bip::fuzz {
+namespace {
+
+// An automaton on each of two nodes, and a net on the second, with values that cross.
+constexpr const char* kPeers =
+    "package fuzz\n"
+    "  port type Level(int v, float w)\n"
+    "  connector type Two(Level a, Level b)\n"
+    "    define a b\n"
+    "    on a b down { a.v = b.v; }\n"
+    "  end\n"
+    "  atom type Tank()\n"
+    "    data int level = 0\n"
+    "    data float heat = 1.5\n"
+    "    export port Level fill(level, heat), drain(level, heat)\n"
+    "    place LOW, HIGH\n"
+    "    initial to LOW\n"
+    "    on fill from LOW to HIGH do { level = level + 1; }\n"
+    "    on drain from HIGH to LOW\n"
+    "  end\n"
+    "  atom type Net()\n"
+    "    data int level = 0\n"
+    "    data float heat = 1.5\n"
+    "    export port Level fill(level, heat)\n"
+    "    place A, B, C\n"
+    "    initial to A, B\n"
+    "    on fill from A, B to C\n"
+    "  end\n"
+    "  compound type Root()\n"
+    "    component Tank tank(), other()\n"
+    "    component Net net()\n"
+    "    connector Two fills(tank.fill, other.fill), drains(tank.drain, other.drain), nets(tank.fill, net.fill)\n"
+    "  end\n"
+    "end\n";
+
+struct Peers {
+  pipeline::Compilation compilation{pipeline::CompileOptions{}};
+  std::unique_ptr<interp::Interpreter> interpreter;
+  std::unique_ptr<rt::Core> core;
+  rt::Distribution distribution;
+
+  Peers() {
+    compilation.open_texts["/nowhere/peers.bip"] = kPeers;
+    if (!pipeline::compile(compilation, "/nowhere/peers.bip", pipeline::Stage::Image)) return;
+    interpreter = std::make_unique<interp::Interpreter>(*compilation.lowered);
+    core = std::make_unique<rt::Core>(compilation.lowered->image);
+    distribution = rt::distribute(core->tables(), core->priorities(), {{"1", "2"}, {0, 1, 1}});
+  }
+};
+
+class NoFabric final : public rt::Fabric {
+ public:
+  void send(std::uint32_t, std::string_view) override {}
+  bool wait(int, const std::vector<int>&, std::vector<rt::Arrival>&) override { return false; }
+  [[nodiscard]] rt::FabricCounts counts() override { return {}; }
+};
+
+}  // namespace
+
+Verdict try_frame(std::string_view input) {
+  static const Peers peers;
+  if (peers.core == nullptr) return {"frame: the fixed system does not compile", false};
+  if (rt::is_greeting(input)) {
+    rt::Greeting greeting, again;
+    if (!rt::read(input, greeting) || greeting.protocol != rt::kProtocol) return {};
+    const std::string text = rt::text_of(greeting);
+    return {rt::read(text, again) && rt::text_of(again) == text ? "" : "frame: a greeting reads otherwise", true};
+  }
+  constexpr rt::u64 kRun = 42;
+  const rt::Codec codec(peers.core->tables(), peers.distribution, kRun);
+  NoFabric fabric;
+  rt::Station station(fabric, codec, 0, 3);
+  std::vector<rt::Heard> heard;
+  station.take({1, std::string(input)}, 1, heard);
+  station.send(2);
+  station.tick(3);
+  rt::Frame frame, again;
+  const bool is_read = codec.read(input, 1, 0, frame);
+  if (is_read == (station.counts().refused != 0)) return {"frame: what can be read is refused", false};
+  if (!is_read) return {};
+  std::string text, twice;
+  codec.write(frame, text);
+  if (!codec.read(text, 1, 0, again)) return {"frame: what was written cannot be read", true};
+  codec.write(again, twice);
+  return {text == twice ? "" : "frame: a frame reads otherwise", true};
+}
+
+}  // namespace bip::fuzz
