@@ -27,7 +27,7 @@ operatorSign: OROR | ANDAND | PIPE | CARET | AMP | EQ | NE | LT | GT | LE | GE |
 protoParam: CONST? typeName id?;
 typeName: path | NATIVE;
 annotation: AT_SIGN id (LPAREN (annotationArg (COMMA annotationArg)*)? RPAREN)?;
-annotationArg: id (ASSIGN (id | TRUE | FALSE | STRING | INT))?;
+annotationArg: id (ASSIGN (id | TRUE | FALSE | STRING | INT | FLOAT))? | INT | FLOAT;
 params: param (COMMA param)*;
 param: CONST? typeName id;
 var: id (ASSIGN expr)?;

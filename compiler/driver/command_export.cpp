@@ -1,5 +1,6 @@
 // `bipc export`: writes the System in the language of another tool (compiler/exchange).
 #include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <optional>
 
@@ -12,6 +13,9 @@
 #include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/driver/read_question.hpp"
 #include "compiler/library/decide.hpp"
+#include "compiler/library/markov_chain.hpp"
+#include "compiler/pipeline/executor.hpp"
+#include "compiler/pipeline/ffi_build.hpp"
 #include "compiler/pipeline/machine.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/exchange/exchange.hpp"
@@ -32,6 +36,7 @@ const char* format_name(ExportFormat format) {
     case ExportFormat::Pnml: return "PNML";
     case ExportFormat::Aiger: return "AIGER";
     case ExportFormat::Net: return "a net";
+    case ExportFormat::Prism: return "PRISM";
   }
   BIP_UNREACHABLE("format of an export");
 }
@@ -79,13 +84,69 @@ Result<std::string> net(const Compilation& c) {
   return verify::net_dot(made);
 }
 
-Result<std::string> exported(const Compilation& c, const ExportArguments& arguments, const verify::Question& question) {
+// A label for each place of each component: "coin_HEADS".
+Result<std::string> prism(Compilation& c, const ExportArguments& arguments) {
+  constexpr std::uint32_t kMostStates = 100'000;
+  if (const std::string what = system::first_timed(*c.system); !what.empty()) return Failure{what};
+  if (uses_ffi(c)) return Failure{"it calls C++"};
+  Executor executor;
+  if (!executor.prepare(c, Backend::Interp, Optimisation::O0)) return Failure{"its code cannot be executed"};
+  std::vector<std::string> names;
+  std::vector<std::function<bool(const rt::Core&)>> conditions;
+  for (std::uint32_t row = 0; row < c.system->atoms.size(); ++row) {
+    const Atom& atom = c.system->atoms[AtomId(row)];
+    const std::vector<std::string>& places = c.system->atom_types[atom.type].places;
+    for (std::uint32_t place = 0; place < places.size(); ++place) {
+      std::string name = atom.path.substr(atom.path.find('.') + 1) + "_" + places[place];
+      for (char& sign : name) {
+        if (std::isalnum(static_cast<unsigned char>(sign)) == 0) sign = '_';
+      }
+      // Two paths may differ in signs alone.
+      if (std::find(names.begin(), names.end(), name) != names.end()) name += fmt::format("_{}", names.size());
+      names.push_back(std::move(name));
+      conditions.emplace_back([row, place](const rt::Core& core) { return core.is_marked(row, place); });
+    }
+  }
+  std::vector<library::StateSet> sets;
+  const Result<library::MarkovChain> chain = library::build_chain(
+      c.lowered->image, arguments.maximal_progress ? rt::MaximalProgress::On : rt::MaximalProgress::Off, kMostStates,
+      conditions, sets);
+  if (!chain) return Failure{chain.error()};
+  return library::prism_text(*chain, c.root_name, names, sets);
+}
+
+// `always E` and `never E` as formulas, which Promela's properties are.
+verify::Formula formula_of(const verify::Question& question) {
+  if (question.what == verify::QuestionKind::Runs) return question.formula;
+  verify::Formula made;
+  made.text = question.property.text;
+  made.states.push_back(question.property);
+  made.nodes.push_back({.kind = verify::FormulaKind::State});
+  if (question.property.is_never) made.nodes.push_back({.kind = verify::FormulaKind::Not});
+  const auto last = static_cast<std::uint32_t>(made.nodes.size() - 1);
+  made.nodes.push_back({.kind = verify::FormulaKind::Constant});
+  made.nodes.push_back({.kind = verify::FormulaKind::Release, .a = last + 1, .b = last});
+  made.root = last + 2;
+  return made;
+}
+
+Result<std::string> promela(const Compilation& c, const ExportArguments& arguments, const verify::Question& question) {
+  const bool is_formula = question.what == verify::QuestionKind::State || question.what == verify::QuestionKind::Runs;
+  if (!arguments.property.empty() && !is_formula) return Failure{"a property that is neither of states nor of runs"};
+  const verify::Formula formula = is_formula ? formula_of(question) : verify::Formula{};
+  return exchange::promela(*c.system, {.maximal_progress = arguments.maximal_progress,
+                                       .root_name = c.root_name,
+                                       .formula = is_formula ? &formula : nullptr});
+}
+
+Result<std::string> exported(Compilation& c, const ExportArguments& arguments, const verify::Question& question) {
   const exchange::Options options{.maximal_progress = arguments.maximal_progress, .root_name = c.root_name};
   switch (arguments.format) {
-    case ExportFormat::Promela: return exchange::promela(*c.system, options);
+    case ExportFormat::Promela: return promela(c, arguments, question);
     case ExportFormat::Pnml: return exchange::pnml(*c.system, options);
     case ExportFormat::Aiger: return aiger(c, arguments, question);
     case ExportFormat::Net: return net(c);
+    case ExportFormat::Prism: return prism(c, arguments);
   }
   BIP_UNREACHABLE("format of an export");
 }
@@ -93,8 +154,9 @@ Result<std::string> exported(const Compilation& c, const ExportArguments& argume
 }  // namespace
 
 int command_export(const ExportArguments& arguments) {
-  if (!arguments.property.empty() && arguments.format != ExportFormat::Aiger) {
-    std::fputs("bipc export: `--property` is for `--format=aiger`\n", stderr);
+  if (!arguments.property.empty() && arguments.format != ExportFormat::Aiger &&
+      arguments.format != ExportFormat::Promela) {
+    std::fputs("bipc export: `--property` is for `--format=promela` and `--format=aiger`\n", stderr);
     return kUsage;
   }
   Compilation c(arguments.compile);

@@ -13,6 +13,7 @@
 #include "compiler/driver/check_outputs.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/emit_stage.hpp"
+#include "compiler/driver/simulate_queries.hpp"
 #include "compiler/library/observer_estimate.hpp"
 #include "compiler/library/read_observer.hpp"
 #include "compiler/pipeline/executor.hpp"
@@ -31,7 +32,6 @@ namespace bip::driver {
 namespace {
 
 using library::Estimate;
-using library::kConfidence;
 
 constexpr std::size_t kBins = 20;
 constexpr std::uint32_t kMostThreads = 256;
@@ -82,7 +82,8 @@ std::string ends_text(const EndCounts& counts) {
   return text;
 }
 
-std::string text_of(const rt::SimulateReport& report, const rt::SimulateOptions& options, bool shows_bins) {
+std::string text_of(const rt::SimulateReport& report, const rt::SimulateOptions& options, bool shows_bins,
+                    double confidence) {
   const EndCounts ends = ends_of(report);
   std::uint64_t runs = 0;
   for (const std::uint64_t count : ends) runs += count;
@@ -92,11 +93,11 @@ std::string text_of(const rt::SimulateReport& report, const rt::SimulateOptions&
   std::size_t width = std::string_view("observer").size();
   for (const rt::Observer& o : options.observers) width = std::max(width, o.text.size());
   if (!options.observers.empty())
-    text +=
-        fmt::format("{:<{}}  {:>8}  {:>10}  {:>10}  {:>10}  {:>10}  {:>10}  {:>10}  {:>10}  95% interval of the mean\n",
-                    "observer", width, "runs", "mean", "deviation", "least", "5%", "median", "95%", "greatest");
+    text += fmt::format(
+        "{:<{}}  {:>8}  {:>10}  {:>10}  {:>10}  {:>10}  {:>10}  {:>10}  {:>10}  {}% interval of the mean\n", "observer",
+        width, "runs", "mean", "deviation", "least", "5%", "median", "95%", "greatest", 100 * confidence);
   for (std::size_t k = 0; k < options.observers.size(); ++k) {
-    const auto [of, interval] = library::estimate_of(options.observers[k], report.values[k]);
+    const auto [of, interval] = library::estimate_of(options.observers[k], report.values[k], confidence);
     text += fmt::format("{:<{}}  {:>8}", options.observers[k].text, width, of.count);
     if (of.count == 0) {
       text += "  in no run\n";
@@ -115,11 +116,10 @@ std::string text_of(const rt::SimulateReport& report, const rt::SimulateOptions&
                           bins.counts[bin], std::string(bins.counts[bin] * kLongestBar / most, '#'));
     }
   }
-  if (!report.first_fault.empty()) text += "the first error:\n" + report.first_fault;
   return text;
 }
 
-Json json_of(const rt::SimulateReport& report, const rt::SimulateOptions& options) {
+Json json_of(const rt::SimulateReport& report, const rt::SimulateOptions& options, double confidence) {
   Json json{{"format", "bipc-simulation"},
             {"version", 1},
             {"complete", report.is_complete},
@@ -134,7 +134,7 @@ Json json_of(const rt::SimulateReport& report, const rt::SimulateOptions& option
   json["runs"] = runs;
   json["observers"] = Json::array();
   for (std::size_t k = 0; k < options.observers.size(); ++k) {
-    const auto [of, interval] = library::estimate_of(options.observers[k], report.values[k]);
+    const auto [of, interval] = library::estimate_of(options.observers[k], report.values[k], confidence);
     Json row{{"observer", options.observers[k].text}, {"runs", of.count}};
     if (of.count != 0) {
       const Histogram bins = histogram_of(report.values[k], of);
@@ -145,13 +145,12 @@ Json json_of(const rt::SimulateReport& report, const rt::SimulateOptions& option
                   {"median", of.quantiles[1]},
                   {"q95", of.quantiles[2]},
                   {"greatest", of.greatest},
-                  {"confidence", kConfidence},
+                  {"confidence", confidence},
                   {"interval", {interval.low, interval.high}},
                   {"histogram", {{"first", bins.first}, {"width", bins.width}, {"counts", bins.counts}}}});
     }
     json["observers"].push_back(std::move(row));
   }
-  if (!report.first_fault.empty()) json["first_error"] = report.first_fault;
   return json;
 }
 
@@ -172,8 +171,8 @@ std::string csv_of(const rt::SimulateReport& report, const rt::SimulateOptions& 
     if (report.ends[run] == rt::SimulatedEnd::NotRun) continue;
     text += fmt::format("{},{},{}", options.seed + run, name_of(report.ends[run]), report.steps[run]);
     if (!report.times.empty()) text += fmt::format(",{}", report.times[run]);
-    for (const std::vector<double>& values : report.values)
-      text += std::isnan(values[run]) ? "," : fmt::format(",{}", values[run]);
+    for (std::size_t k = 0; k < options.observers.size(); ++k)
+      text += std::isnan(report.values[k][run]) ? "," : fmt::format(",{}", report.values[k][run]);
     text += "\n";
   }
   return text;
@@ -236,12 +235,48 @@ bool fits_memory(const rt::SimulateOptions& options) {
 
 }  // namespace
 
+namespace {
+
+// Makes the runs that observers and estimates need, if any, and then those of each test. `observers`: how many of
+// options.observers are options; the others belong to queries. Returns kOk, or the exit code after an error was
+// reported.
+int simulate_all(const SimulateArguments& arguments, Compilation& c, rt::SimulateOptions options, std::size_t observers,
+                 const std::vector<library::Query>& queries, QueryReport& answers, std::string& text, Json& json) {
+  const bool has_runs = queries.empty() || !options.observers.empty() || !options.queries.empty();
+  if (has_runs) {
+    RunsProgressLine progress(options.runs);
+    options.on_progress = [&](std::uint64_t done) { progress.tell(done); };
+    const rt::SimulateReport found = rt::simulate(c.lowered->image, options);
+    progress.clear();
+    options.on_progress = {};
+    report_estimates(queries, found, arguments.confidence, answers);
+    answers.is_complete = found.is_complete;
+    answers.first_fault = found.first_fault;
+    // Queries print what they observe.
+    options.observers.resize(observers);
+    if (!arguments.csv_path.empty()) {
+      if (const Result<bool> written = write_file(arguments.csv_path, csv_of(found, options)); !written) {
+        c.diags.report(Diag::kB5004, {}, arguments.csv_path, written.error());
+        return report(c);
+      }
+    }
+    text = text_of(found, options, arguments.shows_histogram, arguments.confidence);
+    json = json_of(found, options, arguments.confidence);
+  }
+  if (answers.is_complete) report_tests(queries, arguments, c.lowered->image, options, answers);
+  return kOk;
+}
+
+}  // namespace
+
 int command_simulate(const SimulateArguments& arguments) {
   Compilation c(arguments.compile);
   if (!compile(c, arguments.file, Stage::Image) || !check_outputs(c, {arguments.csv_path})) return report(c);
   rt::SimulateOptions options = arguments.simulate;
-  if (arguments.within > 0) options.runs = library::runs_for(arguments.within, kConfidence);
+  if (arguments.within > 0) options.runs = library::runs_for(arguments.within, arguments.confidence);
   if (!read_questions(arguments, *c.system, options)) return kUsage;
+  const std::optional<std::vector<library::Query>> queries = read_queries(arguments, c);
+  if (!queries) return kUsage;
   if (!arguments.until.empty()) {
     if (!system::is_timed(*c.system)) return refuse("--until", "the model has no clocks"), kUsage;
     options.until = rt::parse_time(arguments.until);
@@ -258,21 +293,33 @@ int command_simulate(const SimulateArguments& arguments) {
                     : arguments.threads == 0
                         ? processors()
                         : static_cast<std::uint32_t>(std::min<std::uint64_t>(arguments.threads, kMostThreads));
-  RunsProgressLine progress(options.runs);
-  options.on_progress = [&](std::uint64_t done) { progress.tell(done); };
   const rt::InterruptGuard guard;
-  const rt::SimulateReport found = rt::simulate(c.lowered->image, options);
-  progress.clear();
-  if (!arguments.csv_path.empty()) {
-    if (const Result<bool> written = write_file(arguments.csv_path, csv_of(found, options)); !written) {
-      c.diags.report(Diag::kB5004, {}, arguments.csv_path, written.error());
-      return report(c);
-    }
+  QueryReport answers;
+  std::string text;
+  Json json{{"format", "bipc-simulation"}, {"version", 1}, {"complete", true}, {"seed", options.seed}};
+  if (arguments.exact) {
+    if (!report_exact(*queries, c, options.progress, answers)) return kUsage;
+    json.erase("seed");
+  } else if (!arguments.importance.empty()) {
+    if (!report_split(*queries, arguments, c, options, answers)) return kUsage;
+    text = fmt::format("seed {}\n", options.seed);
+  } else {
+    const std::size_t observers = options.observers.size();
+    add_queries(*queries, options);
+    if (const int code = simulate_all(arguments, c, options, observers, *queries, answers, text, json); code != kOk)
+      return code;
   }
-  write_now(stdout, arguments.json ? json_of(found, options).dump(-1, ' ', false, Json::error_handler_t::replace) + '\n'
-                                   : text_of(found, options, arguments.shows_histogram));
-  if (!found.is_complete) return 128 + rt::interrupting_signal();
-  return found.first_fault.empty() ? kOk : kModelErrors;
+  json["complete"] = answers.is_complete;
+  if (!queries->empty()) json["queries"] = answers.json;
+  if (!answers.first_fault.empty()) {
+    json["first_error"] = answers.first_fault;
+    answers.text += "the first error:\n" + answers.first_fault;
+  }
+  write_now(stdout,
+            arguments.json ? json.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n' : text + answers.text);
+  if (!answers.is_complete) return 128 + rt::interrupting_signal();
+  if (!answers.first_fault.empty()) return kModelErrors;
+  return answers.is_violated ? kViolated : answers.is_unknown ? kUnknown : kOk;
 }
 
 }  // namespace bip::driver

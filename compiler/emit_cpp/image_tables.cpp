@@ -209,6 +209,14 @@ void TableWriter::image() {
   const std::string strings = table("const char*", "strings", texts(image_.strings));
   const std::string code_span = table("Code", "codes", codes);
   const std::string site_span = table("Site", "sites", sites);
+  std::vector<std::string> weights;
+  for (const rt::TransitionWeight& w : image_.transition_weights)
+    weights.push_back(braces({row_text(w.type), row_text(w.transition), float_literal(w.value), row_text(w.param)}));
+  const std::string transition_weights = table("TransitionWeight", "transition_weights", weights);
+  weights.clear();
+  for (const rt::ConnectorWeight& w : image_.connector_weights)
+    weights.push_back(braces({row_text(w.connector), float_literal(w.value)}));
+  const std::string connector_weights = table("ConnectorWeight", "connector_weights", weights);
   out_.line("constexpr bip::rt::Image kImage = {");
   const auto field = [&](const char* name, const std::string& value) {
     out_.line(std::string("    .") + name + " = " + value + ",");
@@ -230,6 +238,9 @@ void TableWriter::image() {
   field("priorities", priorities_);
   field("cell_count", std::to_string(image_.cell_count));
   field("choices", choices_);
+  if (image_.shown_ports.size != 0) field("shown_ports", shown_ports_);
+  if (image_.transition_weights.size != 0) field("transition_weights", transition_weights);
+  if (image_.connector_weights.size != 0) field("connector_weights", connector_weights);
   if (!lowered_.steps.shapes.empty()) {
     field("step_fns", step_fns_);
     field("step_runs", step_runs_);

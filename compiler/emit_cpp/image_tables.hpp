@@ -30,6 +30,7 @@ class TableWriter {
   std::string resume(const std::string& name, const rt::Resume& resume);
   void priorities();
   void choices();
+  void shown_ports();
   void steps();
 
   /// `constexpr <type> <name>[] = { rows };` and the expression for its span; nothing and "{}" if there are no rows.
@@ -54,7 +55,8 @@ class TableWriter {
   std::vector<std::string> atom_rows_, connector_rows_;
   // Spans of the finished tables, for image().
   std::string port_types_, atom_types_, connector_types_, compounds_, atoms_, args_, connectors_, port_refs_, binds_,
-      priorities_, choices_, step_fns_, step_runs_, step_operands_, step_entries_, step_columns_, steps_fn_;
+      priorities_, choices_, shown_ports_, step_fns_, step_runs_, step_operands_, step_entries_, step_columns_,
+      steps_fn_;
 };
 
 }  // namespace bip::emit_cpp

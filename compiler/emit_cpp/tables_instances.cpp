@@ -126,6 +126,7 @@ void TableWriter::instances() {
   binds_ =
       folded("Bind", "bind", binds, image_.binds, [](const rt::Bind::Slope& s) { return braces({number(s.cell)}); });
   choices();
+  shown_ports();
   priorities();
   steps();
 }
@@ -183,6 +184,13 @@ void TableWriter::choices() {
     rows.push_back(braces({string_literal(choice.name), ports}));
   }
   choices_ = table("Choice", "choices", rows);
+}
+
+void TableWriter::shown_ports() {
+  std::vector<std::string> rows;
+  for (const rt::ShownPort& shown : image_.shown_ports)
+    rows.push_back(braces({row_text(shown.port_ref), row_text(shown.compound), string_literal(shown.name)}));
+  shown_ports_ = table("ShownPort", "shown_ports", rows);
 }
 
 void TableWriter::priorities() {

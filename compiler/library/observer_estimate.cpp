@@ -5,14 +5,14 @@
 
 namespace bip::library {
 
-ObserverEstimate estimate_of(const rt::Observer& observer, const std::vector<double>& values) {
+ObserverEstimate estimate_of(const rt::Observer& observer, const std::vector<double>& values, double confidence) {
   ObserverEstimate made;
-  made.values = estimate(values, {0.05, 0.5, 0.95}, kConfidence);
+  made.values = estimate(values, {0.05, 0.5, 0.95}, confidence);
   made.interval = made.values.mean_interval;
   if (observer.kind == rt::ObserverKind::Reaches) {
     const auto trials = static_cast<double>(made.values.count);
     const auto successes = static_cast<std::uint64_t>(std::llround(made.values.mean * trials));
-    made.interval = clopper_pearson(successes, made.values.count, kConfidence);
+    made.interval = clopper_pearson(successes, made.values.count, confidence);
   }
   return made;
 }

@@ -11,10 +11,11 @@ inline constexpr double kConfidence = 0.95;
 
 struct ObserverEstimate {
   Estimate values;    // quantiles: 5%, 50% and 95%
-  Interval interval;  // of the mean with confidence kConfidence; of a probability that of Clopper and Pearson
+  Interval interval;  // of the mean with that confidence; of a probability that of Clopper and Pearson
 };
 /// `values`: by run, NaN where the observer is undefined. O(n log n).
-[[nodiscard]] ObserverEstimate estimate_of(const rt::Observer& observer, const std::vector<double>& values);
+[[nodiscard]] ObserverEstimate estimate_of(const rt::Observer& observer, const std::vector<double>& values,
+                                           double confidence = kConfidence);
 
 /// Bytes that the results of one run need.
 [[nodiscard]] std::uint64_t bytes_of_run(const rt::SimulateOptions& options);

@@ -91,6 +91,15 @@ Result<rt::Observer> read_observer(const std::string& text, const System& system
   return Failure{std::string(kForms)};
 }
 
+Result<std::function<double(const rt::Core&)>> read_number(const std::string& text, const System& system) {
+  Result<verify::Property> expression = verify::parse_value(text, system);
+  if (!expression) return Failure{fmt::format("`{}`, {}", trimmed(text), expression.error())};
+  return std::function<double(const rt::Core&)>(
+      [property = std::make_shared<const verify::Property>(std::move(*expression))](const rt::Core& core) {
+        return verify::value_in(*property, core);
+      });
+}
+
 Result<std::function<bool(const rt::Core&)>> read_condition(const std::string& text, const System& system) {
   Result<verify::Property> expression = verify::parse_value(text, system);
   if (!expression) return Failure{fmt::format("`{}`, {}", trimmed(text), expression.error())};

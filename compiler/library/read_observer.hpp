@@ -16,6 +16,8 @@ namespace bip::library {
 
 /// The error says what is wrong, with a column for an expression.
 [[nodiscard]] Result<rt::Observer> read_observer(const std::string& text, const System& system);
+/// A number or a truth value, for `--importance`.
+[[nodiscard]] Result<std::function<double(const rt::Core&)>> read_number(const std::string& text, const System& system);
 /// A condition, for `--stop`.
 [[nodiscard]] Result<std::function<bool(const rt::Core&)>> read_condition(const std::string& text,
                                                                           const System& system);

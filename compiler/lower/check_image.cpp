@@ -178,6 +178,11 @@ void check_connectors(const rt::Image& image) {
   }
   for ([[maybe_unused]] const rt::Bind& bind : image.binds)
     BIP_ASSERT(bind.cell < image.cell_count, "a bound variable in cell {} of {}", bind.cell, image.cell_count);
+  for ([[maybe_unused]] const rt::ShownPort& shown : image.shown_ports) {
+    BIP_ASSERT(shown.port_ref < image.port_refs.size && shown.compound < image.compounds.size &&
+                   (&shown == image.shown_ports.begin() || (&shown)[-1].port_ref < shown.port_ref),
+               "the shown name `{}` is of parameter {}", shown.name, shown.port_ref);
+  }
   for ([[maybe_unused]] const rt::Choice& choice : image.choices) {
     BIP_ASSERT(choice.ports.size != 0 && std::all_of(choice.ports.begin(), choice.ports.end(),
                                                      [](const rt::PortRef& ref) { return ref.choice == rt::kNone; }),

@@ -77,11 +77,14 @@ void point_image_to_pools(LoweredSystem& out, const LoweredSystem::Pools& pools)
   image.port_refs = pools.port_refs.view();
   image.binds = pools.binds.view();
   image.choices = span_of(pools.choices);
+  image.shown_ports = span_of(pools.shown_ports);
   image.ffi_types = span_of(out.ffi_types);
   image.event_classes = span_of(out.event_classes);
   if (!out.functions.empty() || !out.ffi_types.empty() || !out.event_classes.empty() || brings_strings(image))
     image.ffi = &out.ffi;
   image.priorities = span_of(pools.priorities);
+  image.transition_weights = span_of(pools.transition_weights);
+  image.connector_weights = span_of(pools.connector_weights);
 }
 
 }  // namespace

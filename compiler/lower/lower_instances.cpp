@@ -4,6 +4,7 @@
 // those that it binds, so one pass knows every cell that a binding needs. Linear in the number of instances and
 // bindings.
 #include <algorithm>
+#include <map>
 #include <utility>
 
 #include "compiler/lower/pools.hpp"
@@ -124,6 +125,7 @@ void lower_connectors(Lowering& l) {
   const System& s = l.system;
   l.pools.connectors.rows.reserve(s.connectors.size());
   const std::vector<std::uint32_t> frames = frame_rows(l);
+  std::map<std::string_view, const char*> shown_names;
   for (const Connector& connector : s.connectors) {
     rt::Connector to{};
     to.name = connector.path.c_str();
@@ -135,10 +137,17 @@ void lower_connectors(Lowering& l) {
     set_parent(to, connector.parent.value);
     to.loc = loc_of(connector.loc);
     for (const PortRef& ref : connector.ports) lower_port_ref(l, ref);
+    for (const ShownPort& shown : connector.shown) {
+      const auto [name, is_new] = shown_names.try_emplace(shown.name, nullptr);
+      if (is_new) name->second = l.pools.arena.text(shown.name + '\0').data();
+      l.pools.shown_ports.push_back({to.ports + shown.param, shown.compound.value, name->second});
+    }
     for (const DataRef& ref : connector.data) l.pools.binds.rows.push_back({data_row(l, ref)});
     to.bind_count = size_of(l.pools.binds.rows) - to.binds;
     BIP_ASSERT(size_of(l.pools.port_refs.rows) - to.ports == size_of(connector.ports), "{} ports of connector {}",
                size_of(connector.ports), size_of(l.pools.connectors.rows));
+    if (connector.weight != 1)
+      l.pools.connector_weights.push_back({size_of(l.pools.connectors.rows), connector.weight});
     l.pools.connectors.rows.push_back(to);
   }
 }

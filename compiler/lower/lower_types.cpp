@@ -69,6 +69,9 @@ void lower_atom_type(Lowering& l, std::uint32_t row, const AtomType& type) {
     out.guard = l.guard(CodeOwner::Atom, row, name + "_guard", t.guard);
     out.action = l.action(CodeOwner::Atom, row, name + "_action", t.action);
     out.loc = loc_of(t.loc);
+    if (!t.weight.is_one())
+      l.pools.transition_weights.push_back({row, static_cast<std::uint32_t>(transitions.size()), t.weight.value,
+                                            t.weight.param == Weight::kNone ? rt::kNone : t.weight.param});
     transitions.push_back(out);
   }
   BIP_ASSERT(row == l.pools.atom_types.size(), "atom type {} comes after {}", row, l.pools.atom_types.size());

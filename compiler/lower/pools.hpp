@@ -29,8 +29,11 @@ struct LoweredSystem::Pools {
   Table<rt::Connector> connectors;
   Table<rt::PortRef> port_refs;
   std::vector<rt::Choice> choices;
+  std::vector<rt::ShownPort> shown_ports;
   Table<rt::Bind> binds;
   std::vector<rt::Priority> priorities;
+  std::vector<rt::TransitionWeight> transition_weights;
+  std::vector<rt::ConnectorWeight> connector_weights;
 
   /// A copy of `items` that stays where it is.
   template <class T>

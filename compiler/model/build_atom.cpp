@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "compiler/model/build_time.hpp"
+#include "compiler/model/build_weight.hpp"
 #include "compiler/model/code_uses.hpp"
 #include "compiler/model/ffi_declarations.hpp"
 #include "runtime/include/bip/assert.hpp"
@@ -386,6 +387,7 @@ struct AtomBuilder {
     row.action = code.block(t.action.stmts);
     row.resume = time.resume(t.resumes, t.resume, t.range);
     row.async = build_async(b, t, out);
+    row.weight = build_weight(b, t, out);
     out.transitions.push_back(std::move(row));
   }
 

@@ -1,6 +1,7 @@
 // Items of a compound: components with their arguments, connectors with their bindings, loops.
 #include <algorithm>
 
+#include "compiler/model/build_weight.hpp"
 #include "compiler/model/compound_builder.hpp"
 #include "compiler/model/suggest.hpp"
 
@@ -213,6 +214,7 @@ void CompoundBuilder::connector_item(const syntax::CompoundItem& i, CompoundItem
       }
     }
   }
+  row.weight = build_weight(b, i, row.type.is_valid() && b.model.connector_types[row.type].exports);
   if (first_time) connector_states[row.family] = BuildState::Done;
 }
 

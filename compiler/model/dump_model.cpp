@@ -74,6 +74,10 @@ struct Dumper {
     if (guard.measure.is_valid()) text += fmt::format(" measured by {{{}}}", stmts(guard.measure));
     return text;
   }
+  static std::string weight(const AtomType& t, const Weight& w) {
+    if (w.is_one()) return "";
+    return w.param == Weight::kNone ? fmt::format(" weight {}", w.value) : " weight " + t.variables[w.param].name;
+  }
   static std::string async(const AtomType& t, const Async& a) {
     const std::string budget = a.budget < 0 ? "" : fmt::format(" budget {}ns", a.budget);
     return " async" + budget + (a.overrun == Async::kNone ? "" : " overrun " + t.ports[a.overrun].name);
@@ -112,7 +116,7 @@ struct Dumper {
       line("  on {} from {} to {} provided {}{}{} do {{{}}}{}",
            x.port == Transition::kInternal ? "(internal)" : t.ports[x.port].name, places(t, x.from), places(t, x.to),
            expr(x.guard), when(t, x.when), urgency, stmts(x.action),
-           resume(t, x.resume) + (x.async.present ? async(t, x.async) : ""));
+           resume(t, x.resume) + (x.async.present ? async(t, x.async) : "") + weight(t, x.weight));
     }
     const auto side = [&](std::uint32_t p) { return p == AtomPriority::kAnyPort ? std::string("*") : t.ports[p].name; };
     for (const AtomPriority& p : t.priorities)

@@ -77,6 +77,7 @@ struct CompoundItem {
   std::vector<OuterValue> values{};  // Connector: an inline one gets its type when they are known; Property: what its
                                      // text may name
   const syntax::CompoundItem* syntax = nullptr;
+  double weight = 1;      // Connector: how likely its interactions are beside others (`@weight`)
   bool has_star = false;  // Connector: a path with [*]; an inline one gets its type when its ports are counted
   std::uint32_t loop_variable = 0;  // For: Self variable of the variable
   ExprId low, high;

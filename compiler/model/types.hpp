@@ -4,6 +4,7 @@
 // carries them unchanged, executors read them.
 #pragma once
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -50,6 +51,15 @@ struct Port {
   EventPolicy policy = EventPolicy::Remember;
   std::string event_class{};  // external: the C++ class of its events; may be empty
 };
+/// How likely a transition is beside others (`@weight(3)`, `@weight(rate)`): a number above 0, or a parameter's value.
+struct Weight {
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+  double value = 1;
+  std::uint32_t param = kNone;  // row of the atom type's variables: a parameter, int or float
+
+  [[nodiscard]] bool is_one() const { return param == kNone && value == 1; }
+};
+[[nodiscard]] inline bool is_weight(double value) { return value > 0 && value <= std::numeric_limits<double>::max(); }
 struct Transition {
   static constexpr std::uint32_t kInternal = 0xffffffffu;
   std::uint32_t port = kInternal;   // row of ports
@@ -62,6 +72,7 @@ struct Transition {
   Urgency urgency = Urgency::Lazy;
   Resume resume{};
   Async async{};
+  Weight weight{};
 };
 /// low < high provided guard: low is hidden while high is enabled (closed transitively through rules whose guards
 /// hold).

@@ -185,6 +185,8 @@ void fold(const Instance& in, std::size_t least, Instance& out, std::vector<std:
 }
 
 void derive_steps(lower::LoweredSystem& lowered, Columns columns) {
+  // Compiled steps draw uniformly.
+  if (rt::is_weighted(lowered.image)) return;
   lowered.steps = {};
   lowered.image.step_runs = {};
   lowered.image.step_entries = {};

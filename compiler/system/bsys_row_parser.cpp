@@ -16,11 +16,15 @@ PortTypeId BsysRowParser::port_type_ref(List& list) {
 CompoundId BsysRowParser::parent(List& list) {
   std::optional<List> in = reader_.sub(list, "in");
   if (!in) return {};
-  const CompoundId id(
-      reader_.ref(*in, system_.compounds.size(), "compound",
-                  [&](std::uint32_t k) -> const std::string& { return system_.compounds[CompoundId(k)].path; }));
+  const CompoundId id = compound_ref(*in);
   reader_.close(*in);
   return id;
+}
+
+CompoundId BsysRowParser::compound_ref(List& list) {
+  return CompoundId(reader_.ref(list, system_.compounds.size(), "compound", [&](std::uint32_t k) -> const std::string& {
+    return system_.compounds[CompoundId(k)].path;
+  }));
 }
 
 AtomId BsysRowParser::atom_ref(List& list) {
@@ -258,9 +262,30 @@ Transition BsysRowParser::transition(List& list, const AtomType& type, const Cod
   row.async = async(list, type);
   row.action = body(list, "do", scope);
   row.resume = resume(list, type, scope);
+  row.weight = weight(list, type);
   reader_.close(list);
   row.loc = list.loc;
   return row;
+}
+
+Weight BsysRowParser::weight(List& list, const AtomType& type) {
+  Weight row;
+  std::optional<List> found = reader_.sub(list, "weight");
+  if (!found) return row;
+  if (std::optional<List> param = reader_.sub(*found, "slot")) {
+    row.param = reader_.ref(*param, type.variables.size(), "slot",
+                            [&](std::uint32_t k) -> const std::string& { return type.variables[k].name; });
+    reader_.close(*param);
+  } else {
+    row.value = number(*found);
+  }
+  reader_.close(*found);
+  return row;
+}
+
+double BsysRowParser::number(List& list) {
+  const Value value = reader_.literal(reader_.next(list, "a number"));
+  return value.type == Type::Int ? static_cast<double>(value.int_value) : value.float_value;
 }
 
 AtomPriority BsysRowParser::atom_priority(List& list, const AtomType& type, const CodeScope& scope) {
@@ -460,9 +485,26 @@ Connector BsysRowParser::connector(List& list) {
   List ports = reader_.need(list, "ports");
   while (reader_.more(ports)) row.ports.push_back(port_ref(reader_.next(ports, "a port"), PortPlace::Connector));
   reader_.close(ports);
+  while (std::optional<List> shown = reader_.sub(list, "shown")) row.shown.push_back(shown_port(*shown, row.type));
   row.data = data(list);
+  if (std::optional<List> found = reader_.sub(list, "weight")) {
+    row.weight = number(*found);
+    reader_.close(*found);
+  }
   reader_.close(list);
   row.loc = list.loc;
+  return row;
+}
+
+ShownPort BsysRowParser::shown_port(List& list, ConnectorTypeId type) {
+  ShownPort row;
+  if (reader_.failed()) return row;
+  const auto& params = system_.connector_types[type].params;
+  row.param = reader_.ref(list, params.size(), "parameter",
+                          [&](std::uint32_t k) -> const std::string& { return params[k].name; });
+  row.compound = compound_ref(list);
+  row.name = reader_.name(list);
+  reader_.close(list);
   return row;
 }
 

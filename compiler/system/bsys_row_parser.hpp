@@ -17,6 +17,7 @@ class BsysRowParser {
   Compound compound(List& list);
   Atom atom(List& list);
   Choice choice(List& list);
+  ShownPort shown_port(List& list, ConnectorTypeId type);
   Connector connector(List& list);
   Priority priority(List& list);
 
@@ -48,6 +49,7 @@ class BsysRowParser {
     return found ? refs(*found, rows, what) : std::vector<std::uint32_t>();
   }
   CompoundId parent(List& list);
+  CompoundId compound_ref(List& list);
   AtomId atom_ref(List& list);
   ConnectorId connector_ref(List& list);
   std::vector<DataRef> data(List& list);
@@ -58,6 +60,8 @@ class BsysRowParser {
   TimeGuard when(List& list, const AtomType& type, const CodeScope& scope);
   Resume resume(List& list, const AtomType& type, const CodeScope& scope);
   Async async(List& list, const AtomType& type);
+  Weight weight(List& list, const AtomType& type);
+  double number(List& list);
   void event(List& list, Port& port);
   Transition transition(List& list, const AtomType& type, const CodeScope& scope);
   AtomPriority atom_priority(List& list, const AtomType& type, const CodeScope& scope);

@@ -32,6 +32,19 @@ bool Instantiator::is_beyond(std::size_t limit, std::size_t count, const char* w
   return stopped = true;
 }
 
+// The arguments that are weights are above 0.
+bool Instantiator::are_weights(const AtomType& type, const std::vector<Value>& args, SourceRange at) {
+  for (const Transition& t : type.transitions) {
+    if (t.weight.param >= args.size()) continue;
+    const Value& arg = args[t.weight.param];
+    const double weight = arg.type == Type::Float ? arg.float_value : arg.int_value;
+    if (is_weight(weight)) continue;
+    diags.report(Diag::kB4026, at, weight, type.variables[t.weight.param].name, type.ports[t.port].name);
+    return false;
+  }
+  return true;
+}
+
 void Instantiator::component(std::uint32_t instance, const CompoundItem& item, const std::vector<Value>& self,
                              bool in_loop, std::size_t depth) {
   BIP_ASSERT(instance < instances.size(), "instance {} of {}", instance, instances.size());
@@ -71,6 +84,7 @@ void Instantiator::component(std::uint32_t instance, const CompoundItem& item, c
     args.push_back(*v);
   }
   BIP_ASSERT(args.size() == item.args.size(), "one value per argument");
+  if (!family.is_compound && !are_weights(model.atom_types[family.atom], args, item.syntax->name.range)) return;
   const CompoundId parent = instances[instance].row;
   const Loc loc = model.loc(item.range);
   for (std::int64_t i = first; i <= last && !stopped; ++i) {

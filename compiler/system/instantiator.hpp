@@ -68,6 +68,7 @@ struct Instantiator {
   void property(std::uint32_t instance, const CompoundItem& item, const std::vector<Value>& self);
   void declare_connector(std::uint32_t instance, const CompoundItem& item, const std::vector<Value>& self);
   void declare_priority(std::uint32_t instance, const CompoundItem& item, const std::vector<Value>& self);
+  bool are_weights(const AtomType& type, const std::vector<Value>& args, SourceRange at);
   bool too_many(std::size_t count, const char* what, SourceRange at) {
     return is_beyond(limits.instances, count, what, at);
   }
@@ -80,7 +81,7 @@ struct Instantiator {
   ConnectorId resolve_connector(std::uint32_t instance, std::uint32_t pending, std::size_t depth);
   ConnectorId bind_connector(std::uint32_t instance, std::uint32_t pending, std::size_t depth);
   bool resolve_port(std::uint32_t instance, const PortPath& path, const std::vector<Value>& self,
-                    std::vector<PortRef>& to, std::size_t depth);
+                    std::vector<PortRef>& to, std::size_t depth, std::vector<ShownPort>* shown = nullptr);
   std::optional<PortRef> exported_port(std::uint32_t instance, std::uint32_t row, std::size_t depth);
   std::optional<DataRef> resolve_data(std::uint32_t instance, const DataPath& path, const std::vector<Value>& self);
   PortRef choice_of(const std::string& path, const std::vector<PortRef>& ports);

@@ -256,6 +256,13 @@ class BsysPrinter {
     }
     body(" (do", row.action, scope);
     put_resume(out_, system_.code, type, row.resume, scope);
+    if (row.weight.param != Weight::kNone) {
+      out_ += " (weight (slot";
+      ref(row.weight.param, type.variables[row.weight.param].name);
+      out_ += "))";
+    } else {
+      weight(row.weight.value);
+    }
     close(row.loc);
   }
 
@@ -367,8 +374,23 @@ class BsysPrinter {
     out_ += " (ports";
     for (const PortRef& port : row.ports) binding(port, true);
     out_ += ')';
+    for (const ShownPort& shown : row.shown) {
+      out_ += " (shown";
+      ref(shown.param, system_.connector_types[row.type].params[shown.param].name);
+      ref(shown.compound.value, system_.compounds[shown.compound].path);
+      out_ += ' ';
+      put_name(out_, shown.name);
+      out_ += ')';
+    }
     data(row.data);
+    weight(row.weight);
     close(row.loc);
+  }
+  void weight(double value) {
+    if (value == 1) return;
+    out_ += " (weight ";
+    put_literal(out_, {.type = Type::Float, .int_value = 0, .float_value = value}, system_.code);
+    out_ += ')';
   }
   void pattern(const char* head, const Pattern& p) {
     out_ += head;

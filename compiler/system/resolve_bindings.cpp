@@ -106,7 +106,7 @@ PortRef Instantiator::atom_port(AtomId atom, std::uint32_t port) {
 }
 
 bool Instantiator::resolve_port(std::uint32_t instance, const PortPath& path, const std::vector<Value>& self,
-                                std::vector<PortRef>& to, std::size_t depth) {
+                                std::vector<PortRef>& to, std::size_t depth, std::vector<ShownPort>* shown) {
   std::vector<std::uint32_t> rows;
   if (path.element.star) {
     if (path.is_connector) {
@@ -132,6 +132,11 @@ bool Instantiator::resolve_port(std::uint32_t instance, const PortPath& path, co
     } else if (is_compound) {
       const std::optional<PortRef> ref = exported_port(row, path.port, depth);
       if (!ref) return false;
+      if (shown != nullptr) {
+        shown->push_back({.param = static_cast<std::uint32_t>(to.size()),
+                          .compound = instances[row].row,
+                          .name = model.compound_types[instances[row].type].exports[path.port].name});
+      }
       to.push_back(*ref);
     } else {
       to.push_back(atom_port(AtomId(row), path.port));
@@ -178,7 +183,7 @@ ConnectorId Instantiator::bind_connector(std::uint32_t instance, std::uint32_t p
   std::vector<std::uint32_t> counts;
   for (const PortPath& path : item.ports) {
     const std::size_t before = row.ports.size();
-    if (!resolve_port(instance, path, self, row.ports, depth)) return {};
+    if (!resolve_port(instance, path, self, row.ports, depth, &row.shown)) return {};
     counts.push_back(static_cast<std::uint32_t>(row.ports.size() - before));
   }
   if ((item.has_star || !item.values.empty()) && item.syntax->inline_body != nullptr) {
@@ -227,6 +232,7 @@ ConnectorId Instantiator::bind_connector(std::uint32_t instance, std::uint32_t p
     }
   }
   row.path = out.compounds[instances[instance].row].path + "." + instances[instance].pending[pending].name;
+  row.weight = item.weight;
   const ConnectorId id = out.connectors.push(std::move(row));
   if (!type.exports) check_components(id, item.syntax->name.range);
   return id;

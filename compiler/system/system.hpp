@@ -59,6 +59,14 @@ struct DataRef {
   friend bool operator==(const DataRef&, const DataRef&) = default;
 };
 
+/// A parameter that is bound through a compound's exported port: traces may show that name (`c.out`).
+struct ShownPort {
+  std::uint32_t param = 0;
+  CompoundId compound;
+  std::string name;  // of the exported port
+  friend bool operator==(const ShownPort&, const ShownPort&) = default;
+};
+
 /// A connector. Rows are in an order where a connector comes after those it is bound to.
 struct Connector {
   std::string path;  // "ROOT.conn"
@@ -70,6 +78,8 @@ struct Connector {
   // nobody binds never runs at all.
   bool bound = false;
   Loc loc{};
+  double weight = 1;               // above 0: how likely its interactions are beside others
+  std::vector<ShownPort> shown{};  // by parameter
 };
 
 /// One side of a priority rule.

@@ -92,6 +92,15 @@ void check_time(const AtomType& type, Problems& problems) {
   for (const Transition& row : type.transitions) {
     check_when(type, row.when, problems);
     check_when(type, row.resume.when, problems);
+    const Weight& weight = row.weight;
+    if (weight.param == Weight::kNone) {
+      problems.expect(is_weight(weight.value), "a weight is no number above 0");
+    } else if (problems.expect(weight.param < type.variables.size() && weight.value == 1,
+                               "a weight's parameter is no row")) {
+      const DataVariable& param = type.variables[weight.param];
+      problems.expect(param.is_param && (param.type == Type::Int || param.type == Type::Float),
+                      "a weight is no parameter that is a number");
+    }
     const bool is_timed = !row.when.empty() || row.urgency != Urgency::Lazy || row.resume.present || row.async.present;
     problems.expect(row.port != Transition::kInternal || !is_timed, "an internal transition has to do with time");
     const Async& async = row.async;

@@ -47,6 +47,12 @@ void check_atoms(const System& system, Problems& problems) {
                       (count == variables.size() || !variables[count].is_param);
     if (!problems.expect(fits, "there is not one argument a parameter")) continue;
     for (std::size_t a = 0; a < count; ++a) check_value(system, row.args[a], variables[a].type, problems);
+    for (const Transition& t : system.atom_types[row.type].transitions) {
+      if (t.weight.param == Weight::kNone || t.weight.param >= count) continue;
+      const Value& arg = row.args[t.weight.param];
+      problems.expect(is_weight(arg.type == Type::Float ? arg.float_value : arg.int_value),
+                      "a weight's argument is no number above 0");
+    }
   }
 }
 
@@ -145,6 +151,7 @@ void check_connectors(const System& system, Problems& problems) {
     check_loc(system, row.loc, problems);
     check_parent(system, row.parent, problems);
     // Bindings are measured by the types: nothing more can be said.
+    problems.expect(is_weight(row.weight), "a weight is no number above 0");
     if (!problems.expect(system.connector_types.contains(row.type), "the type is no row")) return;
   }
   Bindings bindings(system, problems);
@@ -155,6 +162,12 @@ void check_connectors(const System& system, Problems& problems) {
     const ConnectorType& type = system.connector_types[row.type];
     if (problems.expect(row.ports.size() == type.params.size(), "there is not one port a parameter"))
       for (std::size_t p = 0; p < row.ports.size(); ++p) bindings.check(k, row.ports[p], type.params[p].type);
+    for (const ShownPort& shown : row.shown) {
+      problems.expect(
+          shown.param < row.ports.size() && (&shown == row.shown.data() || (&shown)[-1].param < shown.param),
+          "`shown` is not in the order of the parameters");
+      problems.expect(system.compounds.contains(shown.compound), "`shown` names no compound");
+    }
     if (!problems.expect(row.data.size() == type.data_reads.size(), "there is not one datum a data read")) continue;
     for (std::size_t d = 0; d < row.data.size(); ++d) {
       check_data(system, row.data[d], problems);

@@ -109,6 +109,9 @@ class Core {
   [[nodiscard]] const Clocks& time() const { return parts_.clocks; }
   /// Conditions on clocks apart from the instant, for who explores all instants at once.
   [[nodiscard]] ClockConstraints& clock_constraints() { return parts_.clock_constraints; }
+  /// Weights of candidates.
+  [[nodiscard]] CandidateWeights& weights() { return parts_.weights; }
+  [[nodiscard]] const CandidateWeights& weights() const { return parts_.weights; }
   /// Events from outside.
   [[nodiscard]] EventQueues& events() { return parts_.events; }
   [[nodiscard]] const EventQueues& events() const { return parts_.events; }

@@ -19,6 +19,7 @@ CoreParts::CoreParts(const Image& of, const CoreOptions& how)
   search.link();
   atom_steps.link();
   clocks.link();
+  weights.link();
   if (looks_at_binds()) memory.binds.make(of);
   reset();
   steps.link();

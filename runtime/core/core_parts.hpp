@@ -12,6 +12,7 @@
 #include "runtime/core/fire/firing.hpp"
 #include "runtime/core/fire/firing_history.hpp"
 #include "runtime/core/fire/partial.hpp"
+#include "runtime/core/link/candidate_weights.hpp"
 #include "runtime/core/link/tables.hpp"
 #include "runtime/core/programs/compiled_steps.hpp"
 #include "runtime/core/programs/step_programs.hpp"
@@ -81,6 +82,7 @@ struct CoreParts {
   EventQueues events{*this};
   AsyncActions actions{*this};
   PartialSteps partial{*this};
+  CandidateWeights weights{*this};
 
  private:
   void reset();

@@ -57,6 +57,7 @@ struct Execution::Impl {
     outcome = core.initialize() ? Outcome::Stepped : Outcome::Fault;
     if (outcome == Outcome::Stepped) scheduler.start(core);
     feed.open_inbox();
+    if (!is_strict) feed.relax();
     if (options.speed > 0) feed.follow(wall);
     if (options.speed > 0) feed.open_pool(core);
     wall.start(core.now());
@@ -123,6 +124,7 @@ struct Execution::Impl {
     if (!(core.is_timed() ? core.time().take(at) : core.take(at))) return outcome = Outcome::Fault;
     BIP_ASSERT(!core.fault(), "a step without a fault left one");
     scheduler.fired(at.interaction);
+    if (!feed.resume(core)) return outcome = Outcome::Fault;
     ++steps;
     rt::collect_strings(core);
     if (callback) callback(step);
@@ -155,6 +157,7 @@ struct Execution::Impl {
     lateness = wall.note_late(core.now());
     const rt::i64 actual = core.now() + wall.in_model(lateness);
     if (!wall.is_too_late(actual, scheduler.latest(core))) return true;
+    if (core.time().is_resumed(core.candidate(scheduler.choice()))) return true;
     ++late;
     return !is_strict || core.time().fail_late(core.candidate(scheduler.choice()), scheduler.latest(core), actual);
   }

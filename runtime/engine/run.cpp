@@ -83,6 +83,7 @@ std::string refusal(const Image& image, const RunOptions& options) {
   if (options.engine != Engine::Sequential) {
     if (has_time(image) && has_nodes(options.engine)) return "several nodes do not run models with time";
     if (has_time(image)) return "an engine with several threads does not run models with time";
+    if (is_weighted(image)) return "weights (`@weight`) need the sequential engine";
     if (options.interactive || options.debug) return "--interactive and --debug need the sequential engine";
     if (options.profile != nullptr) return "--profile needs the sequential engine";
     if (!options.record_path.empty() || !options.replay_path.empty())

@@ -113,6 +113,7 @@ void RunLoop::start_real_time() {
   if (sleeps_) feed_.open_pool(core_);
   if (recorded_.tells_returns) core_.actions().await_returns(nullptr);
   feed_.warn(files_.err);
+  if (options_.relaxed) feed_.relax();
   if (is_sound_ && !is_replay() && options_.events_path.empty()) is_sound_ = feed_.open_sources(core_);
   // Threads inherit a priority: it is raised when all of them are there.
   if (real_time_thread_ && priority != 0) {
@@ -279,6 +280,7 @@ RunLoop::Choice RunLoop::choose(EnabledSet::Position& at) {
 bool RunLoop::is_in_time(EnabledSet::Position at) {
   const i64 late = wall_.in_model(wall_.note_late(core_.now()));
   if (!wall_.is_too_late(core_.now() + late, timed_.latest(core_))) return true;
+  if (core_.time().is_resumed(core_.candidate(at))) return true;
   const i64 last = timed_.latest(core_), actual = core_.now() + late;
   if (options_.relaxed) {
     const Fault violation = core_.time().late_step(core_.candidate(at), last, actual);
@@ -294,6 +296,7 @@ void RunLoop::fire(EnabledSet::Position at) {
   if (core_.is_timed()) {
     is_sound_ = core_.time().take(at);
     timed_.fired(at.interaction);
+    is_sound_ = is_sound_ && feed_.resume(core_);
   } else {
     is_sound_ = core_.take(at);
     scheduler_.fired(at.interaction);

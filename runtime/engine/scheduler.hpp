@@ -27,13 +27,14 @@ class Scheduler {
 
   /// Once, after the initial state is known.
   void start(Core& core) const {
-    if (is_uniform()) core.keep_list();
+    if (is_uniform() && !core.weights().any()) core.keep_list();
   }
   /// Returns the candidate to take. Requires that there is one. `uniform` draws only if there is a choice.
-  EnabledSet::Position choose(const Core& core) {
+  EnabledSet::Position choose(Core& core) {
     const std::uint64_t count = core.candidate_count();
     BIP_ASSERT(count != 0, "a choice without candidates");
     if (!is_uniform()) return policy_->choose(core, prng_);
+    if (core.weights().any()) return count == 1 ? core.position(0) : core.weights().drawn(prng_.share());
     return core.enabled().drawn(count == 1 ? 0 : prng_.below(count));
   }
   /// The first candidate from the policy's on that may begin in this partial state. False: there is none.

@@ -57,8 +57,8 @@ class Simulator {
                           [](const Observer& o) { return o.kind == ObserverKind::Count; });
     const bool watches_steps = std::any_of(options.observers.begin(), options.observers.end(),
                                            [](const Observer& o) { return o.kind != ObserverKind::Last; });
-    is_compiled_ = !watches_steps && !options.stop && options.policy == Policy::Uniform && !core_.is_timed() &&
-                   core_.steps().has_steps();
+    is_compiled_ = !watches_steps && !options.stop && options.queries.empty() && options.policy == Policy::Uniform &&
+                   !core_.is_timed() && core_.steps().has_steps();
   }
 
   /// False: interrupted, and the run counts for nothing.
@@ -68,6 +68,7 @@ class Simulator {
     SimulatedEnd end = SimulatedEnd::Fault;
     if (begin(seed)) end = go(steps);
     if (end == SimulatedEnd::NotRun) return false;
+    for (std::size_t k = 0; k < answers_.size(); ++k) report_.answers[k][number] = answer_of(k, end);
     if (end != SimulatedEnd::Fault) observe_end();
     report_.ends[number] = end;
     report_.steps[number] = steps;
@@ -93,6 +94,7 @@ class Simulator {
     if (!core_.restore(initial_)) return false;
     core_.set_list_order(order_);
     scheduler_ = TimedScheduler(options_.policy, options_.asap, seed);
+    answers_.assign(options_.queries.size(), Answer::Open);
     since_ = now();
     for (std::size_t k = 0; k < seen_.size(); ++k) {
       const Observer& observer = options_.observers[k];
@@ -110,6 +112,7 @@ class Simulator {
   SimulatedEnd go(std::uint64_t& steps) {
     if (is_compiled_) return go_compiled(steps);
     while (true) {
+      if (!answers_.empty() && answer() && options_.observers.empty()) return SimulatedEnd::Answered;
       if (options_.stop && options_.stop(core_)) return SimulatedEnd::Stop;
       if (steps >= options_.limit) return SimulatedEnd::Limit;
       if ((steps & 1023u) == 0 && must_stop(options_)) return SimulatedEnd::NotRun;
@@ -145,6 +148,24 @@ class Simulator {
   }
   [[nodiscard]] SimulatedEnd end_without_candidates() const {
     return is_final_state(core_) ? SimulatedEnd::Final : SimulatedEnd::Deadlock;
+  }
+
+  // In the state that was just entered. True: all queries are answered.
+  bool answer() {
+    bool is_open = false;
+    for (std::size_t k = 0; k < answers_.size(); ++k) {
+      if (answers_[k] == Answer::Open) answers_[k] = answer_in(options_.queries[k], core_, steps_);
+      is_open |= answers_[k] == Answer::Open;
+    }
+    return !is_open;
+  }
+  // At an end without further steps nothing changes any more; at `until` a bound may have passed.
+  [[nodiscard]] Answer answer_of(std::size_t k, SimulatedEnd end) const {
+    const PathQuery& query = options_.queries[k];
+    if (answers_[k] != Answer::Open) return answers_[k];
+    const bool is_over = end == SimulatedEnd::Deadlock || end == SimulatedEnd::Final ||
+                         (end == SimulatedEnd::Time && query.until < options_.until);
+    return is_over ? answer_at_end(query) : Answer::Open;
   }
 
   // Before the step is taken.
@@ -224,7 +245,8 @@ class Simulator {
   TimedScheduler scheduler_;
   State initial_;
   std::vector<u32> order_;
-  std::vector<Seen> seen_;  // by observer
+  std::vector<Seen> seen_;       // by observer
+  std::vector<Answer> answers_;  // by query
   std::vector<Participant> participants_;
   std::uint64_t steps_ = 0;
   double since_ = 0;  // the instant of the state that was looked at last
@@ -241,6 +263,7 @@ const char* name_of(SimulatedEnd end) {
     case SimulatedEnd::Final: return "final";
     case SimulatedEnd::Time: return "time";
     case SimulatedEnd::Stop: return "stop";
+    case SimulatedEnd::Answered: return "answered";
     case SimulatedEnd::NotRun: return "not run";
   }
   return "";
@@ -251,6 +274,7 @@ SimulateReport simulate(const Image& image, const SimulateOptions& options) {
   report.ends.assign(options.runs, SimulatedEnd::NotRun);
   report.steps.assign(options.runs, 0);
   if (has_time(image)) report.times.assign(options.runs, 0);
+  report.answers.assign(options.queries.size(), std::vector<Answer>(options.runs, Answer::Open));
   report.values.assign(options.observers.size(), std::vector<double>(options.runs, kUndefined));
   std::atomic<std::uint64_t> next{0}, done{0};
   std::mutex lock;

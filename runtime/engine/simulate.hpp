@@ -12,6 +12,7 @@
 
 #include "bip/run.hpp"
 #include "runtime/core/core.hpp"
+#include "runtime/engine/path_query.hpp"
 
 namespace bip::rt {
 
@@ -43,22 +44,24 @@ struct SimulateOptions {
   bool asap = false;
   MaximalProgress progress = MaximalProgress::On;
   std::vector<Observer> observers;
+  std::vector<PathQuery> queries;                       // without observers a run ends when all are answered
   std::function<bool(const Core&)> stop;                // a run ends at the first state in which it holds
   std::function<void(std::uint64_t runs)> on_progress;  // runs that are done; called by one thread
   std::function<bool()> is_stopped;                     // ends all runs early; called by any thread
 };
-/// How a run ended. Time: at `until`. Stop: in a state in which `stop` holds.
-enum class SimulatedEnd : std::uint8_t { Limit, Deadlock, Fault, Final, Time, Stop, NotRun };
-inline constexpr std::size_t kSimulatedEnds = 6;
+/// How a run ended. Time: at `until`. Stop: in a state in which `stop` holds. Answered: all queries were.
+enum class SimulatedEnd : std::uint8_t { Limit, Deadlock, Fault, Final, Time, Stop, Answered, NotRun };
+inline constexpr std::size_t kSimulatedEnds = 7;
 [[nodiscard]] const char* name_of(SimulatedEnd end);
 
 struct SimulateReport {
-  bool is_complete = true;                  // false: interrupted, and what is NotRun has no values
-  std::vector<SimulatedEnd> ends;           // by run
-  std::vector<std::uint64_t> steps;         // by run
-  std::vector<double> times;                // by run: the instant of its end in seconds; empty without time
-  std::vector<std::vector<double>> values;  // by observer, by run; NaN: undefined
-  std::string first_fault;                  // of the first run that ended so
+  bool is_complete = true;                   // false: interrupted, and what is NotRun has no values
+  std::vector<SimulatedEnd> ends;            // by run
+  std::vector<std::uint64_t> steps;          // by run
+  std::vector<double> times;                 // by run: the instant of its end in seconds; empty without time
+  std::vector<std::vector<double>> values;   // by observer, by run; NaN: undefined
+  std::vector<std::vector<Answer>> answers;  // by query, by run; Open: the run ended before
+  std::string first_fault;                   // of the first run that ended so
 };
 /// Makes the runs. The image must have its code. Reports errors of runs as ends, not by throwing.
 [[nodiscard]] SimulateReport simulate(const Image& image, const SimulateOptions& options);

@@ -65,7 +65,7 @@ class ThreadedRun {
     if (!core_.partial().end()) {
       result.end = End::Fault;
       result.steps = fault_step;
-      // The step that ends in a fault is told, like that of any run.
+      // The step that ends in a fault is in the trace, as in any run.
       if (writes_) flights_.write_until(fault_step);
     } else if (steps_ == options_.limit) {
       result.end = End::Limit;
@@ -107,7 +107,7 @@ class ThreadedRun {
     return costs_[static_cast<std::size_t>(work.transition - core_.tables().transitions.data())];
   }
 
-  // Under the lock, if that is the shorter way; else somebody hands it over to himself.
+  // Taken under the lock if that is shorter; otherwise the thread queues the work for itself.
   void run_or_queue(Work work) {
     std::int32_t status = 1;
     do {

@@ -222,6 +222,12 @@ struct Choice {
   const char* name;
   Span<PortRef> ports;
 };
+/// A parameter of a connector that is bound through a compound's exported port; `bip2` traces show that name.
+struct ShownPort {
+  std::uint32_t port_ref;  // row of Image::port_refs
+  std::uint32_t compound;  // row of Image::compounds
+  const char* name;        // of the exported port
+};
 struct Connector {
   const char* name;  // as an atom's
   std::uint32_t type;
@@ -275,6 +281,18 @@ struct Priority {
   SourceLine loc;
 };
 
+/// How likely a transition is beside others: a number above 0, or the value of a parameter. Others have weight 1.
+struct TransitionWeight {
+  std::uint32_t type, transition;  // row of Image::atom_types, of its transitions
+  double value;
+  std::uint32_t param;  // row of the type's variables: a parameter; kNone: `value`
+};
+/// The same of the interactions of a connector.
+struct ConnectorWeight {
+  std::uint32_t connector;
+  double value;
+};
+
 struct Image {
   const char* name = "";  // of the root type, "Ring(10)"
   Span<const char*> files;
@@ -293,6 +311,7 @@ struct Image {
   Span<Priority> priorities;
   std::uint32_t cell_count = 0;  // of all atoms, then of all connectors
   Span<Choice> choices = {};
+  Span<ShownPort> shown_ports = {};  // by port_ref
   Span<FfiType> ffi_types = {};
   FfiContext* ffi = nullptr;  // if the model calls C++
   Span<EventClass> event_classes = {};
@@ -304,7 +323,14 @@ struct Image {
   Span<StepColumn> step_columns = {};  // not empty: steps_fn works on cells, and knows all interactions that can fire
   std::uint32_t step_cells = 0;        // how many
   std::uint32_t step_cells_pay = 0;    // after so many steps filling the columns has paid
+  Span<TransitionWeight> transition_weights = {};  // in order; without these two all candidates are as likely
+  Span<ConnectorWeight> connector_weights = {};    // in order
 };
+
+/// Returns whether the policy `uniform` draws some candidates more often than others.
+constexpr bool is_weighted(const Image& image) {
+  return image.transition_weights.size != 0 || image.connector_weights.size != 0;
+}
 
 /// Requires is_ffi(type). Returns the row that describes the C++ type.
 inline const FfiType& ffi_type(const Image& image, CellType type) {

@@ -47,6 +47,9 @@ class Prng {
     return static_cast<std::uint64_t>(product >> 64);
   }
 
+  /// Uniform in [0, 1): a multiple of 2^-53.
+  double share() { return static_cast<double>(next() >> 11) * 0x1p-53; }
+
   friend bool operator==(const Prng&, const Prng&) = default;
 
  private:

@@ -24,6 +24,7 @@ enum class Engine : std::uint8_t { Sequential, Threads, Batch, Simulated, Distri
 /// What the others do when a node is lost: begin nothing more, or go on with what does not need it.
 enum class OnLoss : std::uint8_t { Stop, GoOn };
 struct Placement;
+struct Deployment;
 class FabricFactory;
 
 struct RunOptions {
@@ -42,6 +43,8 @@ struct RunOptions {
   std::string network_faults;  // what goes wrong (runtime/distributed/faults.hpp)
   OnLoss on_loss = OnLoss::Stop;
   const FabricFactory* fabrics = nullptr;  // of processes (runtime/distributed/fabric.hpp); null: there is no network
+  const Deployment* deployment = nullptr;  // on several hosts (runtime/distributed/deployment.hpp); null: on this one
+  std::int64_t lost_after = 10000000000;   // ns of silence until a node on another host counts as lost
   // Models with time. Without `speed` time is logical: nothing sleeps.
   bool asap = false;     // each step at the first instant at which one is possible
   double speed = 0;      // model seconds a second of the wall clock
@@ -80,6 +83,10 @@ struct RunResult {
 
 /// Runs from the initial state to the end that comes first. Writes steps to `out`, run-time errors to `err`.
 RunResult run(const Image& image, const RunOptions& options, std::FILE* out, std::FILE* err);
+
+/// One node of options.deployment, but the first: waits for the run that the first one begins, takes part in it, and
+/// returns the exit code. The placement and the fabrics are needed, the other options are the first node's.
+int run_node(const Image& image, const RunOptions& options);
 
 /// How options.explore ends.
 struct ExploreResult {
