@@ -23,6 +23,7 @@
 #include "compiler/library/decide.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/driver/verdict_table.hpp"
+#include "compiler/driver/verify_sizes.hpp"
 #include "compiler/pipeline/load_properties.hpp"
 #include "runtime/include/bip/assert.hpp"
 
@@ -108,6 +109,7 @@ bool may_write_files(const VerifyArguments& arguments, const std::vector<NamedQu
 }  // namespace
 
 int command_verify(const VerifyArguments& arguments) {
+  if (!arguments.for_all.empty()) return verify_for_all_sizes(arguments);
   Compilation c(arguments.compile);
   if (arguments.compile.emit != EmitKind::None) {
     emit_stage(c, arguments.file, Optimisation::Auto);

@@ -98,8 +98,7 @@ Counterexample replayed(const rt::Image& image, rt::MaximalProgress maximal, rt:
   rt::Core core(image, {.progress = maximal});
   bool is_sound = core.initialize();
   for (const rt::TimedStep& step : path.steps) {
-    if (!is_sound || (core.is_timed() && !rt::let_time_pass(core, step.at)) || step.choice >= core.candidate_count())
-      break;
+    if (!is_sound || !rt::let_time_pass(core, path, out.steps.size()) || step.choice >= core.candidate_count()) break;
     const rt::EnabledSet::Position at = core.position(step.choice);
     CounterexampleStep row{core.is_timed() ? core.now() : 0, step.choice, {}};
     rt::append_candidate(row.interaction, core, core.candidate(at));

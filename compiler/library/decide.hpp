@@ -4,30 +4,14 @@
 #include <optional>
 #include <string>
 
+#include "compiler/library/verify_request.hpp"
 #include "compiler/pipeline/pipeline.hpp"
-#include "compiler/verify/liveness/fairness.hpp"
 #include "compiler/verify/portfolio/portfolio.hpp"
 #include "runtime/explore/counterexample.hpp"
 
 namespace bip::library {
 
 using namespace pipeline;
-
-struct VerifyRequest {
-  Backend backend = Backend::Auto;
-  double timeout = 60;             // seconds of the processor
-  double wall_timeout = 0;         // seconds of wall-clock time; 0: no limit
-  std::uint64_t megabytes = 2048;  // of the states that a search keeps
-  std::string property;            // empty: deadlock-freedom
-  verify::Fairness fairness;       // of properties of runs
-  bool partial = false;            // local deadlocks
-  bool why = false;                // the invariants of the proof are part of the text
-  bool stats = false;
-  bool reuses = true;  // proofs from earlier runs, and leaves its own
-  bool wants_certificate = false;
-  bool wants_trace = false;  // of a run that breaks what was asked
-  bool wants_run = false;    // as data, in the JSON
-};
 
 /// A run that breaks what was asked; the core has taken it.
 struct FoundRun {

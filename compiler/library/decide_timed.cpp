@@ -62,12 +62,14 @@ void ask(const verify::Property& property, rt::ExploreOptions& options) {
 std::string broken_text(const rt::Image& image, const verify::Property& property, const rt::TimedPath& path) {
   rt::Core core(image);
   bool is_sound = core.initialize();
-  for (const rt::TimedStep& step : path.steps) {
-    is_sound = is_sound && rt::let_time_pass(core, step.at) && step.choice < core.candidate_count() &&
-               core.time().take(core.position(step.choice));
+  for (std::uint64_t k = 0; k < path.steps.size(); ++k) {
+    const std::uint64_t choice = path.steps[k].choice;
+    is_sound = is_sound && rt::let_time_pass(core, path, k) && choice < core.candidate_count() &&
+               core.time().take(core.position(choice));
   }
-  return is_sound && rt::let_time_pass(core, path.end) ? verify::broken_state(core, property, path.steps.size())
-                                                       : std::string();
+  return is_sound && rt::let_time_pass(core, path, path.steps.size())
+             ? verify::broken_state(core, property, path.steps.size())
+             : std::string();
 }
 
 // Parts are small and seen once: the interpreter, whatever back end the model has.

@@ -156,6 +156,7 @@ class Localizer {
     connector.path = "ROOT.c" + std::to_string(local_.system.connectors.size());
     connector.parent = CompoundId(std::size_t{0});
     connector.loc = {};
+    connector.shown.clear();
     for (PortRef& port : connector.ports) port = translated(port);
     for (DataRef& data : connector.data) data.atom = new_atom_.at(data.atom.value);
     new_connector_[id.value] = local_.system.connectors.push(std::move(connector));

@@ -7,6 +7,8 @@
 #include <memory>
 #include <set>
 
+#include <fmt/format.h>
+
 #include "compiler/system/bsys.hpp"
 #include "compiler/system/inner_priorities.hpp"
 #include "compiler/verify/timed/time_divergence.hpp"

@@ -1,0 +1,54 @@
+// See verify_sizes.hpp.
+#include "compiler/driver/verify_sizes.hpp"
+
+#include <cstdio>
+#include <string>
+
+#include "compiler/base/write_file.hpp"
+#include "compiler/driver/check_outputs.hpp"
+#include "compiler/driver/interrupt_cancellation.hpp"
+#include "compiler/driver/report.hpp"
+#include "compiler/library/decide_sizes.hpp"
+#include "compiler/pipeline/exit_codes.hpp"
+
+namespace bip::driver {
+
+namespace {
+
+int wrong_use(const std::string& text) {
+  std::fputs(("bipc verify: " + text + "\n").c_str(), stderr);
+  return pipeline::kUsage;
+}
+
+}  // namespace
+
+int verify_for_all_sizes(const VerifyArguments& arguments) {
+  const Result<library::SizeQuestion> asked = library::read_size_question(arguments.for_all);
+  if (!asked) return wrong_use("--for-all: " + asked.error());
+  if (arguments.file.ends_with(".bsys"))
+    return wrong_use("--for-all needs a model with sizes, and a .bsys file is a system of one size");
+  CompileOptions options = arguments.compile;
+  const std::string root = options.root;
+  options.root.clear();
+  pipeline::Compilation c(options);
+  if (!compile(c, arguments.file, pipeline::Stage::Model) || !check_outputs(c, {arguments.trace_path}))
+    return report(c);
+  library::VerifyRequest request = arguments;
+  request.wants_trace = !arguments.trace_path.empty();
+  const InterruptCancellation interrupt;
+  const verify::CancellationToken token =
+      arguments.wall_timeout > 0 ? interrupt.token().within_wall_clock(arguments.wall_timeout) : interrupt.token();
+  const library::SizeVerdict found = library::decide_for_all_sizes(request, c, root, *asked, token);
+  if (!found.usage_error.empty()) return wrong_use(found.usage_error);
+  if (found.refused) return report(*found.refused);
+  if (!arguments.trace_path.empty() && found.verdict.counterexample) {
+    if (const Result<bool> written = write_file(arguments.trace_path, found.verdict.counterexample->trace); !written)
+      c.diags.report(Diag::kB5004, {}, arguments.trace_path, written.error());
+  }
+  if (const int code = report(c); code != 0) return code;
+  const std::string& text = arguments.json ? found.verdict.json : found.verdict.text;
+  std::fwrite(text.data(), 1, text.size(), stdout);
+  return found.verdict.exit_code;
+}
+
+}  // namespace bip::driver
