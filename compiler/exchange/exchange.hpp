@@ -9,6 +9,7 @@
 
 #include "compiler/base/result.hpp"
 #include "compiler/system/system.hpp"
+#include "compiler/verify/property/formula.hpp"
 
 namespace bip::exchange {
 
@@ -19,6 +20,8 @@ inline constexpr std::size_t kMaxInteractions = 2048;
 struct Options {
   bool maximal_progress = true;
   std::string root_name;  // for the comment at the top
+  /// Of Promela: what SPIN is asked instead of deadlocks; null: nothing.
+  const verify::Formula* formula = nullptr;
 };
 
 /// Writes int, bool and string data, guards, transfers, internal transitions and priorities as one Promela process.

@@ -16,6 +16,7 @@
 #include "compiler/exchange/exchange.hpp"
 #include "compiler/exchange/plain_name.hpp"
 #include "compiler/exchange/promela_code.hpp"
+#include "compiler/exchange/promela_formula.hpp"
 #include "compiler/system/inner_priorities.hpp"
 #include "compiler/system/uses_time.hpp"
 #include "runtime/include/bip/assert.hpp"
@@ -56,6 +57,8 @@ class PromelaWriter {
   [[nodiscard]] Names names_of(AtomId atom) const;
   [[nodiscard]] std::string marked(AtomId atom, const std::vector<u32>& places) const;
   [[nodiscard]] std::string end() const;
+  [[nodiscard]] std::string not_hidden(const Step& step) const;
+  [[nodiscard]] std::string property();
   [[nodiscard]] std::string enabled(AtomId atom, const Transition& t);
   [[nodiscard]] std::string both(AtomId atom, const Transition& a, const Transition& b);
   [[nodiscard]] std::string move(AtomId atom, const Transition& t, const std::string& indent);
@@ -523,6 +526,38 @@ std::string PromelaWriter::end() const {
   return "  :: " + (all.empty() ? "true" : all) + " -> break /* final */\n";
 }
 
+// The interaction is a candidate.
+std::string PromelaWriter::not_hidden(const Step& step) const {
+  std::string text = "is" + step.name;
+  for (std::size_t r = 0; r < system_.priorities.size(); ++r) {
+    if (matches(system_.priorities[PriorityId(r)], RuleSide::Low, step)) text += fmt::format(" && !hides{}", r);
+  }
+  return text;
+}
+
+// The formula of the runs from the first stable state on; runs that end in an error are none. After the last step the
+// state repeats, in SPIN (stutter extension) as here.
+std::string PromelaWriter::property() {
+  if (options_.formula == nullptr) return {};
+  const ConditionNames names{.marked = [this](AtomId atom, u32 place) { return "(" + marked(atom, {place}) + ")"; },
+                             .variable = [this](AtomId atom, u32 variable) { return variable_name(atom, variable); },
+                             .can_port = [this](AtomId atom, u32 port) { return port_name(atom, port); },
+                             .can_connector =
+                                 [this](ConnectorId connector) {
+                                   std::string some = "false";
+                                   for (const Step& step : steps_) {
+                                     if (step.connector == connector) some += " || (" + not_hidden(step) + ")";
+                                   }
+                                   return "(" + some + ")";
+                                 }};
+  const Result<std::string> text = ltl_text(*options_.formula, names, macros_);
+  if (!text) {
+    code_.refuse(text.error());
+    return {};
+  }
+  return fmt::format("\nltl property {{ (! ready) U (ready && ((<> fault) || {})) }}\n", *text);
+}
+
 Result<std::string> PromelaWriter::run() {
   if (const std::string timed = system::first_timed(system_); !timed.empty()) code_.refuse("time: " + timed);
   if (const std::string inner = system::first_inner_priority(system_); !inner.empty()) code_.refuse(inner);
@@ -544,12 +579,8 @@ Result<std::string> PromelaWriter::run() {
              "a step of none of {} trees", trees_.size());
   add_priorities();
   for (const Step& step : steps_) {
-    std::string guard = "!fault && is" + step.name;
-    for (std::size_t r = 0; r < system_.priorities.size(); ++r) {
-      if (matches(system_.priorities[PriorityId(r)], RuleSide::Low, step)) guard += fmt::format(" && !hides{}", r);
-    }
-    alternatives +=
-        fmt::format("  :: d_step {{ {} ->\n     printf(\"{}\\n\");\n{}     }}\n", guard, told(step), effect(step));
+    alternatives += fmt::format("  :: d_step {{ !fault && {} ->\n     printf(\"{}\\n\");\n{}     }}\n",
+                                not_hidden(step), told(step), effect(step));
   }
   for (u32 row = 0; row < system_.atoms.size(); ++row) {
     const AtomId atom(row);
@@ -560,13 +591,19 @@ Result<std::string> PromelaWriter::run() {
                                   port_name(atom, port), name, record(atom, port), fire(atom, port));
     }
   }
+  const std::string asked = property();
   if (!refusal_.empty()) return Failure{refusal_};
+  const bool is_asked = !asked.empty();
   return fmt::format(
-      "/* {} by bipc export. Deadlocks are invalid end states:\n"
-      "   spin -a m.pml && cc -O2 -fwrapv -DSAFETY -o pan pan.c && ./pan -m1000000, then spin -t m.pml */\n"
-      "{}bool fault = false; /* a run-time error: the end, no deadlock */\n\n{}\n{}\n"
-      "init {{\n  d_step {{\n{}    skip;\n  }}\n  do\n  :: fault -> break\n{}{}  od\n}}\n",
-      plain_name(options_.root_name), declarations_, macros_, inlines_, initial, end(), alternatives);
+      "/* {} by bipc export. {}:\n"
+      "   spin -a m.pml && cc -O2 -fwrapv {}-o pan pan.c && ./pan {}-m1000000, then spin -t m.pml */\n"
+      "{}bool fault = false; /* a run-time error: the end, no deadlock */\n{}\n{}\n{}\n"
+      "init {{\n  d_step {{\n{}    {};\n  }}\n  do\n  :: fault -> break\n{}{}  od\n}}\n{}",
+      plain_name(options_.root_name),
+      is_asked ? "A run that violates the property is an acceptance cycle" : "Deadlocks are invalid end states",
+      is_asked ? "" : "-DSAFETY ", is_asked ? "-a " : "", declarations_,
+      is_asked ? "bool ready = false; /* is the initial state reached? */\n" : "", macros_, inlines_, initial,
+      is_asked ? "ready = true" : "skip", is_asked ? "" : end(), alternatives, asked);
 }
 
 }  // namespace
