@@ -1,6 +1,9 @@
 """Scripted sessions: every request with its expected answer, the protocol's order, positions, several documents."""
 import json
 import pathlib
+import re
+import shutil
+import subprocess
 import tempfile
 
 import client
@@ -329,11 +332,67 @@ def test_code_lenses():
     equal([lens["command"]["title"] for lens in of_root], ["run", "verify", "explore", "debug", "view"])
     equal({tuple(lens["command"]["arguments"]) for lens in of_root}, {(URI, "Root()")})
     others = [lens for lens in lenses if lens not in of_root]
-    equal([(lens["command"]["command"], lens["command"]["arguments"]) for lens in others], [("bip.verifyProperty", [URI, "never a@T && b@T"])])
+    equal([(lens["command"]["command"], lens["command"]["arguments"]) for lens in others], [("bip.verifyLine", [URI, "", ["--property", "never a@T && b@T"]])])
     equal(others[0]["range"]["start"]["line"], line - 2)
     # What takes arguments is not run by its name alone.
     c.change(URI, 2, [{"text": LENSES.replace("type Root()", "type Root(int n)")}])
     equal(len(c.result("textDocument/codeLens", document())), 1)
+    # A line as models have it: the verdict that is expected, and options as a shell splits them.
+    c.change(URI, 3, [{"text": LENSES.replace("verify: never a@T && b@T", """verify: violated --root 'Two(1, 2)' --property "never a@T" --fair=weak""")}])
+    last = c.result("textDocument/codeLens", document())[-1]
+    equal(last["command"]["arguments"], [URI, "violated", ["--root", "Two(1, 2)", "--property", "never a@T", "--fair=weak"]])
+    c.change(URI, 4, [{"text": LENSES.replace("verify: never a@T && b@T", "verify: free")}])
+    equal(c.result("textDocument/codeLens", document())[-1]["command"]["arguments"], [URI, "free", []])
+
+
+def test_extension_shows_verdicts():
+    """The extension's own part, with VS Code's interface replaced (extension.js); what npm brings is not needed."""
+    if shutil.which("node") is None:
+        print("lsp: no node, so the extension's verdicts were not tried")
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        model = pathlib.Path(folder) / "m.bip"
+        text = LENSES.replace("// verify: never a@T && b@T", "// verify: deadlock\n  // verify: free\n  // verify: never a@NOWHERE\n  // verify: holds --property 'never a@T && b@S && a.x > 9'")
+        model.write_text(text)
+        uri = f"file://{model}"
+        c = started(text, uri)
+        lenses = [lens for lens in c.result("textDocument/codeLens", document(uri)) if lens["command"]["command"].startswith("bip.verify")]
+        equal(len(lenses), 5)
+        output = subprocess.run(["node", pathlib.Path(__file__).parent / "extension.js", client.BIPC, model, json.dumps(lenses)], capture_output=True, text=True, timeout=client.TIMEOUT, check=True).stdout
+        shown = json.loads(output)
+        by_label = {row[1]: (row[0], *row[2:]) for row in shown["results"] if len(row) > 1}
+        equal(by_label["deadlock"], ("passed",))
+        equal(by_label["free"], ("failed", "expected: free; found: deadlock"))
+        equal(by_label["Root() is free of deadlocks"][0], "failed")
+        equal(by_label["--property never a@NOWHERE"][0], "errored")
+        equal(by_label["holds --property never a@T && b@S && a.x > 9"], ("passed",))
+        assert ["warning", "BIP: models are verified in trusted workspaces only."] in shown["results"], shown
+        equal(sorted(shown["shown"]), ["$(error) deadlock", "$(error) deadlock", "$(pass) deadlock", "$(pass) holds", "$(warning) failed"])
+        equal((shown["refreshed"], shown["left"]), (1, 0))
+
+
+def test_colours():
+    """Each expression of the editor's grammars compiles, and words of the rules' language have a colour."""
+    folder = client.ROOT / "tools/vscode"
+    listed = {row["path"] for row in json.loads((folder / "package.json").read_text())["contributes"]["grammars"]}
+    equal(listed, {f"./syntaxes/{path.name}" for path in (folder / "syntaxes").iterdir()})
+
+    def walk(node):
+        if isinstance(node, dict):
+            for key, value in node.items():
+                if key in ("match", "begin", "end"):
+                    yield re.compile(value)
+                yield from walk(value)
+        elif isinstance(node, list):
+            for child in node:
+                yield from walk(child)
+
+    coloured = {}
+    for path in sorted((folder / "syntaxes").iterdir()):
+        coloured[path.stem.split(".")[0]] = list(walk(json.loads(path.read_text())))
+    words = re.findall(r'is_word\("([a-z]+)"|word\("([a-z]+)"|"([a-z]+)"', "".join(p.read_text() for p in (client.ROOT / "compiler/rules").glob("parse*.cpp")))
+    for word in {w for row in words for w in row if w} - {"s"}:
+        assert any(e.search(f" {word} ") or e.search(f"{word} name :") or e.search(f"{word} name;") for e in coloured["bip-rules"]), word
 
 
 def test_folding_ranges():
@@ -391,6 +450,84 @@ def test_document_links():
         c = started(text, uri)
         (link,) = c.result("textDocument/documentLink", document(uri))
         equal((link["target"], link["range"]), ((root / "used.bip").as_uri(), span("used", 4, text=text)))
+
+
+def test_files_that_are_not_open():
+    with tempfile.TemporaryDirectory() as folder:
+        base = pathlib.Path(folder)
+        (base / "lib").mkdir()
+        (base / ".hidden").mkdir()
+        lib = "package lib.ports\n  port type P(int v)\nend\n"
+        user = "package {0}\n  use lib.ports\n  atom type {1}()\n    data int x\n    export port P p(x)\n    place S\n    initial to S\n    on p from S to S\n  end\nend\n"
+        (base / "lib/ports.bip").write_text(lib)
+        (base / "open.bip").write_text(user.format("open", "A"))
+        (base / "other.bip").write_text(user.format("other", "B"))
+        (base / "broken.bip").write_text("package broken\n  use lib.ports\n  atom type P(\n")
+        (base / ".hidden/hidden.bip").write_text(user.format("hidden", "H"))
+        uri = lambda name: (base / name).as_uri()
+        c = client.Client()
+        c.start(rootUri=base.as_uri())
+        c.open(uri("open.bip"), user.format("open", "A"))
+        place = at("P p", 0, user)
+        places = ask(c, "references", place, uri("open.bip"), context={"includeDeclaration": True})
+        equal(sorted(p["uri"] for p in places), sorted(uri(n) for n in ("lib/ports.bip", "open.bip", "other.bip")))
+        equal([s["location"]["uri"] for s in c.result("workspace/symbol", {"query": "B"}) if s["name"] == "B"], [uri("other.bip")])
+        equal([s for s in c.result("workspace/symbol", {"query": "H"}) if s["name"] == "H"], [])
+        changes = ask(c, "rename", place, uri("open.bip"), newName="Value")["changes"]
+        equal(sorted(changes), sorted(uri(n) for n in ("lib/ports.bip", "open.bip", "other.bip")))
+        line = {"start": {"line": 4, "character": 16}, "end": {"line": 4, "character": 17}}
+        equal(changes[uri("other.bip")], [{"range": line, "newText": "Value"}])
+        # What the disk says now counts, and a name that is taken in a file that is not open is taken.
+        (base / "other.bip").write_text(user.format("other", "C").replace("  atom", "  port type Value()\n  atom"))
+        equal([s["name"] for s in c.result("workspace/symbol", {"query": "C"}) if s["name"] == "C"], ["C"])
+        equal(c.error("textDocument/rename", {"textDocument": {"uri": uri("open.bip")}, "position": place, "newName": "Value"}), FAILED)
+        equal(c.stop(), 0)
+
+
+HINTS = """package hints
+  port type P(int v)
+  connector type Cast(P sender, P one, P two)
+    define sender' one two
+  end
+  atom type A(int first, int step)
+    data int x, y = 3
+    data bool b
+    data float f
+    data string s
+    export port P p(x)
+    place S
+    initial to S
+    on p from S to S
+  end
+  compound type Root()
+    component A a(1, (2 + 3)), sender(4, 5)
+    component A many[3](7, 8)
+    connector Cast c(sender.p, a.p, many[0].p)
+    connector Cast d(sender.p,
+                     many[1].p, many[2].p)
+  end
+end
+"""
+
+
+def test_inlay_hints():
+    c = started(HINTS)
+    whole = {"start": {"line": 0, "character": 0}, "end": {"line": 99, "character": 0}}
+    hints = lambda where=whole: c.result("textDocument/inlayHint", {**document(), "range": where})
+    found = [(h["position"]["line"], h["position"]["character"], h["label"]) for h in hints()]
+    lines = HINTS.split("\n")
+    column = lambda line, text: lines[line].index(text)
+    values = [(6, column(6, ","), "= 0"), (7, len(lines[7]), "= false"), (8, len(lines[8]), "= 0.0"), (9, len(lines[9]), '= ""')]
+    of_a = [(16, column(16, "1,"), "first:"), (16, column(16, "(2"), "step:"), (16, column(16, "4,"), "first:"), (16, column(16, "5)"), "step:")]
+    of_many = [(17, column(17, "7"), "first:"), (17, column(17, "8"), "step:")]
+    of_c = [(18, column(18, "sender"), "sender:"), (18, column(18, "a.p"), "one:"), (18, column(18, "many"), "two:"), (18, len(lines[18]), "4 interactions")]
+    of_d = [(19, column(19, "sender"), "sender:"), (20, column(20, "many[1]"), "one:"), (20, column(20, "many[2]"), "two:"), (20, len(lines[20]), "4 interactions")]
+    equal(sorted(found), sorted(values + of_a + of_many + of_c + of_d))
+    equal({h["label"] for h in hints({"start": {"line": 6, "character": 0}, "end": {"line": 7, "character": 0}})}, {"= 0"})
+    equal(c.error("textDocument/inlayHint", document()), BAD_PARAMS)
+    # An argument that has the parameter's name needs none.
+    c.change(URI, 2, [{"text": HINTS.replace("P sender, P one", "P p, P one").replace("define sender'", "define p'")}])
+    assert not any(h["label"] in ("p:", "sender:") for h in hints()), hints()
 
 
 def test_signature_help():

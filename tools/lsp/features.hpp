@@ -22,6 +22,10 @@ enum class Declarations : std::uint8_t { Excluded, Included };
 [[nodiscard]] Reply workspace_symbols(Workspace& w, const std::string& query);
 [[nodiscard]] Reply document_links(Workspace& w, const Document& d);
 
+// inlay_hints.cpp
+/// Of the declarations between the offsets.
+[[nodiscard]] Reply inlay_hints(Workspace& w, const Document& d, std::uint32_t begin, std::uint32_t end);
+
 // signature.cpp
 /// The parameters of what is called or instantiated at the offset.
 [[nodiscard]] Reply signature_help(Workspace& w, const Document& d, std::uint32_t offset);

@@ -34,6 +34,7 @@ Json capabilities(Encoding encoding) {
           {"workspaceSymbolProvider", true},
           {"documentLinkProvider", {{"resolveProvider", false}}},
           {"signatureHelpProvider", {{"triggerCharacters", {"(", ","}}}},
+          {"inlayHintProvider", true},
           {"diagnosticProvider", {{"interFileDependencies", true}, {"workspaceDiagnostics", false}}},
           {"semanticTokensProvider", {{"legend", semantic_legend()}, {"full", true}, {"range", true}}}};
 }
@@ -120,6 +121,8 @@ void Server::request(const Json& id, const std::string& method, const Json& para
   if (state_ == State::ShutDown) return fail(id, ErrorCode::InvalidRequest, "after `shutdown` comes `exit`");
   Reply reply = answer(method, params);
   if (const RpcError* error = std::get_if<RpcError>(&reply)) return fail(id, error->code, error->message);
+  if (const JsonText* result = std::get_if<JsonText>(&reply))
+    return send_(R"({"jsonrpc":"2.0","id":)" + id.dump() + R"(,"result":)" + result->text + '}');
   send({{"jsonrpc", "2.0"}, {"id", id}, {"result", std::move(std::get<Json>(reply))}});
 }
 
@@ -139,7 +142,7 @@ Reply Server::answer(const std::string& method, const Json& params) {
   const bool is_whole = name == "documentSymbol" || name == "formatting" || name == "semanticTokens/full" ||
                         name == "codeAction" || name == "codeLens" || name == "foldingRange" ||
                         name == "selectionRange" || name == "documentLink" || name == "diagnostic" ||
-                        name == "semanticTokens/range";
+                        name == "semanticTokens/range" || name == "inlayHint";
   const bool is_at = name == "definition" || name == "references" || name == "hover" || name == "rename" ||
                      name == "prepareRename" || name == "completion" || name == "documentHighlight" ||
                      name == "signatureHelp";
@@ -164,6 +167,9 @@ Reply Server::answer(const std::string& method, const Json& params) {
   if (name == "semanticTokens/range")
     return semantic_tokens(workspace_, *d, d->text.clamped_offset(*begin, workspace_.encoding),
                            d->text.clamped_offset(*end, workspace_.encoding));
+  if (name == "inlayHint")
+    return inlay_hints(workspace_, *d, d->text.clamped_offset(*begin, workspace_.encoding),
+                       d->text.clamped_offset(*end, workspace_.encoding));
   return code_actions(workspace_, *d, d->text.clamped_offset(*begin, workspace_.encoding),
                       d->text.clamped_offset(*end, workspace_.encoding));
 }
@@ -228,8 +234,23 @@ Reply Server::initialize(const Json& params) {
       workspace_.folders.push_back(folder.lexically_normal().string());
     }
   }
+  const Json* editor_folders = member(params, "workspaceFolders");
+  if (editor_folders != nullptr && editor_folders->is_array()) {
+    for (const Json& folder : *editor_folders) {
+      if (const std::string* uri = string_member(folder, "uri"); uri != nullptr) add_root(*uri);
+    }
+  } else if (root != nullptr) {
+    add_root(*root);
+  }
   state_ = State::Running;
   return Json{{"capabilities", capabilities(workspace_.encoding)}, {"serverInfo", {{"name", "bipc-lsp"}}}};
+}
+
+// Only a folder on the disk has files that are not open.
+void Server::add_root(const std::string& uri) {
+  const std::filesystem::path folder = path_of(uri);
+  if (folder.is_absolute() && folder.has_relative_path())
+    workspace_.unopened.add_root(folder.lexically_normal().string());
 }
 
 void Server::notification(const std::string& method, const Json& params) {

@@ -33,6 +33,7 @@ class Server {
 
   void dispatch(const Json& message);
   void request(const Json& id, const std::string& method, const Json& params);
+  void add_root(const std::string& uri);
   void notification(const std::string& method, const Json& params);
   [[nodiscard]] Reply answer(const std::string& method, const Json& params);
   [[nodiscard]] Reply initialize(const Json& params);

@@ -1,7 +1,9 @@
 // What an editor shows beside the text: lenses over compounds and over `// verify:` lines, foldable ranges, links of
-// `use`, the names of all open documents, and other uses of the name at a position.
+// `use`, names of all files, and other uses of the name at a position.
 #include <algorithm>
+#include <optional>
 #include <string_view>
+#include <utility>
 
 #include "tools/lsp/features.hpp"
 #include "tools/lsp/uri.hpp"
@@ -19,17 +21,50 @@ Json lens(const Json& range, const char* title, const char* command, Json argume
   return {{"range", range}, {"command", {{"title", title}, {"command", command}, {"arguments", std::move(arguments)}}}};
 }
 
-// The property of a line `// verify: PROPERTY`; empty: it is another line.
-std::string_view property_of(std::string_view line) {
+// A line `// verify: VERDICT [options]`, or `// verify: PROPERTY`.
+struct VerifyLine {
+  std::string expected;  // empty: none is said
+  std::vector<std::string> options;
+};
+
+// As a shell splits them: quotes keep blanks.
+std::vector<std::string> split_options(std::string_view text) {
+  std::vector<std::string> words;
+  char quote = 0;
+  bool is_begun = false;
+  for (const char c : text) {
+    if (quote != 0 ? c == quote : c == '\'' || c == '"') {
+      quote = quote != 0 ? '\0' : c;
+    } else if (quote == 0 && (c == ' ' || c == '\t')) {
+      is_begun = false;
+      continue;
+    } else {
+      if (!is_begun) words.emplace_back();
+      words.back() += c;
+      is_begun = true;
+      continue;
+    }
+    if (!std::exchange(is_begun, true)) words.emplace_back();
+  }
+  return words;
+}
+
+std::optional<VerifyLine> verify_line(std::string_view line) {
   constexpr std::string_view kWord = "verify:";
   const std::size_t slashes = line.find_first_not_of(" \t");
-  if (slashes == std::string_view::npos || !line.substr(slashes).starts_with("//")) return {};
+  if (slashes == std::string_view::npos || !line.substr(slashes).starts_with("//")) return std::nullopt;
   line.remove_prefix(slashes + 2);
   const std::size_t word = line.find_first_not_of(" \t");
-  if (word == std::string_view::npos || !line.substr(word).starts_with(kWord)) return {};
+  if (word == std::string_view::npos || !line.substr(word).starts_with(kWord)) return std::nullopt;
   line.remove_prefix(word + kWord.size());
   const std::size_t begin = line.find_first_not_of(" \t"), end = line.find_last_not_of(" \t\r");
-  return begin == std::string_view::npos ? std::string_view() : line.substr(begin, end - begin + 1);
+  if (begin == std::string_view::npos) return std::nullopt;
+  line = line.substr(begin, end - begin + 1);
+  const std::string_view first = line.substr(0, line.find_first_of(" \t"));
+  for (const std::string_view verdict : {"free", "deadlock", "holds", "violated", "unknown"}) {
+    if (first == verdict) return VerifyLine{std::string(first), split_options(line.substr(first.size()))};
+  }
+  return VerifyLine{{}, {"--property", std::string(line)}};
 }
 
 bool has_parameters(const Index& index, const Symbol& s) {
@@ -39,7 +74,7 @@ bool has_parameters(const Index& index, const Symbol& s) {
 
 }  // namespace
 
-// Commands are the client's: each gets the document's URI, and the root or the property.
+// Commands are the client's: each gets the document's URI, and the root, or the expected verdict and the options.
 Reply code_lenses(Workspace& w, const Document& d) {
   Json out = Json::array();
   const Index& index = d.analysis.index;
@@ -60,12 +95,12 @@ Reply code_lenses(Workspace& w, const Document& d) {
   const std::string_view text = d.text.str();
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t end = std::min(text.find('\n', at), text.size());
-    if (const std::string_view property = property_of(text.substr(at, end - at)); !property.empty()) {
+    if (const std::optional<VerifyLine> asked = verify_line(text.substr(at, end - at))) {
       const Position begin = d.text.position(static_cast<std::uint32_t>(at), w.encoding);
       const Position last = d.text.position(static_cast<std::uint32_t>(end), w.encoding);
       const Json range = {{"start", {{"line", begin.line}, {"character", begin.character}}},
                           {"end", {{"line", last.line}, {"character", last.character}}}};
-      out.push_back(lens(range, "verify this", "bip.verifyProperty", {d.uri, std::string(property)}));
+      out.push_back(lens(range, "verify this", "bip.verifyLine", {d.uri, asked->expected, asked->options}));
     }
     at = end + 1;
   }
@@ -139,7 +174,8 @@ Json selection_range(Workspace& w, const Document& d, std::uint32_t offset) {
   return made;
 }
 
-// Names of all open documents that have the letters of the query in their order.
+// Names of all open documents and of the files below the editor's folders that have the letters of the query in their
+// order.
 Reply workspace_symbols(Workspace& w, const std::string& query) {
   constexpr std::size_t kMost = 1000;
   Json out = Json::array();
@@ -154,8 +190,7 @@ Reply workspace_symbols(Workspace& w, const std::string& query) {
     }
     return true;
   };
-  for (const auto& [path, document] : w.documents()) {
-    const Analysis& a = document->analysis;
+  const auto add = [&](const Analysis& a) {
     for (std::uint32_t row = 0; row < a.index.symbols.size() && out.size() < kMost; ++row) {
       const Symbol& s = a.index.symbols[SymbolId(row)];
       const int kind = outline_kind(s.kind);
@@ -164,6 +199,10 @@ Reply workspace_symbols(Workspace& w, const std::string& query) {
       if (s.parent.is_valid()) found["containerName"] = a.index.symbols[s.parent].name;
       out.push_back(std::move(found));
     }
+  };
+  for (const auto& [path, document] : w.documents()) add(document->analysis);
+  for (const auto& [path, analysis] : w.unopened.declarations()) {
+    if (!w.documents().contains(path)) add(analysis);
   }
   return out;
 }

@@ -1,7 +1,8 @@
-// Definition, references, rename: questions to the index of each open document.
+// Definition, references, rename: questions to the index of each open document, and of each file below the editor's
+// folders that holds the name.
 //
-// A symbol is known across documents by where it is declared: path and offset. Cost: linear in the open documents'
-// uses.
+// A symbol is known across files by where it is declared: path and offset. Cost: linear in the open documents' uses and
+// in the text of the folders.
 #include <algorithm>
 #include <set>
 
@@ -35,26 +36,40 @@ SymbolId same_symbol(const Analysis& a, const std::string& path, const Symbol& w
 }
 
 struct Found {
-  const Document* document;
+  const Analysis* analysis;
   Use use;
 };
+struct Uses {
+  std::vector<Found> list;
+  std::vector<Analysis> unopened;  // what some of the list point to
+};
 
-/// All uses in the open documents, each place once: a used package is seen by each of its users.
-std::vector<Found> all_uses(Workspace& w, const Document& d, const Symbol& symbol, bool open_only) {
-  std::vector<Found> found;
+/// May an edit change the file?
+bool is_ours(Workspace& w, const std::string& path) {
+  return w.documents().contains(path) || w.unopened.contains(path);
+}
+
+enum class Files : std::uint8_t { All, Ours };
+
+/// All uses in the open documents and in the files below the editor's folders, each place once: a used package is seen
+/// by each of its users.
+Uses all_uses(Workspace& w, const Document& d, const Symbol& symbol, Files files) {
+  Uses found;
   const std::string* declared_in = d.analysis.path_of(symbol.name_range.file);
   if (declared_in == nullptr) return found;
   std::set<std::pair<std::string, std::uint32_t>> seen;
-  for (const auto& [path, document] : w.documents()) {
-    const Analysis& a = document->analysis;
+  const auto add = [&](const Analysis& a) {
     const SymbolId declared = same_symbol(a, *declared_in, symbol);
-    if (!declared.is_valid()) continue;
+    if (!declared.is_valid()) return;
     for (const Use& u : a.index.uses_of(declared)) {
       const std::string* in = a.path_of(u.range.file);
-      if (in == nullptr || (open_only && !w.documents().contains(*in))) continue;
-      if (seen.emplace(*in, u.range.begin).second) found.push_back({document.get(), u});
+      if (in == nullptr || (files == Files::Ours && !is_ours(w, *in))) continue;
+      if (seen.emplace(*in, u.range.begin).second) found.list.push_back({&a, u});
     }
-  }
+  };
+  for (const auto& [path, document] : w.documents()) add(document->analysis);
+  found.unopened = w.unopened.with_name(symbol.name, w.folders, w.open_texts());
+  for (const Analysis& a : found.unopened) add(a);
   return found;
 }
 
@@ -62,8 +77,8 @@ std::vector<Found> all_uses(Workspace& w, const Document& d, const Symbol& symbo
 std::string objection(Workspace& w, const Document& d, const Symbol& s) {
   const std::string* in = d.analysis.path_of(s.name_range.file);
   if (s.kind == SymbolKind::Package) return "a package is named as its file is: rename the file, then the package";
-  if (in == nullptr || !w.documents().contains(*in))
-    return "`" + std::string(s.name) + "` is declared in a file that is not open";
+  if (in == nullptr || !is_ours(w, *in))
+    return "`" + std::string(s.name) + "` is declared in a file that is neither open nor below the editor's folders";
   return {};
 }
 
@@ -97,9 +112,10 @@ Reply references(Workspace& w, const Document& d, std::uint32_t offset, Declarat
   const Use* at = use_at(d, offset);
   if (at == nullptr) return Json(nullptr);
   Json places = Json::array();
-  for (const Found& f : all_uses(w, d, d.analysis.index.symbols[at->symbol], false)) {
+  const Uses uses = all_uses(w, d, d.analysis.index.symbols[at->symbol], Files::All);
+  for (const Found& f : uses.list) {
     if (f.use.kind == UseKind::Declaration && declarations == Declarations::Excluded) continue;
-    places.push_back(w.location(f.document->analysis, f.use.range));
+    places.push_back(w.location(*f.analysis, f.use.range));
   }
   return places;
 }
@@ -121,10 +137,11 @@ Reply rename(Workspace& w, const Document& d, std::uint32_t offset, const std::s
     return bad_params("`" + name + "` is no name: letters, digits and `_`, no word of the language");
   if (name == symbol.name) return Json{{"changes", Json::object()}};
   Json changes = Json::object();
-  for (const Found& f : all_uses(w, d, symbol, true)) {
+  const Uses uses = all_uses(w, d, symbol, Files::Ours);
+  for (const Found& f : uses.list) {
     // Whatever has the name already where this one is used would catch it, or be caught.
-    const index::Index& index = f.document->analysis.index;
-    const std::string_view text = f.document->analysis.compilation->sources.text(f.use.range.file);
+    const index::Index& index = f.analysis->index;
+    const std::string_view text = f.analysis->compilation->sources.text(f.use.range.file);
     const bool is_behind_dot = f.use.range.begin > 0 && text[f.use.range.begin - 1] == '.';
     for (const SymbolId other :
          is_behind_dot ? std::vector<SymbolId>() : names_in_scope(index, f.use.range.file, f.use.range.begin)) {
@@ -133,7 +150,7 @@ Reply rename(Workspace& w, const Document& d, std::uint32_t offset, const std::s
             ErrorCode::RequestFailed,
             "there is a " + std::string(index::name_of(index.symbols[other].kind)) + " `" + name + "` already"};
     }
-    const Json place = w.location(f.document->analysis, f.use.range);
+    const Json place = w.location(*f.analysis, f.use.range);
     changes[place["uri"].get_ref<const std::string&>()].push_back({{"range", place["range"]}, {"newText", name}});
   }
   const SymbolId parent = symbol.parent;

@@ -69,47 +69,109 @@ std::uint32_t token_type(SymbolKind kind) {
   return 6;
 }
 
-Json outline(const Workspace& w, const Document& d, const Symbol& s) {
-  const Index& index = d.analysis.index;
-  Json made{{"name", s.name},
-            {"kind", outline_kind(s.kind)},
-            {"detail", s.type_text},
-            {"range", w.range(d.analysis, s.range)},
-            {"selectionRange", w.range(d.analysis, s.name_range)}};
-  // A port's members are its variables, which are the atom's own.
-  if (s.kind == SymbolKind::Port || s.kind == SymbolKind::ExportedPort || s.members.empty()) return made;
-  Json children = Json::array();
-  for (const SymbolId m : s.members) {
-    if (outline_kind(index.symbols[m].kind) != 0) children.push_back(outline(w, d, index.symbols[m]));
+// The text of an outline, written from its front to its back.
+class OutlineWriter {
+ public:
+  OutlineWriter(const Workspace& w, const Document& d) : d_(d), index_(d.analysis.index), encoding_(w.encoding) {}
+
+  std::string run() {
+    out_ = '[';
+    // Everything else of the file is in its package.
+    std::size_t open = 0;
+    for (const SymbolId id : index_.file_symbols) {
+      const Symbol& s = index_.symbols[id];
+      if (s.name_range.file != d_.analysis.file) continue;
+      separate();
+      if (s.kind != SymbolKind::Package) {
+        write(s);
+        continue;
+      }
+      write_head(s);
+      out_ += R"(,"children":[)";
+      ++open;
+    }
+    for (; open != 0; --open) out_ += "]}";
+    out_ += ']';
+    return std::move(out_);
   }
-  if (!children.empty()) made["children"] = std::move(children);
-  return made;
-}
+
+ private:
+  void separate() {
+    if (out_.back() != '[') out_ += ',';
+  }
+  void write(const Symbol& s) {
+    write_head(s);
+    // A port's members are its variables, which are the atom's own.
+    if (s.kind != SymbolKind::Port && s.kind != SymbolKind::ExportedPort) {
+      const std::size_t before = out_.size();
+      out_ += R"(,"children":[)";
+      const std::size_t begin = out_.size();
+      for (const SymbolId m : s.members) {
+        if (outline_kind(index_.symbols[m].kind) == 0) continue;
+        separate();
+        write(index_.symbols[m]);
+      }
+      if (out_.size() == begin) out_.resize(before);
+      else out_ += ']';
+    }
+    out_ += '}';
+  }
+  void write_head(const Symbol& s) {
+    out_ += R"({"name":)";
+    write_text(s.name);
+    out_ += R"(,"kind":)";
+    out_ += std::to_string(outline_kind(s.kind));
+    out_ += R"(,"detail":)";
+    write_text(s.type_text);
+    out_ += R"(,"range":)";
+    write_range(s.range);
+    out_ += R"(,"selectionRange":)";
+    write_range(s.name_range);
+  }
+  // Names and types as written need no escapes but in few cases.
+  void write_text(std::string_view text) {
+    const bool is_plain =
+        std::all_of(text.begin(), text.end(), [](char c) { return c >= ' ' && c < 127 && c != '"' && c != '\\'; });
+    if (is_plain) ((out_ += '"') += text) += '"';
+    else out_ += Json(std::string(text)).dump(-1, ' ', false, Json::error_handler_t::replace);
+  }
+  void write_range(SourceRange r) {
+    out_ += R"({"start":)";
+    write_position(r.begin);
+    out_ += R"(,"end":)";
+    write_position(r.end);
+    out_ += '}';
+  }
+  void write_position(std::uint32_t offset) {
+    const Position at = d_.text.position(offset, encoding_);
+    out_ += R"({"line":)";
+    out_ += std::to_string(at.line);
+    out_ += R"(,"character":)";
+    out_ += std::to_string(at.character);
+    out_ += '}';
+  }
+
+  const Document& d_;
+  const Index& index_;
+  Encoding encoding_;
+  std::string out_;
+};
 
 }  // namespace
 
-Reply document_symbols(Workspace& w, const Document& d) {
-  Json list = Json::array();
-  Json* into = &list;
-  for (const SymbolId id : d.analysis.index.file_symbols) {
-    const Symbol& s = d.analysis.index.symbols[id];
-    if (s.name_range.file != d.analysis.file) continue;
-    into->push_back(outline(w, d, s));
-    if (s.kind != SymbolKind::Package) continue;
-    // Everything else of the file is in its package.
-    into->back()["children"] = Json::array();
-    into = &into->back()["children"];
-  }
-  return list;
-}
+Reply document_symbols(Workspace& w, const Document& d) { return JsonText{OutlineWriter(w, d).run()}; }
 
 Json semantic_legend() {
   return {{"tokenTypes", kTokenTypes}, {"tokenModifiers", {"declaration", "readonly", "modification"}}};
 }
 
 Reply semantic_tokens(Workspace& w, const Document& d, std::uint32_t from, std::uint32_t to) {
-  Json data = Json::array();
+  std::string data = R"({"data":[)";
   Position last;
+  const auto put = [&data](std::uint32_t number) {
+    if (data.back() != '[') data += ',';
+    data += std::to_string(number);
+  };
   for (const index::Use& u : d.analysis.index.uses) {
     if (u.range.file != d.analysis.file || u.range.end <= from || u.range.begin >= to) continue;
     const Position begin = d.text.position(u.range.begin, w.encoding);
@@ -119,14 +181,14 @@ Reply semantic_tokens(Workspace& w, const Document& d, std::uint32_t from, std::
     std::uint32_t modifiers = u.kind == UseKind::Declaration ? kDeclaration : 0u;
     if (u.kind == UseKind::Write) modifiers = kModification;
     if (kind == SymbolKind::Constant) modifiers |= kReadonly;
-    data.push_back(begin.line - last.line);
-    data.push_back(begin.line == last.line ? begin.character - last.character : begin.character);
-    data.push_back(end.character - begin.character);
-    data.push_back(token_type(kind));
-    data.push_back(modifiers);
+    put(begin.line - last.line);
+    put(begin.line == last.line ? begin.character - last.character : begin.character);
+    put(end.character - begin.character);
+    put(token_type(kind));
+    put(modifiers);
     last = begin;
   }
-  return Json{{"data", std::move(data)}};
+  return JsonText{data + "]}"};
 }
 
 }  // namespace bip::lsp

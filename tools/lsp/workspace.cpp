@@ -8,12 +8,6 @@
 
 namespace bip::lsp {
 
-const std::string* Analysis::path_of(FileId id) const {
-  if (compilation == nullptr) return nullptr;
-  const auto found = compilation->paths.find(id);
-  return found == compilation->paths.end() ? nullptr : &found->second;
-}
-
 Document& Workspace::open(std::string uri, std::string text, std::int64_t version) {
   const std::string path = lsp::path_of(uri);
   auto document = std::make_unique<Document>();
@@ -35,6 +29,12 @@ Document* Workspace::find_path(const std::string& path) {
   return found == documents_.end() ? nullptr : found->second.get();
 }
 
+std::map<std::string, std::string> Workspace::open_texts() const {
+  std::map<std::string, std::string> texts;
+  for (const auto& [path, document] : documents_) texts.emplace(path, document->text.str());
+  return texts;
+}
+
 void Workspace::analyse(Document& d) {
   d.checked_edits = d.edits;
   pipeline::CompileOptions options;
@@ -42,23 +42,12 @@ void Workspace::analyse(Document& d) {
   auto c = std::make_unique<pipeline::Compilation>(std::move(options));
   for (const auto& [path, other] : documents_) c->open_texts.emplace(path, other->text.str());
   (void)pipeline::check(*c, d.path);
-  Analysis a;
-  a.diagnostics = c->diags.sorted();
-  a.file = c->file;
-  // `check` stops at the first stage with errors; names are wanted whatever it found. Sorted before, so nothing is
-  // added.
+  // `check` stops at the first stage with errors; names are wanted whatever it found. Diagnostics were complete before.
   const bool has_tree = c->syntax.has_value() && c->syntax->package != nullptr;
+  std::vector<const Diagnostic*> found = c->diags.sorted();
   if (has_tree && c->packages.empty()) (void)pipeline::load_packages(*c);
-  if (has_tree && c->packages.empty()) c->packages.push_back(&*c->syntax);
-  a.index = index::build_index(c->packages, c->sources);
-  // The index needs texts only, and an instantiated system may be large.
-  c->system.reset();
-  c->model.reset();
-  c->packages.clear();
-  c->used.clear();
-  c->syntax.reset();
-  c->open_texts.clear();
-  a.compilation = std::move(c);
+  Analysis a = take_names(std::move(c));
+  a.diagnostics = std::move(found);
   if (!has_tree && d.analysis.index.symbols.size() > 0) {
     d.last_names = std::move(d.analysis.index);
     d.last_compilation = std::move(d.analysis.compilation);

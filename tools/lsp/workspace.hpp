@@ -8,21 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "compiler/pipeline/pipeline.hpp"
-#include "compiler/index/index.hpp"
+#include "tools/lsp/analysis.hpp"
 #include "tools/lsp/json_rpc.hpp"
+#include "tools/lsp/unopened_files.hpp"
 
 namespace bip::lsp {
-
-/// One check of one document. Files of the compilation are found by id in `compilation->paths`.
-struct Analysis {
-  std::unique_ptr<pipeline::Compilation> compilation;
-  std::vector<const Diagnostic*> diagnostics;  // as `bipc check` lists them
-  index::Index index;
-  FileId file;  // the document's; none if its text was refused
-
-  [[nodiscard]] const std::string* path_of(FileId id) const;
-};
 
 struct Document {
   std::string uri;
@@ -40,12 +30,16 @@ class Workspace {
  public:
   Encoding encoding = Encoding::Utf16;
   std::vector<std::string> folders;  // as -I
+  UnopenedFiles unopened;
 
   Document& open(std::string uri, std::string text, std::int64_t version);
   void close(const std::string& uri);
   [[nodiscard]] Document* find(const std::string& uri);
   [[nodiscard]] Document* find_path(const std::string& path);
   [[nodiscard]] std::map<std::string, std::unique_ptr<Document>>& documents() { return documents_; }
+
+  /// The text of each open document, by path.
+  [[nodiscard]] std::map<std::string, std::string> open_texts() const;
 
   /// Checks the document and those that use its package. Returns the parameters of publishDiagnostics that are due.
   [[nodiscard]] std::vector<Json> check(const std::string& path);

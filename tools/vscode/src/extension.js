@@ -6,9 +6,18 @@ const fs = require("fs");
 const os = require("os");
 const path = require("path");
 const vscode = require("vscode");
-const { LanguageClient, TransportKind } = require("vscode-languageclient/node");
+const { CodeLensRequest, LanguageClient, TransportKind } = require("vscode-languageclient/node");
+const { Verdicts } = require("./verdicts");
 
 let client;
+let verdicts;
+
+/** Lenses are asked for again: a verdict is new. */
+function refreshLenses() {
+  for (const document of vscode.workspace.textDocuments) {
+    if (document.languageId === "bip") client?.getFeature(CodeLensRequest.method)?.getProvider(document)?.onDidChangeCodeLensEmitter.fire();
+  }
+}
 
 async function start() {
   const settings = vscode.workspace.getConfiguration("bip");
@@ -20,6 +29,12 @@ async function start() {
     {
       documentSelector: [{ language: "bip" }],
       initializationOptions: { packageFolders: settings.get("packageFolders", []) },
+      middleware: {
+        provideCodeLenses: async (document, token, next) => {
+          const lenses = await next(document, token);
+          return lenses && verdicts.decorate(document, lenses);
+        },
+      },
     },
   );
   try {
@@ -57,11 +72,21 @@ function taskOf(command, args) {
   return new vscode.Task({ type: "bipc", command, args }, vscode.TaskScope.Workspace, command, "bipc", execution, "$bipc");
 }
 
-async function runTask(command, uri, args) {
+const asked = new Map(); // tasks of `verify` that run: what they were asked
+
+async function runTask(command, uri, args, expected = "") {
   const model = modelOf(uri);
   if (!model) return;
   await vscode.workspace.saveAll(false);
-  await vscode.tasks.executeTask(taskOf(command, ["--diagnostics=short", ...args, model]));
+  const execution = await vscode.tasks.executeTask(taskOf(command, ["--diagnostics=short", ...args, model]));
+  if (command === "verify" && uri) asked.set(execution, { uri, expected, options: args });
+}
+
+/** The end of a task that a lens began. */
+function noteEnd({ execution, exitCode }) {
+  const question = asked.get(execution);
+  if (question && exitCode !== undefined) verdicts.note(question, exitCode);
+  asked.delete(execution);
 }
 
 const rootOf = (root) => (root ? ["--root", root] : []);
@@ -110,7 +135,7 @@ function addCommands(context) {
   const commands = {
     "bip.run": (uri, root) => runTask("run", uri, ["--limit", "1000", ...rootOf(root)]),
     "bip.verify": (uri, root) => runTask("verify", uri, rootOf(root)),
-    "bip.verifyProperty": (uri, property) => runTask("verify", uri, ["--property", property]),
+    "bip.verifyLine": (uri, expected, options) => runTask("verify", uri, options, expected),
     "bip.explore": (uri, root) => runTask("explore", uri, rootOf(root)),
     "bip.debug": startDebugging,
     "bip.view": openPage,
@@ -128,7 +153,13 @@ function addCommands(context) {
 }
 
 async function activate(context) {
+  verdicts = new Verdicts(bipc, folders, refreshLenses);
   addCommands(context);
+  context.subscriptions.push(
+    verdicts,
+    vscode.tasks.onDidEndTaskProcess(noteEnd),
+    vscode.workspace.onDidChangeTextDocument(({ document, contentChanges }) => contentChanges.length > 0 && verdicts.forget(document.uri.toString())),
+  );
   const restart = async () => {
     await stop();
     await start();

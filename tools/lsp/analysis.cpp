@@ -1,0 +1,43 @@
+// See analysis.hpp.
+#include "tools/lsp/analysis.hpp"
+
+#include <utility>
+
+#include "compiler/model/model.hpp"
+
+namespace bip::lsp {
+
+const std::string* Analysis::path_of(FileId id) const {
+  if (compilation == nullptr) return nullptr;
+  const auto found = compilation->paths.find(id);
+  return found == compilation->paths.end() ? nullptr : &found->second;
+}
+
+Analysis take_names(std::unique_ptr<pipeline::Compilation> c) {
+  Analysis a;
+  a.diagnostics = c->diags.sorted();
+  a.file = c->file;
+  if (c->syntax.has_value() && c->syntax->package != nullptr && c->packages.empty()) c->packages.push_back(&*c->syntax);
+  a.index = index::build_index(c->packages, c->sources);
+  const auto count = [&a](const auto& types) {
+    for (const ConnectorType& type : types) {
+      // Types of other packages have their package before the name.
+      a.interactions.emplace(std::pair(type.name.substr(type.name.rfind('.') + 1), type.loc.line),
+                             model::interaction_count(type));
+    }
+  };
+  // Instantiation takes the types that it uses out of the model.
+  if (c->system) count(c->system->connector_types);
+  if (c->model) count(c->model->connector_types);
+  // The index needs texts only, and an instantiated system may be large.
+  c->system.reset();
+  c->model.reset();
+  c->packages.clear();
+  c->used.clear();
+  c->syntax.reset();
+  c->open_texts.clear();
+  a.compilation = std::move(c);
+  return a;
+}
+
+}  // namespace bip::lsp
