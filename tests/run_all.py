@@ -3,7 +3,7 @@
 
 tools/test calls it after a build. As many programs run at a time as there are processors (BIPC_TEST_JOBS: another
 number); those that measure time run by themselves, at the end. Each group prints one line "group: N passed, N failed";
-what failed is shown, the rest is in build/test-logs/. A program that was not built is a failure. The last line is
+what failed is shown, the rest is in build/test-logs/ (`seconds`: how long each program took). A program that was not built is a failure. The last line is
 "N passed, N failed" over everything. Arguments choose groups (`verify`) or programs of one (`verify:exports`).
 Python's library only.
 """
@@ -123,9 +123,9 @@ def groups(options):
                     script("agreement", "tests/models/test_agreement.py", "--timeout", "5", weight=25)]),
         ("day", [script("day", "tests/models/test_day.py", "--steps", "6000000", weight=14)]),
         ("genom", [script("genom", "tests/genom/test_genom.py", weight=30), script("dala", "tests/genom/test_dala.py", weight=30),
-                   script("rules", "tests/rules/test_rules.py", weight=10), script("codels", "tests/genom/test_c_codels.py", weight=10), script("mission", "models/dala/run", alone=True)]),
+                   script("rules", "tests/rules/test_rules.py", weight=10), script("constructs", "tests/genom/test_constructs.py", weight=3), script("codels", "tests/genom/test_c_codels.py", weight=10), script("mission", "models/dala/run", alone=True), script("faults", "tests/genom/test_dala_faults.py", alone=True)]),
         ("serve", [script("serve", "tests/serve/test_serve.py", alone=True), script("stepping", "tests/serve/test_stepping.py"), script("requests", "tests/serve/test_requests.py"), script("watchdog", "tests/serve/test_watchdog.py", alone=True)]),
-        ("distributed", [script("distributed", "tests/distributed/test_processes.py", alone=True)]),
+        ("distributed", [script("distributed", "tests/distributed/test_processes.py", alone=True), script("hosts", "tests/distributed/test_hosts.py", alone=True)]),
         ("faults", [script("faults", "tests/faults/test_faults.py", alone=True)]),
         ("traces", [script("traces", "tests/traces/test_traces.py", weight=3)]),
         ("debuggers", [script("debuggers", "tests/debuggers/test_debuggers.py", alone=True)]),
@@ -137,11 +137,12 @@ def groups(options):
         ("view", [script("view", "tests/view/test_page.py", alone=True), script("live", "tests/view/test_live.py")]),
         ("dap", [script("dap", "tests/dap/test_dap.py", weight=20)]),
         ("lsp", needs("bipc-lsp", script("lsp", "tests/lsp/test_lsp.py", weight=145))),
-        ("verify", needs("bip-verify-check", script("verify", "tests/verify/test_verify.sh", str(options.nets), weight=300),
+        ("verify", needs("bip-verify-check", script("verify", "tests/verify/test_verify.sh", str(options.nets), str(options.first), weight=180),
                          script("terminal", "tests/verify/test_terminal.py", alone=True), script("exports", "tests/verify/test_exports.py", weight=20),
                          script("aiger", "tests/verify/test_aiger.py", weight=10), script("timed", "tests/verify/test_timed.py", weight=10),
-                         script("liveness", "tests/verify/test_liveness.py", weight=10))),
-        ("differential", needs("bip-gen", script("differential", "tests/differential/test_differential.sh", str(options.systems), "1", *(["--without-emitted"] if options.without_emitted else []), weight=150),
+                         script("liveness", "tests/verify/test_liveness.py", weight=10),
+                         script("sizes", "tests/verify/test_sizes.py", weight=10))),
+        ("differential", needs("bip-gen", script("differential", "tests/differential/test_differential.sh", str(options.systems), str(options.first), *(["--without-emitted"] if options.without_emitted else []), weight=150),
                                script("engines", "tests/differential/test_engines.sh", "100", weight=40))),
     ]
 
@@ -151,8 +152,9 @@ def main():
     # The user's own cache is none of ours.
     os.environ["XDG_CACHE_HOME"] = str(BUILD / "tests-cache")
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    arguments.add_argument("--systems", type=int, default=500, help="random systems of the group differential")
-    arguments.add_argument("--nets", type=int, default=1000, help="random systems of the prover's test; 2000 is what test_verify.sh itself takes")
+    arguments.add_argument("--systems", type=int, default=200, help="random systems of the group differential")
+    arguments.add_argument("--nets", type=int, default=300, help="random systems of the prover's test; 2000 is what test_verify.sh itself takes")
+    arguments.add_argument("--first", type=int, default=2001, help="seed of the first random system")
     arguments.add_argument("--without-emitted", action="store_true", help="random systems are not also run as emitted C++")
     arguments.add_argument("groups", nargs="*")
     options = arguments.parse_args()
@@ -196,6 +198,7 @@ def main():
     for job in jobs:
         if job.alone:
             execute(job)
+    (LOGS / "seconds").write_text("".join(f"{seconds[job]:8.1f}  {name}:{job.name}\n" for name, group in chosen for job in group))
     print(f"{total[0]} passed, {total[1]} failed" + (f", {len(skipped)} skipped" if skipped else ""), flush=True)
     return 1 if total[1] else 0
 

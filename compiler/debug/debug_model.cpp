@@ -1,6 +1,7 @@
 // See debug_model.hpp.
 #include "compiler/base/ascii.hpp"
 #include "compiler/debug/debug_model.hpp"
+#include "compiler/system/system.hpp"
 
 #include <algorithm>
 #include <charconv>

@@ -6,8 +6,11 @@
 #include <vector>
 
 #include "compiler/base/result.hpp"
-#include "compiler/system/system.hpp"
 #include "runtime/debug/breakpoint.hpp"
+
+namespace bip {
+struct System;
+}
 
 namespace bip::debug {
 

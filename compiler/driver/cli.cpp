@@ -95,6 +95,8 @@ std::vector<std::string> with_whole_options(const CLI::App& app, int argc, char*
 int dispatch(const CLI::App& app, const Arguments& arguments) {
   if (app.got_subcommand("check")) return command_check(arguments.check);
   if (app.got_subcommand("run")) return command_run(arguments.run);
+  if (app.got_subcommand("deploy")) return command_deploy(arguments.deploy);
+  if (app.got_subcommand("node")) return command_node(arguments.node);
   if (app.got_subcommand("verify")) return command_verify(arguments.verify);
   if (app.got_subcommand("explore")) return command_explore(arguments.explore);
   if (app.got_subcommand("simulate")) return command_simulate(arguments.simulate);

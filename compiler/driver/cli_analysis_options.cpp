@@ -46,6 +46,15 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
       ->excludes("--property")
       ->excludes("--certificate");
   command
+      ->add_option("--for-all", a.for_all,
+                   "decide whether a compound with one parameter, `int N`, is free of deadlocks for every value of it, "
+                   "from the first that compiles or from NUMBER on; --root TYPE chooses the compound")
+      ->excludes("--property")
+      ->excludes("--properties")
+      ->excludes("--certificate")
+      ->excludes("--partial")
+      ->type_name("'N [>= NUMBER]'");
+  command
       ->add_option("--trace", a.trace_path,
                    "write a trace (JSON lines) of the run that violates the property to PATH, for `bipc step`")
       ->type_name("PATH");
@@ -74,7 +83,8 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
       "Example:\n  bipc verify --root 'Table(1000)' --certificate table.cert model.bip\n"
       "  bipc verify --property 'never phil[0]@EATS && phil[1]@EATS' model.bip\n"
       "  bipc verify --property 'phil[0]@HUNGRY leads to phil[0]@EATS' --fair=weak model.bip\n"
-      "  bipc verify --property errors model.bip");
+      "  bipc verify --property errors model.bip\n"
+      "  bipc verify --for-all n --root Table model.bip");
 }
 
 void add_explore(CLI::App& app, ExploreArguments& a) {
@@ -121,15 +131,27 @@ void add_simulate(CLI::App& app, SimulateArguments& a) {
   CLI::App* command =
       app.add_subcommand("simulate", "make many runs and estimate numbers: counts, times, probabilities");
   add_model(*command, a.file);
-  add_number(*command, "--runs", a.simulate.runs, "number of runs (default: 1000)");
   command
-      ->add_option("--within", a.within,
-                   "make so many runs that a probability is known within E, with confidence 95% (instead of --runs)")
+      ->add_option_function<std::uint64_t>(
+          "--runs", [&a](std::uint64_t runs) { a.simulate.runs = runs, a.has_runs = true; },
+          "number of runs (default: 1000)")
+      ->check(is_number())
+      ->type_name("N");
+  command
+      ->add_option("--within", a.within, "make so many runs that a probability is known within E (instead of --runs)")
       ->check(is_real(0.0001, 0.5))
       ->type_name("E");
+  command->add_option("--confidence", a.confidence, "probability that an interval contains the truth (default: 0.95)")
+      ->check(is_real(0.5, 0.999999))
+      ->type_name("P");
   add_seed(*command, a.simulate.seed, a.has_seed,
            "seed of the first run; each later run has the next number (default: drawn at random and printed)");
-  add_number(*command, "-l,--limit", a.simulate.limit, "steps of a run (default: 1000)");
+  command
+      ->add_option_function<std::uint64_t>(
+          "-l,--limit", [&a](std::uint64_t steps) { a.simulate.limit = steps, a.has_limit = true; },
+          "steps of a run (default: 1000; of splitting: 1000000)")
+      ->check(is_number())
+      ->type_name("N");
   command
       ->add_option("--until", a.until, "end each run at this instant of the model, such as 1s500ms (default: no limit)")
       ->type_name("TIME");
@@ -139,6 +161,36 @@ void add_simulate(CLI::App& app, SimulateArguments& a) {
                    "EXPR, mean EXPR, last EXPR")
       ->type_name("OBSERVER")
       ->allow_extra_args(false);
+  command
+      ->add_option("--query", a.queries,
+                   "answer a question: P=? [ PATH ], P>=0.9 [ PATH ], P<=0.1 [ PATH ], E=? [ OBSERVER ]; a PATH is F "
+                   "EXPR, G EXPR or EXPR U EXPR, with a bound in steps or time as in F<=100 EXPR, F<=5s EXPR")
+      ->type_name("QUERY")
+      ->allow_extra_args(false);
+  command->add_flag("--exact", a.exact,
+                    "answer queries on the Markov chain of all reachable states instead of by runs; for models without "
+                    "time and C++");
+  command->add_option("--alpha", a.test.alpha, "probability that P>=S is denied though it holds (default: 0.05)")
+      ->check(is_real(1e-9, 0.49))
+      ->type_name("P");
+  command
+      ->add_option("--beta", a.test.beta, "probability that P>=S is affirmed though it does not hold (default: 0.05)")
+      ->check(is_real(1e-9, 0.49))
+      ->type_name("P");
+  command
+      ->add_option("--delta", a.test.delta,
+                   "distance from S within which a test of P>=S may answer either way (default: 0.01)")
+      ->check(is_real(1e-9, 0.49))
+      ->type_name("D");
+  command
+      ->add_option("--importance", a.importance,
+                   "estimate the probability of a rare event by splitting: the number EXPR grows on the way to it")
+      ->type_name("EXPR");
+  command->add_option("--levels", a.levels, "levels of EXPR at which runs are split (default: found by trial runs)")
+      ->delimiter(',')
+      ->type_name("X,Y,...");
+  add_number(*command, "--effort", a.effort, "runs at each level of splitting (default: 1000)");
+  add_number(*command, "--replications", a.replications, "independent estimates by splitting (default: 32)");
   command->add_option("--stop", a.stop, "end a run at the first state in which the condition EXPR holds")
       ->type_name("EXPR");
   add_choice(*command, "--policy", a.simulate.policy, kPolicies.names, kPolicies.shown,
@@ -162,24 +214,29 @@ void add_simulate(CLI::App& app, SimulateArguments& a) {
       "EXPR is an expression over stable states: a@PLACE, a.data, can connector, can a.port, and the operators of "
       "guards. Times are in seconds; without clocks, in steps.\n"
       "Run k is `bipc run --seed SEED+k`. The result does not depend on the number of threads.\n"
-      "Exit code: 0, or 1 if a run ended with a run-time error, 130 after Ctrl-C.\n"
+      "Exit code: 0, or 1 if a run ended with a run-time error, 3 if the answer to a P>=S is no, 4 if it stays open, "
+      "130 "
+      "after Ctrl-C.\n"
       "Example:\n  bipc simulate --runs 10000 --limit 100 --observe 'count eat[0]' --observe 'reaches "
       "phil[0]@EATS' model.bip");
 }
 
 void add_export(CLI::App& app, ExportArguments& a) {
-  CLI::App* command = app.add_subcommand(
-      "export",
-      "write a model for other tools: Promela for SPIN, PNML for Petri nets, AIGER for model checkers of circuits");
+  CLI::App* command = app.add_subcommand("export",
+                                         "write a model for other tools: Promela for SPIN, PNML for Petri nets, AIGER "
+                                         "for model checkers of circuits, PRISM "
+                                         "for those of probabilities");
   add_model(*command, a.file);
   add_choice(
-      *command, "--format", a.format, kExportFormats, "promela|pnml|aiger|net",
+      *command, "--format", a.format, kExportFormats, "promela|pnml|aiger|net|prism",
       "output format: promela (default; int, bool and string data), pnml (models without guards over data), aiger "
-      "(the prover's transition system as an and-inverter graph, with one output: bad) or net (the prover's net as "
-      "a DOT graph)");
+      "(the prover's transition system as an and-inverter graph, with one output: bad), net (the prover's net as a "
+      "DOT graph) or prism (the Markov chain of the runs under the policy uniform, for PRISM and Storm)");
   command
-      ->add_option("--property", a.property,
-                   "property whose violation is bad in the format aiger (default: deadlock), as for verify")
+      ->add_option(
+          "--property", a.property,
+          "property that the output asks, as for verify: in the format promela one of states or runs, in aiger one of "
+          "states (default: deadlock)")
       ->type_name("PROPERTY");
   command->add_option("-o,--output", a.output, "output file (default: standard output)")->type_name("FILE");
   command->add_flag_callback(

@@ -201,6 +201,10 @@ void add_serve(CLI::App& app, ServeArguments& a) {
       ->type_name("NAME");
   add_duration(*command, "--late-after", a.late_after,
                "tell of each instant whose steps begin so much later than they are due (default: 0: never)");
+  add_duration(
+      *command, "--silent-after", a.silent_after,
+      "call the safe-stop function when clients that have posted events or asked for services send nothing for "
+      "so long (default: 0: never)");
   command
       ->add_option("--trace", a.trace_path,
                    "write a trace of the steps to PATH; the file is complete when the process has ended")
@@ -396,6 +400,8 @@ void add_commands(CLI::App& app, Arguments& arguments) {
   add_trace(app, arguments.trace);
   add_dap(app);
   add_serve(app, arguments.serve);
+  add_deploy(app, arguments.deploy);
+  add_node(app, arguments.node);
   add_build(app, arguments.build);
   add_emit(app, arguments.emit);
   add_graph(app, arguments.graph);

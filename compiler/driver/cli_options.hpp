@@ -10,6 +10,8 @@ namespace bip::driver {
 struct Arguments {
   CheckArguments check;
   RunArguments run;
+  DeployArguments deploy;
+  NodeArguments node;
   StepArguments step;
   ViewArguments view;
   TraceArguments trace;
@@ -41,6 +43,9 @@ void add_rules(CLI::App& app, GenomArguments& a);
 void add_verify(CLI::App& app, VerifyArguments& a);
 void add_explore(CLI::App& app, ExploreArguments& a);
 void add_simulate(CLI::App& app, SimulateArguments& a);
+/// Folders for hosts, and nodes there.
+void add_deploy(CLI::App& app, DeployArguments& a);
+void add_node(CLI::App& app, NodeArguments& a);
 void add_export(CLI::App& app, ExportArguments& a);
 void add_graph(CLI::App& app, GraphArguments& a);
 void add_view(CLI::App& app, ViewArguments& a);

@@ -153,7 +153,13 @@ class Replay {
         ours = our_candidates(core_, writer_);
       }
       const std::string wanted = normal_candidate(state.chosen);
-      const auto chosen = std::find_if(ours.begin(), ours.end(), [&](const Shown& s) { return s.normal == wanted; });
+      const auto is_wanted = [&](const Shown& s) { return s.normal == wanted; };
+      auto chosen = std::find_if(ours.begin(), ours.end(), is_wanted);
+      for (std::size_t k = 0; k < state.chosen_rank && chosen != ours.end(); ++k) {
+        const auto next = std::find_if(chosen + 1, ours.end(), is_wanted);
+        if (next == ours.end()) break;
+        chosen = next;
+      }
       if (chosen == ours.end()) {
         return fail(core_.is_timed() ? fmt::format("state #{} of `{}` chooses at {} what is not possible then: {}",
                                                    state.number, trace_path_, state.instant, state.chosen)

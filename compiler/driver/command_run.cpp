@@ -117,7 +117,7 @@ class StepsProgressLine {
   bool is_shown_ = false;
 };
 
-// The image has all of the instances; what is compiled or told from now on asks for types and code.
+// The image has all of the instances; what is compiled or reported from now on needs types and code only.
 void release_instances(Compilation& c) {
   c.system->atoms = {};
   c.system->connectors = {};

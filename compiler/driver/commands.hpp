@@ -8,6 +8,10 @@ namespace bip::driver {
 
 [[nodiscard]] int command_check(const CheckArguments& arguments);
 [[nodiscard]] int command_run(const RunArguments& arguments);
+/// Folders for the hosts of a run on several nodes.
+[[nodiscard]] int command_deploy(const DeployArguments& arguments);
+/// One node of such a run; the first one runs the launcher as well.
+[[nodiscard]] int command_node(const NodeArguments& arguments);
 /// Deadlock-free, a deadlock with its steps, or unknown: 0, 3, 4.
 [[nodiscard]] int command_verify(const VerifyArguments& arguments);
 /// All reachable states: 0, 1 run-time errors, 3 deadlocks, 4 a limit came first.

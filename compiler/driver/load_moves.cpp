@@ -151,16 +151,19 @@ bool load_binary(Compilation& c, const RunFileText& run, rt::DebugSession& sessi
 }
 
 // As `bipc replay --published` finds the chosen candidate: by its printed form.
-std::optional<rt::EnabledSet::Position> find_published_candidate(rt::Core& core, const std::string& chosen) {
+std::optional<rt::EnabledSet::Position> find_published_candidate(rt::Core& core, const TraceState& state) {
   std::string text;
   rt::Bip2Writer().state(text, core, 0);
   const Result<PublishedTrace> ours = read_published_trace(text);
   if (!ours || core.candidate_count() == 0) return std::nullopt;
   const std::vector<std::string>& candidates = (*ours).states.front().candidates;
+  std::size_t before = 0;
+  std::optional<rt::EnabledSet::Position> found;
   for (std::size_t k = 0; k < candidates.size(); ++k) {
-    if (normal_candidate(candidates[k]) == normal_candidate(without_intervals(chosen))) return core.position(k);
+    if (normal_candidate(candidates[k]) != normal_candidate(without_intervals(state.chosen))) continue;
+    if (before++ <= state.chosen_rank) found = core.position(k);
   }
-  return std::nullopt;
+  return found;
 }
 
 bool load_published(Compilation& c, const RunFileText& run, rt::DebugSession& session) {
@@ -174,7 +177,7 @@ bool load_published(Compilation& c, const RunFileText& run, rt::DebugSession& se
     if (state.chosen.empty()) continue;
     const rt::i64 instant = state.instant.empty() ? session.core().now() : rt::parse_time(state.instant);
     if (instant < 0) return cannot_follow(c, run.path, number, fmt::format("`{}` is no instant", state.instant));
-    const auto find = [&state](rt::Core& core) { return find_published_candidate(core, state.chosen); };
+    const auto find = [&state](rt::Core& core) { return find_published_candidate(core, state); };
     if (!follow_step(c, run, session, number++, instant, find)) return false;
   }
   return true;

@@ -45,7 +45,8 @@ const Names<rt::OnLoss> kOnLoss{{"stop", rt::OnLoss::Stop}, {"go-on", rt::OnLoss
 const Names<ExportFormat> kExportFormats{{"promela", ExportFormat::Promela},
                                          {"pnml", ExportFormat::Pnml},
                                          {"aiger", ExportFormat::Aiger},
-                                         {"net", ExportFormat::Net}};
+                                         {"net", ExportFormat::Net},
+                                         {"prism", ExportFormat::Prism}};
 const Names<rt::StateReduction> kReductions{
     {"none", rt::StateReduction::None}, {"por", rt::StateReduction::Por}, {"symmetry", rt::StateReduction::Symmetry}};
 

@@ -7,8 +7,9 @@
 #include "bip/run.hpp"
 #include "compiler/graph/graph.hpp"
 #include "compiler/traces/selection.hpp"
-#include "compiler/library/decide.hpp"
+#include "compiler/library/verify_request.hpp"
 #include "compiler/pipeline/options.hpp"
+#include "compiler/library/sequential_test.hpp"
 #include "runtime/engine/simulate.hpp"
 #include "runtime/debug/session.hpp"
 #include "runtime/explore/explore.hpp"
@@ -27,6 +28,18 @@ struct RunArguments {
   bool profile = false;        // a table of where the time went follows
   std::string profile_path;    // the same as JSON; empty: none
   std::string placement_path;  // where components are at home; empty: anywhere
+};
+/// Folders for the hosts of a run.
+struct DeployArguments {
+  CompileOptions compile;
+  std::string file;
+  std::string placement_path;
+  std::string output;
+};
+/// Such a folder; `file` and `placement_path` of the run are in it.
+struct NodeArguments : RunArguments {
+  std::string folder;
+  std::string listen;  // ADDRESS:PORT; empty: as the placement says
 };
 /// A debugging session on a model.
 struct SessionArguments {
@@ -75,6 +88,7 @@ struct ServeArguments {
   int real_time_priority = 0;     // 0: as usual
   std::int64_t stall_after = -1;  // ns; -1: a second if there is a safe-stop function, 0: the watchdog is off
   std::int64_t late_after = 0;    // ns; 0: late steps are not reported
+  std::int64_t silent_after = 0;  // ns; 0: clients may be silent
   std::string safe_stop;          // empty: `safe_stop` if the model's C++ has it
   std::string trace_path;         // empty: none
   rt::TraceFormat trace_format = rt::TraceFormat::Json;
@@ -94,6 +108,7 @@ struct VerifyArguments : library::VerifyRequest {
   std::string properties_path;  // of a file with more properties; empty: none
   std::string certificate;      // empty: none is written
   std::string trace_path;       // of the run that violates the property; empty: none is written
+  std::string for_all;          // parameter whose sizes are meant, `n` or `n >= 3`; empty: one system
   bool json = false;
 };
 struct ExploreArguments {
@@ -119,11 +134,19 @@ struct SimulateArguments {
   Optimisation optimisation = Optimisation::Auto;
   rt::SimulateOptions simulate;  // observers, stop and until are read from the texts below
   std::vector<std::string> observers;
-  std::string stop, until;    // empty: none
-  double within = 0;          // runs enough for a probability to be so near; 0: simulate.runs
-  bool has_seed = false;      // else one is drawn
-  std::uint64_t threads = 0;  // 0: all processors
-  std::string csv_path;       // a row a run; empty: none
+  std::vector<std::string> queries;
+  double confidence = 0.95;                        // of intervals
+  library::TestOptions test;                       // of queries that are tests
+  bool exact = false;                              // queries are answered on the Markov chain
+  std::string importance;                          // queries are answered by splitting; empty: they are not
+  std::vector<double> levels;                      // of splitting; empty: they are found
+  std::uint64_t effort = 1000, replications = 32;  // of splitting
+  bool has_runs = false, has_limit = false;        // else their defaults
+  std::string stop, until;                         // empty: none
+  double within = 0;                               // runs enough for a probability to be so near; 0: simulate.runs
+  bool has_seed = false;                           // else one is drawn
+  std::uint64_t threads = 0;                       // 0: all processors
+  std::string csv_path;                            // a row a run; empty: none
   bool json = false;
   bool shows_histogram = false;
 };
@@ -148,7 +171,7 @@ struct GraphArguments {
   GraphFormat format = GraphFormat::BySuffix;
   graph::PictureOptions picture;
 };
-enum class ExportFormat : std::uint8_t { Promela, Pnml, Aiger, Net };
+enum class ExportFormat : std::uint8_t { Promela, Pnml, Aiger, Net, Prism };
 struct ExportArguments {
   CompileOptions compile;
   std::string file;
@@ -198,7 +221,8 @@ struct GenomArguments {
   std::int64_t control_period = 1;
   std::int64_t poster_period = 1;
   std::int64_t oldest = 100;
-  bool prove = false;  // of rules: can they be met?
+  bool prove = false;           // of rules: can they be met?
+  bool lists_left_out = false;  // of rules: which services are like theirs?
   std::uint64_t timeout = 60;
 };
 

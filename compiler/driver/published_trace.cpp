@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
 #include <charconv>
 
@@ -29,9 +30,8 @@ bool take(std::string_view& text, std::string_view word) {
 }
 
 // "[3] ROOT.k: p.put(v=1;)" without its number.
-bool take_candidate(std::string_view text, std::string& candidate) {
-  std::uint64_t ignored = 0;
-  if (!take(text, "[") || !take_number(text, ignored) || !take(text, "]")) return false;
+bool take_candidate(std::string_view text, std::uint64_t& number, std::string& candidate) {
+  if (!take(text, "[") || !take_number(text, number) || !take(text, "]")) return false;
   candidate = trimmed(text);
   return !candidate.empty();
 }
@@ -183,7 +183,9 @@ class Reader {
 
   void read_choice(std::string_view line) {
     std::string chosen;
-    if (trace_.states.empty() || !take_candidate(line, chosen)) return fail("line {} chooses nothing that can be read");
+    std::uint64_t number = 0;
+    if (trace_.states.empty() || !take_candidate(line, number, chosen))
+      return fail("line {} chooses nothing that can be read");
     TraceState& state = trace_.states.back();
     if (const std::size_t at = chosen.rfind(kAtTime);
         at != std::string::npos && chosen.find('"', at) == std::string::npos) {
@@ -191,8 +193,18 @@ class Reader {
       chosen.resize(at);
     }
     state.chosen = without_intervals(chosen);
+    state.chosen_rank = rank_of(state, number);
     // A choice that was cut off says too little to be followed.
     if (text_.empty() && is_cut_off(state)) state.chosen.clear();
+  }
+
+  // Alternatives of a merged port have one text.
+  static std::size_t rank_of(const TraceState& state, std::uint64_t number) {
+    const std::string wanted = normal_candidate(state.chosen);
+    std::size_t rank = 0;
+    for (std::size_t k = 0; k < std::min<std::size_t>(number, state.candidates.size()); ++k)
+      rank += normal_candidate(without_intervals(state.candidates[k])) == wanted ? 1 : 0;
+    return rank;
   }
 
   static bool is_cut_off(const TraceState& state) {
@@ -204,7 +216,9 @@ class Reader {
 
   void read_candidate(std::string_view line) {
     std::string candidate;
-    if (trace_.states.empty() || !take_candidate(line, candidate)) return fail("line {} is no interaction of a state");
+    std::uint64_t ignored = 0;
+    if (trace_.states.empty() || !take_candidate(line, ignored, candidate))
+      return fail("line {} is no interaction of a state");
     TraceState& state = trace_.states.back();
     // `now` is the state's instant.
     const std::string name = without_intervals(candidate);

@@ -33,6 +33,7 @@ struct TraceState {
   std::size_t line = 0;                 // of its first line, from 1
   std::vector<std::string> candidates;  // without "[k] ", with their intervals
   std::string chosen;                   // empty: none
+  std::size_t chosen_rank = 0;          // among the candidates of that text: how many stand before it
   std::string entered;                  // "1s", the state's global time; empty: the trace has no time
   std::string instant;                  // "1s500ms", when it was taken; empty: the trace has no time
   bool is_deadlock = false;

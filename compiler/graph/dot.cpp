@@ -3,6 +3,7 @@
 
 #include "compiler/graph/graph.hpp"
 #include "compiler/source/utf8.hpp"
+#include "compiler/system/system.hpp"
 
 namespace bip::graph {
 

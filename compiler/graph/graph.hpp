@@ -8,7 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "compiler/system/system.hpp"
+namespace bip {
+struct System;
+}
 
 namespace bip::graph {
 

@@ -5,6 +5,7 @@
 
 #include "compiler/graph/code_text.hpp"
 #include "compiler/graph/graph.hpp"
+#include "compiler/system/system.hpp"
 
 namespace bip::graph {
 namespace {

@@ -6,6 +6,7 @@
 #pragma once
 #include "compiler/graph/graph.hpp"
 #include "compiler/graph/shapes.hpp"
+#include "compiler/system/system.hpp"
 
 namespace bip::graph {
 

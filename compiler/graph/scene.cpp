@@ -9,6 +9,7 @@
 
 #include "compiler/graph/code_text.hpp"
 #include "compiler/graph/dot.hpp"
+#include "compiler/system/system.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::graph {

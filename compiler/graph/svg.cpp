@@ -3,6 +3,7 @@
 
 #include "compiler/graph/graph.hpp"
 #include "compiler/graph/picture.hpp"
+#include "compiler/system/system.hpp"
 
 namespace bip::graph {
 namespace {

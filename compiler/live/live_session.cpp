@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "compiler/debug/event_values.hpp"
+#include "compiler/system/system.hpp"
 #include "runtime/core/final_state.hpp"
 #include "runtime/core/why_not.hpp"
 #include "runtime/engine/interrupt.hpp"

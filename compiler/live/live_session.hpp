@@ -59,7 +59,7 @@ class LiveSession {
   /// Whether a walk or a run goes on: then go_on() is called again and again.
   [[nodiscard]] bool is_running() const { return running_.has_value(); }
   void go_on();
-  /// The process was told to end while the model moved.
+  /// A signal ended the process while the model moved.
   [[nodiscard]] bool is_interrupted() const { return is_interrupted_; }
   /// A page has gone: what it had begun ends.
   void leave(std::uint64_t page);

@@ -21,7 +21,7 @@ struct PageServerOptions {
   int silence = 10;                                        // seconds until a connection that asks for nothing is closed
 };
 
-/// Serves until the process is told to end (SIGINT, SIGTERM, SIGHUP). `page` makes the page, and gets what its content
+/// Serves until SIGINT, SIGTERM or SIGHUP ends the process. `page` makes the page, and gets what its content
 /// security policy allows it to connect to; `announce` gets the page's address. False: `error` says why nothing was
 /// served.
 [[nodiscard]] bool serve_page(LiveSession& session, const PageServerOptions& options,

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "compiler/graph/picture.hpp"
+#include "compiler/system/system.hpp"
 #include "compiler/view/page_files.hpp"
 
 namespace bip::view {

@@ -1,5 +1,6 @@
 // See proof_record.hpp.
 #include "compiler/view/proof_record.hpp"
+#include "compiler/system/system.hpp"
 
 #include <algorithm>
 #include <map>

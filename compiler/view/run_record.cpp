@@ -4,6 +4,7 @@
 #include <set>
 #include <unordered_map>
 
+#include "compiler/system/system.hpp"
 #include "runtime/core/deadlock_explanation.hpp"
 #include "runtime/core/final_state.hpp"
 #include "runtime/core/text.hpp"

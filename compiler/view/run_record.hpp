@@ -17,8 +17,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "compiler/system/system.hpp"
 #include "runtime/debug/session.hpp"
+
+namespace bip {
+struct System;
+}
 
 namespace bip::view {
 

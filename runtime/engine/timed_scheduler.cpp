@@ -28,14 +28,35 @@ i64 TimedScheduler::draw(i64 first, i64 last, i64 mean) {
   }
 }
 
+namespace {
+
+i64 mean_of(i64 unit, double weight) {
+  const double mean = static_cast<double>(unit) / weight;
+  return mean < 1 ? 1 : mean > static_cast<double>(kForever / 4) ? kForever / 4 : static_cast<i64>(mean);
+}
+double weight_of_tie(double share, double total) { return share * total; }
+
+}  // namespace
+
 // The earliest plan, and whose it is; false if it is not before the next change.
 bool TimedScheduler::plan(Core& core, i64 last) {
   at_ = kForever;
   std::uint64_t ties = 0;
+  const bool is_weighted = core.weights().any();
+  double weight_of_ties = 0;
   for (std::uint64_t k = 0; k < ends_.size(); ++k) {
     BIP_ASSERT(ends_[k] >= core.now(), "candidate {} ended at {}", k, ends_[k]);
-    const i64 instant = draw(core.now(), std::min(ends_[k], last), core.time().unit());
+    // A weight is a rate: of two waiting times without end the heavier one is shorter.
+    const double weight = is_weighted ? core.weights().weight(core.position(k)) : 1;
+    const i64 instant = draw(core.now(), std::min(ends_[k], last), mean_of(core.time().unit(), weight));
     if (instant > at_) continue;
+    if (is_weighted) {
+      weight_of_ties = instant == at_ ? weight_of_ties + weight : weight;
+      const bool is_alone = weight_of_ties == weight;
+      at_ = instant;
+      if (is_alone || weight_of_tie(prng_.share(), weight_of_ties) < weight) choice_ = core.position(k);
+      continue;
+    }
     ties = instant == at_ ? ties + 1 : 1;
     at_ = instant;
     // Of those that plan the same instant each is as likely.
@@ -85,7 +106,7 @@ Due TimedScheduler::wait(Core& core, EventFeed& feed) {
     if (feed.is_stopped()) return Due::Stopped;
     if (next == Next::Never) return Due::Deadlock;
     if (next == Next::Lock) {
-      // Nobody can step, and time cannot pass to where somebody might.
+      // There is no candidate, and time cannot pass to an instant that has one.
       (void)core.time().fail_time_lock();
       return Due::Fault;
     }

@@ -17,12 +17,12 @@ u64 follow_path(Core& core, CounterexampleEnd end, const TimedPath& path, Before
   for (; is_sound && taken < path.steps.size(); ++taken) {
     const u64 choice = path.steps[taken].choice;
     if (core.is_timed()) foresee();
-    if (!let_time_pass(core, path.steps[taken].at) || choice >= core.candidate_count()) break;
+    if (!let_time_pass(core, path, taken) || choice >= core.candidate_count()) break;
     before(taken, choice);
     is_sound = core.is_timed() ? core.time().take(core.position(choice)) : core.fire(choice);
     if (!is_sound) break;
   }
-  if (is_sound) (void)let_time_pass(core, path.end);
+  if (is_sound) (void)let_time_pass(core, path, path.steps.size());
   if (end == CounterexampleEnd::TimeLock && is_sound && !core.fault()) (void)core.time().fail_time_lock();
   return taken;
 }

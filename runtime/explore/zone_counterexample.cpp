@@ -92,6 +92,20 @@ bool let_time_pass(Core& core, i64 to) {
   return true;
 }
 
+bool let_time_pass(Core& core, const TimedPath& path, u64 number) {
+  const i64 end = number == path.steps.size() ? path.end : path.steps[number].at;
+  if (!core.is_timed()) return true;
+  for (const u32 atom : core.time().resuming()) {
+    if (!core.time().resume_at(atom, kForever)) return false;
+  }
+  const auto first = std::partition_point(path.resumptions.begin(), path.resumptions.end(),
+                                          [&](const Resumption& r) { return r.before < number; });
+  for (auto r = first; r != path.resumptions.end() && r->before == number; ++r) {
+    if (!let_time_pass(core, r->at) || !core.time().resume_at(r->atom, r->at)) return false;
+  }
+  return let_time_pass(core, end);
+}
+
 void ZoneSearch::find_path(const Target& target, TimedPath& path) {
   path = {};
   BIP_ASSERT(target.node < nodes_.size(), "node {}", target.node);
@@ -107,7 +121,12 @@ void ZoneSearch::find_path(const Target& target, TimedPath& path) {
   struct Taken {
     u32 when, interaction, config;
   };
+  struct Resumed {
+    u64 before;
+    u32 atom, when;
+  };
   std::vector<Taken> taken;
+  std::vector<Resumed> resumed;
   u32 left = 0;
   for (std::size_t k = 0; k < visited.size(); ++k) {
     const ZoneNode& node = nodes_[visited[k]];
@@ -125,6 +144,12 @@ void ZoneSearch::find_path(const Target& target, TimedPath& path) {
       const u64 choice = number_of(core_, node.interaction, node.config);
       if (choice == core_.candidate_count() || !core_.time().take(core_.position(choice))) return;
       taken.push_back({left, node.interaction, node.config});
+    }
+    if (node.edge == ZoneEdge::GoOn) {
+      const std::vector<u32>& before = locations_[nodes_[node.parent].location].waits;
+      for (u32 atom = 0; atom < before.size(); ++atom) {
+        if (before[atom] != kNone && at.waits[atom] == kNone) resumed.push_back({taken.size(), atom, entered});
+      }
     }
     if (node.edge == ZoneEdge::Initial || node.edge == ZoneEdge::Step) note_clocks(entered);
     left = instants.add();
@@ -150,25 +175,31 @@ void ZoneSearch::find_path(const Target& target, TimedPath& path) {
     instants.demand(left, side);
     const ZoneBound& end = target.is_bound ? side : bound;
     const bool is_reached = point[end.i] - point[end.j] == end.limit;
-    if (is_reached) instants.demand(left, {end.j, end.i, -end.limit});
+    // Time stops before a bound that a clock reaches from below. What it has passed may be farther behind than the
+    // point says: zones forget that.
+    if (is_reached && (!target.is_bound || end.i != 0)) instants.demand(left, {end.j, end.i, -end.limit});
   }
   const std::vector<i64> when = instants.earliest();
   if (when.empty()) return;
+  for (const Resumed& atom : resumed) path.resumptions.push_back({atom.before, atom.atom, when[atom.when]});
+  path.end = when[left];
   bool is_sound = core_.initialize();
   for (const Taken& step : taken) {
-    if (!is_sound || !let_time_pass(core_, when[step.when])) return;
+    path.steps.push_back({when[step.when], 0});
+    if (!is_sound || !let_time_pass(core_, path, path.steps.size() - 1)) return;
     const u64 choice = number_of(core_, step.interaction, step.config);
     if (choice == core_.candidate_count()) return;
-    path.steps.push_back({core_.now(), choice});
+    path.steps.back().choice = choice;
     is_sound = core_.time().take(core_.position(choice));
   }
-  path.end = when[left];
+  const bool has_passed = is_sound && let_time_pass(core_, path, path.steps.size());
   if (target.is_far) {
+    is_sound = has_passed;
     while (is_sound && !is_dead(core_)) {
       if (core_.time().next_change() == kForever || !let_time_pass(core_, core_.time().next_change())) return;
     }
     path.end = core_.now();
-  } else if (!is_sound || !let_time_pass(core_, path.end)) {
+  } else if (!has_passed) {
     if (!target.is_error || !core_.fault()) return;
   } else if (target.is_step) {
     const u64 choice = number_of(core_, target.interaction, target.config);

@@ -43,7 +43,8 @@ void ZoneSearch::classify_dead_points(u32 node, const std::vector<Zone>& rest, c
       Zone common = part;
       if (meet_all(common, end)) note(time_lock_, has_lock, common.least_point(), false, true);
     }
-    if (!part.is_unbounded()) continue;
+    // Where an action may return, it does some time.
+    if (!part.is_unbounded() || nodes_[node].is_waking) continue;
     if (at.is_final) has_end = true;
     else note(deadlock_, has_deadlock, part.least_point(), true);
   }
@@ -56,10 +57,11 @@ void ZoneSearch::classify_dead_points(u32 node, const std::vector<Zone>& rest, c
 bool ZoneSearch::find_match(u32 node) {
   if (!options_.predicate) return false;
   const Location& at = locations_[nodes_[node].location];
-  // Who goes on at this instant offers nothing yet: what can be done then shows in the node that follows.
+  // Who goes on at this instant at the latest offers nothing yet: what can be done then shows in the node that follows.
   const bool asks_offers = !options_.predicate_connectors.empty() || !options_.predicate_atoms.empty();
-  if (nodes_[node].is_waking && asks_offers) return false;
-  for (const Zone& part : cut(nodes_[node].zone, at.asked)) {
+  std::vector<Zone> parts = cut(nodes_[node].zone, at.asked);
+  if (nodes_[node].is_waking && asks_offers) parts = without_last(node, std::move(parts));
+  for (const Zone& part : parts) {
     const std::vector<i64> point = part.least_point();
     if (!enter_core(at, point) || !options_.predicate(core_)) continue;
     match_ = {node, point, false, false, 0, 0, false, true, false};

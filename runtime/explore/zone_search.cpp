@@ -104,11 +104,29 @@ bool ZoneSearch::is_inside(const Location& at, const Zone& zone) const {
                                      [&](const ZoneBound& bound) { return zone.implies(bound); });
 }
 
+// A group whose bounds hold in the cell.
+bool ZoneSearch::wakes(const WaitGroup& group, const Zone& zone) {
+  return group.ends && std::all_of(group.bounds.begin(), group.bounds.end(),
+                                   [&](const ZoneBound& bound) { return zone.implies(bound); });
+}
+
 bool ZoneSearch::wakes(const Location& at, const Zone& zone) const {
-  return std::any_of(at.groups.begin(), at.groups.end(), [&](const WaitGroup& group) {
-    return group.ends && std::all_of(group.bounds.begin(), group.bounds.end(),
-                                     [&](const ZoneBound& bound) { return zone.implies(bound); });
-  });
+  return std::any_of(at.groups.begin(), at.groups.end(), [&](const WaitGroup& group) { return wakes(group, zone); });
+}
+
+// Without the points at which a busy atom goes on because no later instant lets it.
+std::vector<Zone> ZoneSearch::without_last(u32 node, std::vector<Zone> zones) {
+  for (const WaitGroup& group : locations_[nodes_[node].location].groups) {
+    if (!wakes(group, nodes_[node].zone)) continue;
+    for (const ZoneBound& bound : group.bounds) {
+      Zone last = nodes_[node].zone;
+      if (bound.j != 0 || !last.meet({0, bound.i, -bound.limit})) continue;
+      std::vector<Zone> left;
+      for (const Zone& zone : zones) subtract(zone, last, left);
+      zones = std::move(left);
+    }
+  }
+  return zones;
 }
 
 bool ZoneSearch::is_eager(const Location& at, const std::vector<i64>& point) {
@@ -131,10 +149,19 @@ void ZoneSearch::enter(u32 row, Zone&& zone, ZoneNode&& label) {
     Location& at = locations_[row];
     if (!locations_.measure(at, zone.least_point())) {
       // The fault shows wherever the step led.
-      if (label.parent == kNone) ++report_.errors, report_.has_error = true;
-      else
+      if (label.parent == kNone) {
+        ++report_.errors, report_.has_error = true;
+      } else if (label.edge == ZoneEdge::GoOn) {
+        // Only after that move: a node of its own, from which nothing goes on.
+        label.is_covered = label.is_faulty = true;
+        label.zone = std::move(zone);
+        const std::vector<i64> point = label.zone.least_point();
+        nodes_.push_back(std::move(label));
+        note_error(static_cast<u32>(nodes_.size() - 1), point, ErrorIn::State, 0, 0);
+      } else {
         note_error(label.parent, label.origin, label.edge == ZoneEdge::Step ? ErrorIn::Step : ErrorIn::State,
                    label.interaction, label.config);
+      }
       return;
     }
   }
@@ -147,7 +174,7 @@ void ZoneSearch::enter(u32 row, Zone&& zone, ZoneNode&& label) {
     const bool is_inside_now = is_inside(at, cell);
     node.is_waking = wakes(at, cell);
     node.is_faulty = is_faulty(at, cell.least_point());
-    node.is_still = !is_inside_now || node.is_waking || node.is_faulty || is_eager(at, cell.least_point());
+    node.is_still = !is_inside_now || node.is_faulty || is_eager(at, cell.least_point());
     if (!node.is_still) {
       const Zone part = cell;
       cell.let_time_pass();
@@ -325,6 +352,13 @@ std::vector<Zone> ZoneSearch::cells_ahead(u32 node) {
       if (!next.meet(bound)) return ahead;
     }
   }
+  // Who may go on does so at the last instant at the latest.
+  for (const WaitGroup& group : locations_[row].groups) {
+    if (!wakes(group, nodes_[node].zone)) continue;
+    for (const ZoneBound& bound : group.bounds) {
+      if (!next.meet(bound)) return ahead;
+    }
+  }
   for (Zone& cell : cut(next, locations_[row].cells)) {
     Zone same = cell;
     if (!agree(same, nodes_[node].zone, locations_[row].cells)) ahead.push_back(std::move(cell));
@@ -355,25 +389,25 @@ void ZoneSearch::pass_time(u32 node, std::vector<Zone>& ahead) {
   }
 }
 
+// At any instant at which its `resume` holds a busy atom goes on, or does not yet.
 void ZoneSearch::go_on(u32 node) {
   BIP_ASSERT(nodes_[node].is_waking, "nobody waits in node {}", node);
-  const Location& at = locations_[nodes_[node].location];
-  std::vector<u32> waits = at.waits, leaders = at.leaders;
-  for (const WaitGroup& group : at.groups) {
-    const Zone& zone = nodes_[node].zone;
-    if (!group.ends || !std::all_of(group.bounds.begin(), group.bounds.end(),
-                                    [&](const ZoneBound& bound) { return zone.implies(bound); }))
-      continue;
+  const u32 row = nodes_[node].location;
+  for (std::size_t k = 0; k < locations_[row].groups.size(); ++k) {
+    const Location& at = locations_[row];
+    const WaitGroup& group = at.groups[k];
+    if (!wakes(group, nodes_[node].zone)) continue;
+    std::vector<u32> waits = at.waits, leaders = at.leaders;
     for (u32 atom = 0; atom < waits.size(); ++atom) {
       if (at.waits[atom] == kNone || at.leaders[atom] != group.leader) continue;
       waits[atom] = kNone;
       leaders[atom] = 0;
     }
+    State state = at.state;
+    Zone zone = nodes_[node].zone;
+    enter(locations_.find_or_add(std::move(state), waits, leaders), std::move(zone),
+          {.parent = node, .depth = nodes_[node].depth, .edge = ZoneEdge::GoOn, .origin = {}, .zone = Zone(0)});
   }
-  State state = at.state;
-  Zone zone = nodes_[node].zone;
-  enter(locations_.find_or_add(std::move(state), waits, leaders), std::move(zone),
-        {.parent = node, .depth = nodes_[node].depth, .edge = ZoneEdge::GoOn, .origin = {}, .zone = Zone(0)});
 }
 
 void ZoneSearch::expand(u32 node) {
@@ -384,10 +418,7 @@ void ZoneSearch::expand(u32 node) {
     open_ = nodes_[node].location;
     return;
   }
-  if (nodes_[node].is_waking) {
-    go_on(node);
-    return;
-  }
+  if (nodes_[node].is_waking) go_on(node);
   if (nodes_[node].is_faulty) {
     note_error(node, nodes_[node].zone.least_point(), ErrorIn::State, 0, 0);
     return;
@@ -400,6 +431,7 @@ void ZoneSearch::expand(u32 node) {
   }
   std::vector<Zone> ahead = cells_ahead(node);
   const std::vector<Zone> ends = take_closed(node, ahead);
+  if (nodes_[node].is_waking) rest = without_last(node, std::move(rest));
   if (part_ == nullptr) {
     classify_dead_points(node, rest, ends);
   } else if (is_held_up(locations_[nodes_[node].location], rest)) {

@@ -65,7 +65,9 @@ class ZoneSearch {
     return core_.restore(locations_.point(at, point));
   }
   [[nodiscard]] bool is_inside(const Location& at, const Zone& zone) const;
+  [[nodiscard]] static bool wakes(const WaitGroup& group, const Zone& zone);
   [[nodiscard]] bool wakes(const Location& at, const Zone& zone) const;
+  [[nodiscard]] std::vector<Zone> without_last(u32 node, std::vector<Zone> zones);
   [[nodiscard]] bool is_eager(const Location& at, const std::vector<i64>& point);
   [[nodiscard]] bool is_faulty(const Location& at, const std::vector<i64>& point);
   [[nodiscard]] Bounds deadlines(const Location& at, const std::vector<i64>& point);

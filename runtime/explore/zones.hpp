@@ -17,10 +17,18 @@ struct TimedStep {
   i64 at = 0;      // the instant
   u64 choice = 0;  // number of the candidate at that instant
 };
-/// From the initial state. `end`: the instant to which time passes afterwards.
+/// An atom whose `resume` waits goes on.
+struct Resumption {
+  u64 before = 0;  // the step of this number; their count: the end
+  u32 atom = 0;
+  i64 at = 0;  // the instant
+};
+/// From the initial state. `end`: the instant to which time passes afterwards. A busy atom without a resumption stays
+/// busy.
 struct TimedPath {
   std::vector<TimedStep> steps;
   i64 end = 0;
+  std::vector<Resumption> resumptions = {};  // by step and instant
 };
 
 struct ZoneReport {
@@ -65,5 +73,8 @@ struct PartReport {
 
 /// Lets time pass to an instant. False: it may not pass so far, or a fault.
 [[nodiscard]] bool let_time_pass(Core& core, i64 to);
+/// Lets time pass to the path's step of this number, or to its end; in between busy atoms go on as the path says. The
+/// core has just been initialized, or has taken the step before. False: as above.
+[[nodiscard]] bool let_time_pass(Core& core, const TimedPath& path, u64 number);
 
 }  // namespace bip::rt

@@ -33,6 +33,32 @@ const char* seen_from(const Image& image, u32 compound, const char* path) {
   return relative(path);
 }
 
+// The exported port through which the connector's compound sees a parameter; null if it is bound directly.
+const ShownPort* shown_port(const Image& image, const Connector& connector, u32 param) {
+  const ShownPort* row = std::lower_bound(image.shown_ports.begin(), image.shown_ports.end(), connector.ports + param,
+                                          [](const ShownPort& shown, u32 wanted) { return shown.port_ref < wanted; });
+  return row != image.shown_ports.end() && row->port_ref == connector.ports + param ? row : nullptr;
+}
+
+// `c.out`: a parameter as its compound sees it; `own` is the path of the port's owner and `port` its name there.
+void append_port_name(std::string& out, const Image& image, const Connector& connector, u32 param,
+                      const std::string& own, const char* port) {
+  const char* merged = nullptr;
+  if (const u32 choice = image.port_refs[connector.ports + param].choice; choice != kNone)
+    merged = image.choices[choice].name;
+  if (const ShownPort* shown = shown_port(image, connector, param)) {
+    out += seen_from(image, connector.parent, image.compounds[shown->compound].path);
+    out += '.';
+    out += shown->name;
+  } else if (merged != nullptr) {
+    out += seen_from(image, connector.parent, merged);
+  } else {
+    out += seen_from(image, connector.parent, own.c_str());
+    out += '.';
+    out += port;
+  }
+}
+
 void append_count(std::string& out, std::uint64_t count, const char* what) {
   append_number(out, count);
   out += ' ';
@@ -76,22 +102,18 @@ void Bip2Writer::append_body(std::string& out, Core& core, const Candidate& cand
   if (candidate.connector == kNone) return;
   out += ':';
   core.direct_participants(candidate, participants_);
-  const u32 compound = image.connectors[candidate.connector].parent;
+  const Connector& connector = image.connectors[candidate.connector];
   for (const Participant& participant : participants_) {
     out += ' ';
     if (participant.connector != kNone) {
       const Connector& below = image.connectors[participant.connector];
       const ConnectorType& type = image.connector_types[below.type];
-      out += seen_from(image, compound, below.path().c_str());
-      out += '.';
-      out += type.export_name;
+      append_port_name(out, image, connector, participant.param, below.path(), type.export_name);
       append_values(out, core, image.port_types[type.export_type], below.first_cell, type.export_variables);
     } else {
       const Atom& atom = image.atoms[participant.atom];
       const Port& port = image.atom_types[atom.type].ports[participant.port];
-      out += seen_from(image, compound, atom.path().c_str());
-      out += '.';
-      out += port.name;
+      append_port_name(out, image, connector, participant.param, atom.path(), port.name);
       append_values(out, core, image.port_types[port.type], atom.first_cell, port.variables);
     }
   }

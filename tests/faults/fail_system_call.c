@@ -2,10 +2,12 @@
 // none). Prints nothing; exit code and signal are the program's. With FAIL_COUNT=FILE the number of such calls is
 // written to FILE; with FAIL_TELL the number of the call that fails is told.
 //
-// Calls are counted from the program's own start, in all its threads and not in programs that it starts. What fails and
-// how: no space for what is written, an I/O error for what is read, no descriptor for what is opened, no memory for what
-// is mapped, no process or thread. Linux on x86-64, by ptrace.
+// Calls are counted from the program's entry, in all its threads and not in programs that it starts: what the dynamic
+// loader does before, and how it fails, is not the program's. What fails and how: no space for what is written, an I/O
+// error for what is read, no descriptor for what is opened, no memory for what is mapped, no process or thread. Linux on
+// x86-64, by ptrace.
 #define _GNU_SOURCE
+#include <elf.h>
 #include <errno.h>
 #include <signal.h>
 #include <stdio.h>
@@ -112,6 +114,41 @@ static void at_system_call(struct thread* thread, unsigned long which) {
   ptrace(PTRACE_SETREGS, thread->id, 0, &regs);
 }
 
+// The address of the program's first instruction; 0: not known.
+static unsigned long entry_of(pid_t id) {
+  char path[32];
+  snprintf(path, sizeof path, "/proc/%d/auxv", (int)id);
+  FILE* file = fopen(path, "rb");
+  if (file == NULL) return 0;
+  Elf64_auxv_t pair;
+  unsigned long entry = 0;
+  while (entry == 0 && fread(&pair, sizeof pair, 1, file) == 1) entry = pair.a_type == AT_ENTRY ? pair.a_un.a_val : 0;
+  fclose(file);
+  return entry;
+}
+
+// A breakpoint where the program begins (0: none is set), and the instruction that stands there.
+static unsigned long entry = 0;
+static long first_instruction = 0;
+
+static void stop_at_entry(pid_t id) {
+  entry = entry_of(id);
+  if (entry == 0) exit(99);
+  first_instruction = ptrace(PTRACE_PEEKTEXT, id, entry, 0);
+  ptrace(PTRACE_POKETEXT, id, entry, (first_instruction & ~0xffL) | 0xcc);
+}
+
+// Whether the thread stands behind that breakpoint, which is then gone.
+static int is_at_entry(pid_t id) {
+  struct user_regs_struct regs;
+  if (entry == 0 || ptrace(PTRACE_GETREGS, id, 0, &regs) != 0 || regs.rip != entry + 1) return 0;
+  ptrace(PTRACE_POKETEXT, id, entry, first_instruction);
+  regs.rip = entry;
+  ptrace(PTRACE_SETREGS, id, 0, &regs);
+  entry = 0;
+  return 1;
+}
+
 static void write_count(void) {
   const char* path = getenv("FAIL_COUNT");
   FILE* file = path != NULL ? fopen(path, "w") : NULL;
@@ -135,8 +172,9 @@ int main(int argc, char** argv) {
   ptrace(PTRACE_SETOPTIONS, program, 0,
          PTRACE_O_TRACESYSGOOD | PTRACE_O_TRACECLONE | PTRACE_O_TRACEFORK | PTRACE_O_TRACEVFORK | PTRACE_O_TRACEEXEC |
              PTRACE_O_EXITKILL);
-  thread_of(program)->is_foreign = 1;  // until it is the program
+  thread_of(program)->is_foreign = 1;  // until the program begins
   ptrace(PTRACE_SYSCALL, program, 0, 0);
+  int has_begun = 0;
   for (;;) {
     const pid_t id = waitpid(-1, &status, __WALL);
     if (id < 0) return 97;
@@ -155,7 +193,9 @@ int main(int argc, char** argv) {
     int deliver = 0;
     if (what == (SIGTRAP | 0x80)) at_system_call(thread, which);
     else if (what != SIGTRAP) deliver = what == SIGSTOP ? 0 : what;
-    else if (status >> 16 == PTRACE_EVENT_EXEC) thread->is_foreign = id != program, thread->is_inside = 1;
+    else if (status >> 16 == PTRACE_EVENT_EXEC && id == program && !has_begun) stop_at_entry(id);
+    else if (status >> 16 == PTRACE_EVENT_EXEC) thread->is_foreign = 1;
+    else if (id == program && is_at_entry(id)) thread->is_foreign = 0, has_begun = 1;
     ptrace(PTRACE_SYSCALL, id, 0, deliver);
   }
 }

@@ -10,6 +10,7 @@ import os
 import pathlib
 import re
 import shutil
+import socket
 import subprocess
 import sys
 import tempfile
@@ -66,6 +67,9 @@ def write_files(folder):
         shutil.copy(ROOT / "models/tutorial" / name, folder)
     shutil.copy(folder / "arm.gen", folder / "demo.gen")
     (folder / "rover.rules").write_text((folder / "arm.rules").read_text(encoding="utf-8").replace("rules arm;", "rules rover;", 1), encoding="utf-8")
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        (folder / "robot.place").write_text(f"node field host 127.0.0.1:{free.getsockname()[1]}\n* on field\n", encoding="utf-8")
     with open(folder / "run.txt", "w", encoding="utf-8") as trace:
         subprocess.run([BIPC, "run", "--limit", "5", "--seed", "1", "--trace-format", "bip2", "model.bip"], cwd=folder, stdout=trace, check=True)
     subprocess.run([BIPC, "run", "--silent", "--limit", "20", "--seed", "1", "--trace", "run.jsonl", "model.bip"], cwd=folder, stdout=subprocess.DEVNULL, check=True)
@@ -88,6 +92,8 @@ def run(line):
         (folder / "bin").mkdir()
         (folder / "bin/bipc").symlink_to(BIPC)
         environment = {**os.environ, "PATH": f"{folder / 'bin'}:{os.environ['PATH']}"}
+        if line.startswith("bipc node"):
+            subprocess.run([BIPC, "deploy", "--placement", "robot.place", "-o", "robot", "model.bip"], cwd=folder, stdout=subprocess.DEVNULL, check=True)
         # What a debugging session or an editor reads: nothing more.
         done = subprocess.run(["sh", "-c", line], cwd=folder, env=environment, capture_output=True, text=True, timeout=SECONDS, stdin=subprocess.DEVNULL)
     said = done.stdout[-1500:] + done.stderr[-1500:]

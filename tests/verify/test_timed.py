@@ -153,10 +153,14 @@ class Oracle:
         self.atoms, self.connectors = atoms, connectors
         self.deadlock = self.lock = self.error = self.has_no_state = False
 
-    def settle(self, state):
-        """Atoms whose `resume` holds go on."""
-        return tuple(s._replace(waits=None) if s.waits is not None and holds(self.atoms[a].transitions[s.waits].resume, s.clock) else s
-                     for a, s in enumerate(state))
+    def may_resume(self, state):
+        """The atoms that may go on now. An action returns at any instant at which its `resume` holds."""
+        return [a for a, s in enumerate(state)
+                if s.waits is not None and holds(self.atoms[a].transitions[s.waits].resume, s.clock)]
+
+    def is_last(self, state, a):
+        """No later instant lets the atom go on."""
+        return not holds(self.atoms[a].transitions[state[a].waits].resume, min(state[a].clock + 1, MOST + 1))
 
     def enabled(self, state):
         """By atom and port the transition that is possible now. The guard of a marked transition is evaluated at any instant."""
@@ -192,7 +196,7 @@ class Oracle:
             value = changed(t.change, s.value) if t.change else s.value
             after[a] = State(t.target, value, 0 if t.resets else s.clock,
                              self.atoms[a].transitions.index(t) if t.resume is not None else None)
-        return self.settle(tuple(after))
+        return tuple(after)
 
     def invariants_hold(self, state):
         return all(atom.invariant is None or atom.invariant[0] != s.place or compare(s.clock, *atom.invariant[1:])
@@ -203,26 +207,27 @@ class Oracle:
         later = tuple(s._replace(clock=min(s.clock + 1, MOST + 1)) for s in state)
         if not self.invariants_hold(state) or not self.invariants_hold(later):
             return None
+        if any(self.is_last(state, a) for a in self.may_resume(state)):
+            return None
         for taken, _ in candidates:
             urgencies = {t.urgency for _, t in taken}
             if "eager" in urgencies:
                 return None
             if "delayable" in urgencies and not all(holds(t.bounds, later[a].clock, state[a].value) for a, t in taken):
                 return None
-        later = self.settle(later)
         try:
             opened = self.candidates(later)
         except Fault:
             return later
         for taken, _ in opened:
-            if any(t.urgency == "eager" for _, t in taken) and all(state[a].waits is None for a, _ in taken) and any(
+            if any(t.urgency == "eager" for _, t in taken) and any(
                     op in "<>" and not holds([(op, limit)], state[a].clock, state[a].value) for a, t in taken for op, limit in t.bounds):
                 return None
         return later
 
     def run(self):
         """False: too many states."""
-        first = self.settle(tuple(State(0, atom.first, 0, None) for atom in self.atoms))
+        first = tuple(State(0, atom.first, 0, None) for atom in self.atoms)
         known, todo = {first}, [first]
         while todo:
             state = todo.pop()
@@ -232,13 +237,15 @@ class Oracle:
                 self.error = True
                 self.has_no_state |= state == first
                 continue
-            following = []
+            resuming = self.may_resume(state)
+            following = [state[:a] + (state[a]._replace(waits=None),) + state[a + 1:] for a in resuming]
             later = self.may_pass(state, candidates)
             if later is not None:
                 following.append(later)
             if not candidates:
-                self.lock |= later is None
-                self.deadlock |= later == state
+                # Nobody makes an action return before the last instant.
+                self.lock |= later is None and not any(self.is_last(state, a) for a in resuming)
+                self.deadlock |= later == state and not resuming
             for candidate in candidates:
                 try:
                     following.append(self.fire(state, candidate))

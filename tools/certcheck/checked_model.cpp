@@ -68,7 +68,7 @@ class ModelReader {
     type.finals = places(row["final"]);
     type.is_automaton = type.initial.to.size() == 1;
     for (const Tree* t : row.all("transition")) {
-      only(*t, {"on", "from", "to", "guard", "do"}, 2, type.name);
+      only(*t, {"on", "from", "to", "guard", "do", "weight"}, 2, type.name);
       const Rows on = (*t)["on"].rows();
       type.transitions.push_back(
           {on.empty() ? kNone : on[0], places((*t)["from"]), places((*t)["to"]), &(*t)["guard"], &(*t)["do"]});

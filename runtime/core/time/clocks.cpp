@@ -111,6 +111,7 @@ void Clocks::reset() {
   coming_.assign(core_.atoms.size, {});
   core_.events.reset();
   set_clocks_.clear();
+  resuming_.clear();
   core_.actions.reset();
   changes_.reset(core_.atoms.size);
   ends_.reset(core_.atoms.size);
@@ -253,6 +254,7 @@ bool Clocks::begin_resume(u32 atom, const LinkedTransition* fired) {
   if (!resume_interval(atom, resume, interval)) return false;
   busy_until_[atom] = interval.empty() ? kForever : interval.low;
   may_resume_until_[atom] = interval.high;
+  resuming_.push_back(atom);
   BIP_ASSERT(busy_until_[atom] >= now_, "atom {} was busy until {}", atom, busy_until_[atom]);
   return true;
 }
@@ -268,12 +270,67 @@ bool Clocks::resume_together(std::vector<u32>& rows) {
     last = std::min(last, may_resume_until_[atom]);
   }
   if (until > last) until = kForever;
+  const auto is_listed = [this](u32 atom) {
+    return std::find(resuming_.begin(), resuming_.end(), atom) != resuming_.end();
+  };
+  if (std::none_of(rows.begin(), rows.end(), is_listed)) return true;
   for (const u32 atom : rows) {
+    // Who has no `resume` itself goes on with the others.
+    if (!is_listed(atom)) resuming_.push_back(atom);
+    may_resume_until_[atom] = last;
     if (busy_until_[atom] == until) continue;
     busy_until_[atom] = until;
     if (!look_at_time(atom)) return false;
   }
   return true;
+}
+
+bool Clocks::resume_at(u32 atom, i64 instant) {
+  BIP_ASSERT(instant >= now_, "atom {} goes on at {}, before {}", atom, instant, now_);
+  if (busy_until_[atom] == instant) return true;
+  busy_until_[atom] = instant;
+  return look_at_time(atom) && (core_.is_settled() || core_.settle());
+}
+
+bool Clocks::returned_at(i64 instant) {
+  BIP_ASSERT(instant >= now_, "actions returned at {}, before {}", instant, now_);
+  for (const u32 atom : resuming_) {
+    const i64 until = std::max(busy_until_[atom], std::min(instant, may_resume_until_[atom]));
+    if (busy_until_[atom] == until) continue;
+    busy_until_[atom] = until;
+    if (!look_at_time(atom)) return false;
+  }
+  return core_.is_settled() || core_.settle();
+}
+
+bool Clocks::is_resumed(const Candidate& candidate) {
+  core_.firing.participants(candidate, participant_scratch_);
+  return std::all_of(participant_scratch_.begin(), participant_scratch_.end(), [this](const Participant& p) {
+    const u32 type = core_.atoms[p.atom].type;
+    if (types_[type].time == nullptr) return true;
+    const u32 transition = core_.ports.port(core_.tables.instance(p.atom, p.port)).transition;
+    return transition != kNone &&
+           types_[type].time->transitions[transition - core_.tables.types[type].first_transition].resume.present;
+  });
+}
+
+Fault Clocks::late_resume(u32 atom, i64 actual) const {
+  Fault fault;
+  fault.code = FaultCode::LateStep;
+  fault.atom = atom;
+  fault.loc = core_.image().atoms[atom].loc;
+  fault.what = "component `" + core_.image().atoms[atom].path() + "` may resume until ";
+  append_time(fault.what, may_resume_until_[atom]);
+  fault.what += ", and its action, begun at ";
+  append_time(fault.what, now_);
+  fault.what += ", returns at ";
+  append_time(fault.what, actual);
+  return fault;
+}
+
+bool Clocks::fail_late_resume(u32 atom, i64 actual) {
+  core_.fault = late_resume(atom, actual);
+  return false;
 }
 
 void Clocks::save(std::vector<i64>& out) const {
@@ -291,6 +348,7 @@ void Clocks::save(std::vector<i64>& out) const {
 
 void Clocks::load(const std::vector<i64>& in) {
   set_clocks_.clear();
+  resuming_.clear();
   const i64* next = in.data();
   now_ = *next++;
   BIP_ASSERT(now_ >= 0, "the instant {}", now_);
@@ -451,6 +509,7 @@ inline bool Clocks::begin_timed(u32 instance) {
 bool Clocks::take(EnabledSet::Position at) {
   BIP_ASSERT(is_timed_ && core_.enabled.has(at), "no candidate {} of interaction {}", at.rank, at.interaction);
   set_clocks_.clear();
+  resuming_.clear();
   const InteractionInfo info = core_.tables.interactions[at.interaction];
   const bool is_sync =
       has_sync_ && info.kind != InteractionKind::Port && core_.tables.connector_type(info.row).resume_sync;

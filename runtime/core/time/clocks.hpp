@@ -125,6 +125,21 @@ class Clocks {
   /// After a step of the atom, internal transitions included: how long is it busy? fired: null for `initial`. False: a
   /// fault.
   bool begin_resume(u32 atom, const LinkedTransition* fired);
+  /// Atoms that `resume` made busy in the last step that take() fired.
+  [[nodiscard]] const std::vector<u32>& resuming() const { return resuming_; }
+  /// A busy atom goes on at this instant (kForever: never), whatever its `resume` says. False: a fault.
+  bool resume_at(u32 atom, i64 instant);
+  /// The last instant at which the atom's `resume` lets it go on.
+  [[nodiscard]] i64 may_resume_until(u32 atom) const { return may_resume_until_[atom]; }
+  /// Real time: the actions of resuming() returned at `instant`, so none of these atoms resumes before it; one whose
+  /// `resume` holds no longer then resumes at the last instant of it. False: a fault.
+  bool returned_at(i64 instant);
+  /// Has the transition of each participant that has time `resume`? Such a step may start late.
+  [[nodiscard]] bool is_resumed(const Candidate& candidate);
+  /// Real time: says of an atom that its action returned at `actual`, later than its `resume` allows.
+  [[nodiscard]] Fault late_resume(u32 atom, i64 actual) const;
+  /// Makes that the fault in which the run ends. Always false.
+  bool fail_late_resume(u32 atom, i64 actual);
   /// Finds a timed atom's ports at this instant, and what is next. False: a fault.
   bool look_at_time(u32 atom);
   [[nodiscard]] i64 busy_until(u32 atom) const { return busy_until_[atom]; }
@@ -163,7 +178,7 @@ class Clocks {
   std::vector<TypeTime> types_;        // by type of atoms
   std::vector<PortTime> ports_;        // by port instance
   std::vector<Coming> coming_;         // by atom, at the instant that `changes_` says
-  std::vector<u32> set_clocks_;
+  std::vector<u32> set_clocks_, resuming_;
   // Functions of the rest, brought up to date when an atom is looked at.
   TimeHeap changes_;  // by atom: the next instant at which its ports may change
   TimeHeap ends_;     // by atom: the last instant that its invariants allow

@@ -26,10 +26,21 @@ constexpr std::size_t kMostTicks = 20000;             // states that are visited
 // What can be told of a state: markings, data, who is busy, clocks up to the cap.
 using Key = std::vector<i64>;
 
+// When a busy atom may go on, in ticks from here; the atoms of a group do so together.
+struct Wait {
+  u32 atom, group;
+  i64 first, last;
+};
+struct Tick {
+  rt::State state;
+  std::vector<Wait> waits;
+};
+
 struct Ticks {
   std::set<Key> keys;
   std::vector<rt::State> states;
-  std::set<Key> places;  // without the clocks
+  std::vector<rt::State> offers;  // of these, those in which nobody has to go on at this instant
+  std::set<Key> places;           // without the clocks
   bool has_deadlock = false, has_lock = false, has_error = false, is_complete = true;
 };
 
@@ -70,48 +81,103 @@ Key key_of(const rt::Image& image, const rt::State& state, const std::vector<i64
 Ticks explore_ticks(const rt::Image& image) {
   Ticks found;
   rt::Core core(image);
-  std::vector<rt::State> todo;
-  const auto add = [&] {
-    rt::State state = core.snapshot();
-    normalize(image, state);
-    if (!found.keys.insert(key_of(image, state)).second) return;
-    found.places.insert(place_of(state));
-    found.states.push_back(state);
-    todo.push_back(std::move(state));
+  std::vector<Tick> todo;
+  // The core's state, and who waits there. What a tick does not reach is never reached.
+  const auto add = [&](std::vector<Wait> waits) {
+    Tick tick{core.snapshot(), std::move(waits)};
+    normalize(image, tick.state);
+    Key key = key_of(image, tick.state);
+    for (Wait& wait : tick.waits) {
+      wait.first = std::max<i64>(wait.first, 0);
+      for (const i64 value : {static_cast<i64>(wait.atom), static_cast<i64>(wait.group), wait.first, wait.last})
+        key.push_back(value);
+    }
+    if (!found.keys.insert(key).second) return;
+    found.places.insert(place_of(tick.state));
+    found.states.push_back(tick.state);
+    if (std::none_of(tick.waits.begin(), tick.waits.end(), [](const Wait& wait) { return wait.last == 0; }))
+      found.offers.push_back(tick.state);
+    todo.push_back(std::move(tick));
   };
-  if (!core.initialize()) {
+  // Who the core made busy until the first instant is held; false: a fault.
+  const auto hold = [&](bool is_together, std::vector<Wait>& waits) {
+    const std::vector<u32> resuming = core.time().resuming();
+    std::erase_if(waits, [&](const Wait& wait) { return core.time().busy_until(wait.atom) != rt::kForever; });
+    for (const u32 atom : resuming) {
+      const i64 first = core.time().busy_until(atom);
+      const u32 group = is_together ? *std::min_element(resuming.begin(), resuming.end()) : atom;
+      const i64 last = core.time().may_resume_until(atom);
+      std::erase_if(waits, [&](const Wait& wait) { return wait.atom == atom; });
+      if (first <= last && first != rt::kForever)
+        waits.push_back({atom, group, first - core.now(), last == rt::kForever ? last : last - core.now()});
+      if (!core.time().resume_at(atom, rt::kForever)) return false;
+    }
+    return true;
+  };
+  std::vector<Wait> at_start;
+  if (!core.initialize() || !hold(false, at_start)) {
     found.has_error = true;
     return found;
   }
-  add();
+  add(std::move(at_start));
   std::vector<i64> ends;
   while (!todo.empty()) {
     if (found.states.size() > kMostTicks) {
       found.is_complete = false;
       return found;
     }
-    const rt::State here = std::move(todo.back());
+    const Tick tick = std::move(todo.back());
     todo.pop_back();
+    const rt::State& here = tick.state;
+    std::set<u32> groups;
+    bool is_last = false;
+    for (const Wait& wait : tick.waits) {
+      if (wait.first > 0) continue;
+      groups.insert(wait.group);
+      is_last = is_last || wait.last == 0;
+    }
+    for (const u32 group : groups) {
+      bool is_sound = core.restore(here);
+      std::vector<Wait> waits;
+      for (const Wait& wait : tick.waits) {
+        if (wait.group != group) waits.push_back(wait);
+        else is_sound = is_sound && core.time().resume_at(wait.atom, core.now());
+      }
+      if (is_sound) add(std::move(waits));
+      else found.has_error = true;
+    }
     if (!core.restore(here)) {
       found.has_error = true;
       continue;
     }
     const u64 count = core.candidate_count();
-    const bool may_wait = core.time().wait_limit(ends) > core.now();
-    if (count == 0 && !may_wait) found.has_lock = true;
+    const bool may_wait = !is_last && core.time().wait_limit(ends) > core.now();
+    if (count == 0 && !may_wait && !is_last) found.has_lock = true;
     if (may_wait) {
       if (!core.time().advance(core.now() + 1)) {
         found.has_error = true;
       } else {
         rt::State next = core.snapshot();
         normalize(image, next);
-        if (count == 0 && key_of(image, next) == key_of(image, here)) found.has_deadlock = true;
-        add();
+        // Who may go on does so some time.
+        const bool is_alone =
+            std::all_of(tick.waits.begin(), tick.waits.end(), [](const Wait& wait) { return wait.first > 2 * kCap; });
+        if (count == 0 && is_alone && key_of(image, next) == key_of(image, here)) found.has_deadlock = true;
+        std::vector<Wait> later = tick.waits;
+        for (Wait& wait : later) {
+          --wait.first;
+          if (wait.last != rt::kForever) --wait.last;
+        }
+        add(std::move(later));
       }
     }
     for (u64 k = 0; k < count; ++k) {
       REQUIRE(core.restore(here));
-      if (core.time().take(core.position(k))) add();
+      const rt::Candidate candidate = core.candidate(k);
+      const bool is_together =
+          candidate.connector != rt::kNone && core.tables().connector_type(candidate.connector).resume_sync;
+      std::vector<Wait> waits = tick.waits;
+      if (core.time().take(core.position(k)) && hold(is_together, waits)) add(std::move(waits));
       else found.has_error = true;
     }
   }
@@ -134,7 +200,7 @@ bool has_point(rt::ZoneSearch& search, const rt::Image& image, const rt::State& 
   }
   for (const rt::ZoneNode& node : search.nodes()) {
     const rt::Location& location = search.locations()[node.location];
-    if (node.is_waking || place_of(location.state) != place_of(state)) continue;
+    if (place_of(location.state) != place_of(state)) continue;
     bool is_inside = true;
     for (std::size_t atom = 0; atom < is_busy.size(); ++atom)
       is_inside = is_inside && (location.waits[atom] != rt::kNone) == is_busy[atom];
@@ -186,7 +252,7 @@ void ask(const rt::Image& image, const Ticks& ticks, u64 seed, ZoneTally& tally)
         has_candidate = has_candidate || at.candidate(k).connector == connector;
       return has_candidate == wants_candidate && (at.enabled_transition(atom, port) != rt::kNone) == wants_port;
     };
-    const bool is_expected = std::any_of(ticks.states.begin(), ticks.states.end(),
+    const bool is_expected = std::any_of(ticks.offers.begin(), ticks.offers.end(),
                                          [&](const rt::State& state) { return core.restore(state) && is_so(core); });
     const rt::ZoneReport found = rt::explore_zones(
         image, {.limit = 200000, .predicate = is_so, .predicate_connectors = {connector}, .predicate_atoms = {atom}});
@@ -230,7 +296,7 @@ void compare(u64 seed, ZoneTally& tally) {
   for (const rt::ZoneNode& node : search.nodes()) {
     const rt::Location& location = search.locations()[node.location];
     places.insert(place_of(location.state));
-    if (node.is_waking) continue;
+    if (node.is_faulty && node.is_covered) continue;
     rt::State point = search.locations().point(location, node.zone.least_point());
     normalize(image, point);
     // What is wrong, if it is.

@@ -177,7 +177,7 @@ void counterexample_text(const TimedTally& tally) {
 
 TEST_CASE("what parts prove of random timed systems holds in their zone graphs") {
   TimedTally tally;
-  const u64 runs = wanted_runs(120);
+  const u64 runs = wanted_runs(300);
   for (u64 seed = 1; seed <= runs; ++seed) compare({rt::testing::random_timed_system(seed, seed % 3)}, seed, tally);
   counterexample_text(tally);
   CHECK(tally.compared > static_cast<int>(runs) / 2);
