@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "bip/assert.hpp"
+#include "bip/ffi.hpp"
 #include "runtime/core/final_state.hpp"
 #include "runtime/core/start_thread.hpp"
 #include "runtime/core/text.hpp"
