@@ -90,7 +90,7 @@ bool StateStore::add(const u64* states, std::size_t count, std::uint8_t* is_new,
   return true;
 }
 
-u32 StateStore::find(const u64* state) const {
+StateStore::u32 StateStore::find(const u64* state) const {
   if (words_ == 1) return sets_[0].find(state[0]);
   std::vector<u64> value(words_ + nodes_.size());
   for (u32 node = 0; node < value.size(); ++node) {

@@ -576,9 +576,12 @@ def test_outline_of_a_large_file_is_linear():
         text = "package m\n  port type Signal()\n" + "".join(f"  atom type A{k}()\n    export port Signal p()\n    place S\n    initial to S\n    on p from S to S\n  end\n" for k in range(count)) + "end\n"
         c = started(text)
         c.diagnostics(URI)
-        begin = time.monotonic()
-        answer = c.result("textDocument/documentSymbol", document())
-        took.append(time.monotonic() - begin)
+        best = float("inf")
+        for _ in range(4):
+            begin = time.monotonic()
+            answer = c.result("textDocument/documentSymbol", document())
+            best = min(best, time.monotonic() - begin)
+        took.append(best)
         equal(len(answer[0]["children"]), count + 1)
     # Quadratic would be 16; the clock is noisy.
     assert took[1] < 10 * took[0] + 0.2, took
