@@ -3,7 +3,7 @@
 #include <string_view>
 #include <vector>
 
-#include "bip/run.hpp"
+#include "bip/events.hpp"
 
 namespace bip::debug {
 
