@@ -1,5 +1,6 @@
 // The options of the commands that translate robot modules: `genom` and `rules`.
 #include "compiler/driver/cli_options.hpp"
+#include "compiler/driver/option_groups.hpp"
 
 namespace bip::driver {
 

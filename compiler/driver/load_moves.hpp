@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "compiler/driver/options.hpp"
 #include "compiler/pipeline/pipeline.hpp"
 #include "runtime/debug/session.hpp"
 
