@@ -62,7 +62,12 @@ std::unique_ptr<debug::Debuggee> launch_model(const debug::LaunchRequest& reques
     return nullptr;
   }
   model->started = std::make_unique<rt::DebugSession>(c.lowered->image, session);
-  if (!request.events.empty() && !model->started->read_events(request.events, problem)) return nullptr;
+  if (!request.events.empty()) {
+    if (const Result<bool> are_read = model->started->read_events(request.events); !are_read) {
+      problem = are_read.error();
+      return nullptr;
+    }
+  }
   (void)model->started->start();
   if (run && !load_moves(c, *run, *model->started)) {
     problem = diagnostics_of(c);

@@ -74,9 +74,8 @@ int command_serve(const ServeArguments& arguments) {
         stderr);
     return kUsage;
   }
-  std::string error;
-  const serve::ServeEnd end = serve::serve(controller, server, error);
-  if (end != serve::ServeEnd::Done) std::fprintf(stderr, "error: %s\n", error.c_str());
+  const auto [end, problem] = serve::serve(controller, server);
+  if (end != serve::ServeEnd::Done) std::fprintf(stderr, "error: %s\n", problem.c_str());
   if (end == serve::ServeEnd::NotOpened) return kUsage;
   if (!controller.end_trace()) {
     std::fprintf(stderr, "error: not all of `%s` could be written\n", arguments.trace_path.c_str());

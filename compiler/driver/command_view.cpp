@@ -39,9 +39,9 @@ int serve_live(const Compilation& c, rt::DebugSession& session, const ViewArgume
     std::printf("%s\n", address.c_str());
     std::fflush(stdout);
   };
-  std::string error;
-  if (live::serve_page(pages, options, page, announce, error)) return kOk;
-  std::fprintf(stderr, "error: %s\n", error.c_str());
+  const Result<bool> served = live::serve_page(pages, options, page, announce);
+  if (served) return kOk;
+  std::fprintf(stderr, "error: %s\n", served.error().c_str());
   return kUsage;
 }
 

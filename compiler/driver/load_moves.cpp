@@ -69,8 +69,9 @@ bool read_binary_head(Compilation& c, const RunFileText& run, rt::SessionOptions
 }
 
 bool read_record_head(Compilation& c, RunFileText& run, rt::SessionOptions& options) {
-  std::string error;
-  if (!rt::read_record(run.path, run.record, error)) return is_unreadable(c, run.path, error);
+  Result<rt::Record> record = rt::read_record(run.path);
+  if (!record) return is_unreadable(c, run.path, record.error());
+  run.record = std::move(*record);
   if (run.record.model != c.lowered->image.name)
     return is_unreadable(c, run.path,
                          fmt::format("it is a run of {}, not of {}", run.record.model, c.lowered->image.name));

@@ -20,10 +20,11 @@ OpenSession open_session(Compilation& c, Executor& executor, const SessionArgume
   const bool is_ready = executor.prepare(c, arguments.backend, Optimisation::Auto);
   if (const int code = report(c); code != 0 || !is_ready) return {nullptr, code};
   auto session = std::make_unique<rt::DebugSession>(c.lowered->image, options);
-  std::string error;
-  if (!arguments.events_path.empty() && !session->read_events(arguments.events_path, error)) {
-    std::fprintf(stderr, "error: %s\n", error.c_str());
-    return {nullptr, kUsage};
+  if (!arguments.events_path.empty()) {
+    if (const Result<bool> are_read = session->read_events(arguments.events_path); !are_read) {
+      std::fprintf(stderr, "error: %s\n", are_read.error().c_str());
+      return {nullptr, kUsage};
+    }
   }
   (void)session->start();
   if (run && !load_moves(c, *run, *session)) return {nullptr, report(c)};

@@ -47,24 +47,18 @@ class PageServer {
              const std::function<std::string(const std::string&)>& page)
       : session_(session), options_(options), page_(page), acceptor_(io_), signals_(io_) {}
 
-  bool open(std::string& address, std::string& error) {
+  // The page's address.
+  Result<std::string> open() {
     Failure failed;
     const Tcp::endpoint at(net::ip::address_v4::loopback(), options_.port);
     if (!acceptor_.open(at.protocol(), failed)) acceptor_.set_option(net::socket_base::reuse_address(true), failed);
     if (!failed) acceptor_.bind(at, failed);
     if (!failed) acceptor_.listen(net::socket_base::max_listen_connections, failed);
-    if (failed) {
-      error = "cannot listen at port " + std::to_string(options_.port) + ": " + failed.message();
-      return false;
-    }
+    if (failed) return bip::Failure{"cannot listen at port " + std::to_string(options_.port) + ": " + failed.message()};
     token_ = serve::make_token();
-    if (token_.empty()) {
-      error = "the system has no random numbers for a token";
-      return false;
-    }
+    if (token_.empty()) return bip::Failure{"the system has no random numbers for a token"};
     const std::string port = std::to_string(acceptor_.local_endpoint(failed).port());
     hosts_ = {"127.0.0.1:" + port, "localhost:" + port};
-    address = "http://" + hosts_[0] + "/" + token_ + "/";
     session_.send = [this](std::uint64_t page, const std::string& message) { send(page, message); };
     session_.send_to_all = [this](const std::string& message) {
       for (const auto& [number, connection] : connections_)
@@ -75,7 +69,7 @@ class PageServer {
       if (!why) io_.stop();
     });
     accept();
-    return true;
+    return "http://" + hosts_[0] + "/" + token_ + "/";
   }
 
   void run() { io_.run(); }
@@ -268,13 +262,13 @@ class PageServer {
 
 }  // namespace
 
-bool serve_page(LiveSession& session, const PageServerOptions& options,
-                const std::function<std::string(const std::string& connects_to)>& page,
-                const std::function<void(const std::string& address)>& announce, std::string& error) {
+Result<bool> serve_page(LiveSession& session, const PageServerOptions& options,
+                        const std::function<std::string(const std::string& connects_to)>& page,
+                        const std::function<void(const std::string& address)>& announce) {
   PageServer server(session, options, page);
-  std::string address;
-  if (!server.open(address, error)) return false;
-  announce(address);
+  const Result<std::string> address = server.open();
+  if (!address) return bip::Failure{address.error()};
+  announce(*address);
   server.run();
   return true;
 }

@@ -9,6 +9,7 @@
 #include <functional>
 #include <string>
 
+#include "compiler/base/result.hpp"
 #include "compiler/live/live_session.hpp"
 
 namespace bip::live {
@@ -22,10 +23,9 @@ struct PageServerOptions {
 };
 
 /// Serves until SIGINT, SIGTERM or SIGHUP ends the process. `page` makes the page, and gets what its content
-/// security policy allows it to connect to; `announce` gets the page's address. False: `error` says why nothing was
-/// served.
-[[nodiscard]] bool serve_page(LiveSession& session, const PageServerOptions& options,
-                              const std::function<std::string(const std::string& connects_to)>& page,
-                              const std::function<void(const std::string& address)>& announce, std::string& error);
+/// security policy allows it to connect to; `announce` gets the page's address. A failure says why nothing was served.
+[[nodiscard]] Result<bool> serve_page(LiveSession& session, const PageServerOptions& options,
+                                      const std::function<std::string(const std::string& connects_to)>& page,
+                                      const std::function<void(const std::string& address)>& announce);
 
 }  // namespace bip::live

@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "bip/assert.hpp"
+#include "bip/result.hpp"
 #include "compiler/serve/access.hpp"
 #include "compiler/serve/protocol.hpp"
 
@@ -93,29 +94,22 @@ class Server {
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  bool open(std::string& error) {
+  Result<bool> open() {
     std::error_code failed;
     if (!options_.socket_path.empty()) {
       const std::string problem = open_local();
-      if (!problem.empty()) {
-        error = "cannot listen at `" + options_.socket_path + "`: " + problem;
-        return false;
-      }
+      if (!problem.empty()) return Failure{"cannot listen at `" + options_.socket_path + "`: " + problem};
       std::fprintf(stderr, "bipc: listening at %s\n", options_.socket_path.c_str());
       accept(*local_);
     }
     if (options_.uses_tcp) {
       tcp_.emplace(io_);
       const net::ip::tcp::endpoint at(net::ip::address_v4::loopback(), options_.tcp_port);
-      if (!listen(*tcp_, at, failed)) {
-        error = "cannot listen at port " + std::to_string(options_.tcp_port) + ": " + failed.message();
-        return false;
-      }
+      if (!listen(*tcp_, at, failed))
+        return Failure{"cannot listen at port " + std::to_string(options_.tcp_port) + ": " + failed.message()};
       for (std::string& token : tokens_) {
         token = make_token();
-        if (!token.empty()) continue;
-        error = "the system has no random numbers for a token";
-        return false;
+        if (token.empty()) return Failure{"the system has no random numbers for a token"};
       }
       std::fprintf(stderr,
                    "bipc: listening at 127.0.0.1:%u\nbipc: token %s\nbipc: token of requesters %s\n"
@@ -543,15 +537,14 @@ class Server {
 
 }  // namespace
 
-ServeEnd serve(Controller& controller, const ServerOptions& options, std::string& error) {
+ServeResult serve(Controller& controller, const ServerOptions& options) {
   // A failed write shows that the client is gone.
   std::signal(SIGPIPE, SIG_IGN);
   Server server(controller, options);
-  if (!server.open(error)) return ServeEnd::NotOpened;
+  if (const Result<bool> opened = server.open(); !opened) return {ServeEnd::NotOpened, opened.error()};
   server.run();
   controller.halt();
-  error = server.problem();
-  return error.empty() ? ServeEnd::Done : ServeEnd::StreamFailed;
+  return {server.problem().empty() ? ServeEnd::Done : ServeEnd::StreamFailed, server.problem()};
 }
 
 }  // namespace bip::serve

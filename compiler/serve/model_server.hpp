@@ -28,10 +28,13 @@ struct ServerOptions {
 
 /// StreamFailed: an error ended standard input or output, over which the model was served.
 enum class ServeEnd : std::uint8_t { Done, NotOpened, StreamFailed };
+struct ServeResult {
+  ServeEnd end = ServeEnd::Done;
+  std::string problem;  // what could not be opened, or what failed; empty: Done
+};
 
 /// Until a client says `shutdown`, standard input ends (if it is served and nothing else is, or if it is a pipe), or
-/// SIGINT, SIGTERM or SIGHUP come. `error` says what could not be opened, or what failed. Tells on standard error where
-/// it listens, and the token of TCP clients.
-[[nodiscard]] ServeEnd serve(Controller& controller, const ServerOptions& options, std::string& error);
+/// SIGINT, SIGTERM or SIGHUP come. Prints on standard error where it listens, and the tokens of TCP clients.
+[[nodiscard]] ServeResult serve(Controller& controller, const ServerOptions& options);
 
 }  // namespace bip::serve

@@ -10,8 +10,8 @@ using namespace bip;
 class Factory final : public rt::FabricFactory {
  public:
   [[nodiscard]] rt::FabricKeys make_keys() const override { return zmq_fabric::make_keys(); }
-  [[nodiscard]] std::unique_ptr<rt::Fabric> open(const rt::FabricPlan& plan, std::string& error) const override {
-    return zmq_fabric::open(plan, error);
+  [[nodiscard]] Result<std::unique_ptr<rt::Fabric>> open(const rt::FabricPlan& plan) const override {
+    return zmq_fabric::open(plan);
   }
   [[nodiscard]] std::string version() const override { return zmq_fabric::version(); }
 };

@@ -264,12 +264,11 @@ rt::FabricKeys make_keys() {
   return {open.data(), secret.data()};
 }
 
-std::unique_ptr<rt::Fabric> open(const rt::FabricPlan& plan, std::string& error) {
+Result<std::unique_ptr<rt::Fabric>> open(const rt::FabricPlan& plan) {
   auto fabric = std::make_unique<ZmqFabric>();
   errno = 0;
-  if (fabric->open(plan)) return fabric;
-  error = errno == 0 ? "a key is no key" : zmq_strerror(errno);
-  return nullptr;
+  if (fabric->open(plan)) return std::unique_ptr<rt::Fabric>(std::move(fabric));
+  return Failure{errno == 0 ? "a key is no key" : zmq_strerror(errno)};
 }
 
 std::string version() {

@@ -14,7 +14,7 @@
 namespace bip::zmq_fabric {
 
 [[nodiscard]] rt::FabricKeys make_keys();
-[[nodiscard]] std::unique_ptr<rt::Fabric> open(const rt::FabricPlan& plan, std::string& error);
+[[nodiscard]] Result<std::unique_ptr<rt::Fabric>> open(const rt::FabricPlan& plan);
 [[nodiscard]] std::string version();
 
 }  // namespace bip::zmq_fabric

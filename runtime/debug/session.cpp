@@ -432,9 +432,8 @@ Halt DebugSession::follow(i64 instant, const std::function<std::optional<Enabled
 }
 
 Halt DebugSession::follow_record(const std::string& path, const Record& record) {
-  std::string error;
   if (record.tells_returns) return refuse("it holds actions that ran in real time (`@async`)");
-  if (!feed_.replay(path, error)) return refuse(error);
+  if (const Result<bool> is_read = feed_.replay(path); !is_read) return refuse(is_read.error());
   const InterruptGuard guard(&feed_.waker());
   std::uint64_t steps = 0;
   while (!record.has_end || steps < record.steps) {

@@ -78,7 +78,7 @@ class DebugSession {
   DebugSession& operator=(const DebugSession&) = delete;
 
   /// Events of a file (runtime/engine/event_file.hpp), before start(). False: `error` says what is wrong.
-  [[nodiscard]] bool read_events(const std::string& path, std::string& error) { return feed_.read(path, error); }
+  [[nodiscard]] Result<bool> read_events(const std::string& path) { return feed_.read(path); }
   /// To the initial state. Fault if the model has none.
   Halt start();
 

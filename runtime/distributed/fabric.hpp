@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "bip/result.hpp"
+
 namespace bip::rt {
 
 /// A pair of keys, as printable texts.
@@ -48,8 +50,8 @@ class FabricFactory {
  public:
   virtual ~FabricFactory() = default;
   [[nodiscard]] virtual FabricKeys make_keys() const = 0;
-  /// Null, and why in `error`.
-  [[nodiscard]] virtual std::unique_ptr<Fabric> open(const FabricPlan& plan, std::string& error) const = 0;
+  /// Listens and connects as the plan says; the caller owns what is opened.
+  [[nodiscard]] virtual Result<std::unique_ptr<Fabric>> open(const FabricPlan& plan) const = 0;
   [[nodiscard]] virtual std::string version() const = 0;
 };
 

@@ -55,10 +55,19 @@ void EventFeed::open_pool(Core& core) {
   core.actions().await_returns(pool_.get());
 }
 
-bool EventFeed::read(const std::string& path, std::string& error) {
-  const bool sound = read_events(path, ports_, EventSource::Script, script_, error);
+Result<bool> EventFeed::read(const std::string& path) {
+  const Result<bool> is_read = take_script(path, EventSource::Script);
   for (Event& event : script_) event.look = kAnyLook;
-  return sound;
+  return is_read;
+}
+
+Result<bool> EventFeed::replay(const std::string& path) { return take_script(path, EventSource::Record); }
+
+Result<bool> EventFeed::take_script(const std::string& path, EventSource source) {
+  Result<std::vector<Event>> events = read_events(path, ports_, source);
+  if (!events) return Failure{events.error()};
+  script_ = std::move(*events);
+  return true;
 }
 
 // A recorded event came after the look that its line names, whatever the instants say.

@@ -160,14 +160,18 @@ namespace {
 // A last line without its newline that cannot be read is where the writer of a record was ended.
 enum class TornEnd : std::uint8_t { IsCut, IsError };
 
-// Calls on_line(json) for each line that is not empty, until one is wrong. is_torn: the last one was cut off.
+// Torn: the last line was cut off.
+enum class FileEnd : std::uint8_t { Whole, Torn };
+
+Failure cannot_read(const std::string& path, const char* reason) {
+  return Failure{"cannot read `" + path + "`: " + reason};
+}
+
+// Calls on_line(json) for each line that is not empty, until one is wrong.
 template <class OnLine>
-bool read_lines(const std::string& path, TornEnd torn, bool& is_torn, std::string& error, const OnLine& on_line) {
+Result<FileEnd> read_lines(const std::string& path, TornEnd torn, const OnLine& on_line) {
   std::ifstream in(path, std::ios::binary);
-  if (!in) {
-    error = "cannot read `" + path + "`: " + std::strerror(errno);
-    return false;
-  }
+  if (!in) return cannot_read(path, std::strerror(errno));
   std::string line;
   errno = 0;
   for (std::size_t number = 1; std::getline(in, line); ++number) {
@@ -175,19 +179,12 @@ bool read_lines(const std::string& path, TornEnd torn, bool& is_torn, std::strin
     JsonLine json(line.size() > kMaxLine ? std::string_view() : std::string_view(line));
     on_line(json, number);
     if (json.ok()) continue;
-    if (in.eof() && torn == TornEnd::IsCut) {
-      is_torn = true;
-      return true;
-    }
-    error = path + ":";
-    append_number(error, number);
-    error += ": " + json.error();
-    return false;
+    if (in.eof() && torn == TornEnd::IsCut) return FileEnd::Torn;
+    return Failure{path + ":" + std::to_string(number) + ": " + json.error()};
   }
-  if (!in.bad()) return true;
+  if (!in.bad()) return FileEnd::Whole;
   // Streams report a lack of memory in the same way.
-  error = "cannot read `" + path + "`: " + (errno != 0 ? std::strerror(errno) : "out of memory");
-  return false;
+  return cannot_read(path, errno != 0 ? std::strerror(errno) : "out of memory");
 }
 
 template <class Word>
@@ -233,18 +230,21 @@ void read_record_line(JsonLine& json, Record& out, bool& is_first) {
 
 }  // namespace
 
-bool read_record(const std::string& path, Record& out, std::string& error) {
+Result<Record> read_record(const std::string& path) {
+  constexpr const char* kNoRecord = "this is no record of a run: --record writes one";
+  Record record;
   bool is_record = false;
-  const bool sound = read_lines(path, TornEnd::IsCut, out.is_torn, error, [&](JsonLine& json, std::size_t number) {
+  const Result<FileEnd> end = read_lines(path, TornEnd::IsCut, [&](JsonLine& json, std::size_t number) {
     if (number != 1 && json.first_key() != "end") return;
-    if (number == 1 && json.first_key() != "format")
-      return json.fail("this is no record of a run: --record writes one");
-    read_record_line(json, out, is_record);
-    if (number == 1 && !is_record) json.fail("this is no record of a run: --record writes one");
+    if (number == 1 && json.first_key() != "format") return json.fail(kNoRecord);
+    read_record_line(json, record, is_record);
+    if (number == 1 && !is_record) json.fail(kNoRecord);
   });
-  if (out.is_torn) out.has_end = false;
-  if (sound && !is_record) error = path + ": this is no record of a run: --record writes one";
-  return sound && is_record;
+  if (!end) return Failure{end.error()};
+  if (!is_record) return Failure{path + ": " + kNoRecord};
+  record.is_torn = *end == FileEnd::Torn;
+  if (record.is_torn) record.has_end = false;
+  return record;
 }
 
 void append_record_head(std::string& out, const Record& record) {
@@ -265,17 +265,18 @@ void append_record_end(std::string& out, const Record& record) {
   out += "}\n";
 }
 
-bool read_events(const std::string& path, const EventPorts& ports, EventSource source, std::vector<Event>& out,
-                 std::string& error) {
-  bool is_torn = false;
-  return read_lines(path, source == EventSource::Record ? TornEnd::IsCut : TornEnd::IsError, is_torn, error,
-                    [&](JsonLine& json, std::size_t) {
-                      Event event;
-                      if (!read_event(json, ports, source, event)) return;
-                      if (json.ok() && !out.empty() && event.time < out.back().time)
-                        json.fail("events come in the order of their time");
-                      if (json.ok()) out.push_back(std::move(event));
-                    });
+Result<std::vector<Event>> read_events(const std::string& path, const EventPorts& ports, EventSource source) {
+  std::vector<Event> events;
+  const TornEnd torn = source == EventSource::Record ? TornEnd::IsCut : TornEnd::IsError;
+  const Result<FileEnd> end = read_lines(path, torn, [&](JsonLine& json, std::size_t) {
+    Event event;
+    if (!read_event(json, ports, source, event)) return;
+    if (json.ok() && !events.empty() && event.time < events.back().time)
+      json.fail("events come in the order of their time");
+    if (json.ok()) events.push_back(std::move(event));
+  });
+  if (!end) return Failure{end.error()};
+  return events;
 }
 
 void append_event(std::string& out, const EventPorts& ports, const Event& event) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "bip/result.hpp"
 #include "bip/run.hpp"
 #include "runtime/engine/event_ports.hpp"
 
@@ -37,15 +38,15 @@ struct Record {
   u64 steps = 0, looks = 0;
   bool is_torn = false;  // the last line is incomplete: the run was cut off while it was written
 };
-/// False: `error` says what is wrong.
-[[nodiscard]] bool read_record(const std::string& path, Record& out, std::string& error);
+/// Reads the first and the last line of a record; a failure names the file and the line.
+[[nodiscard]] Result<Record> read_record(const std::string& path);
 void append_record_head(std::string& out, const Record& record);
 void append_record_end(std::string& out, const Record& record);
 
 enum class EventSource : std::uint8_t { Script, Record };
-/// All events of the file; only records tell of actions. False: `error` says in which line what is wrong.
-[[nodiscard]] bool read_events(const std::string& path, const EventPorts& ports, EventSource source,
-                               std::vector<Event>& out, std::string& error);
+/// All events of the file; only records tell of actions. A failure names the file and the line.
+[[nodiscard]] Result<std::vector<Event>> read_events(const std::string& path, const EventPorts& ports,
+                                                     EventSource source);
 /// A line with its newline.
 void append_event(std::string& out, const EventPorts& ports, const Event& event);
 

@@ -106,22 +106,26 @@ class Launcher {
     const u32 nodes = static_cast<u32>(members_.size());
     BIP_ENSURE(options_.fabrics != nullptr, "a run without a network was refused");
     const auto live = [&](u32 node, const FabricPlan& plan) {
-      std::string error;
-      const std::unique_ptr<Fabric> fabric = options_.fabrics->open(plan, error);
-      if (fabric == nullptr) {
-        std::fprintf(stderr, "error: node `%s`: %s\n", distribution_.placement.nodes[node].c_str(), error.c_str());
+      const Result<std::unique_ptr<Fabric>> fabric = options_.fabrics->open(plan);
+      if (!fabric) {
+        std::fprintf(stderr, "error: node `%s`: %s\n", distribution_.placement.nodes[node].c_str(),
+                     fabric.error().c_str());
         return 1;
       }
       const NodeSetup setup{core_.image(), core_.parts().options, distribution_, node, run_, seed_, options_, output_};
-      return NodeProcess(setup, *fabric).run(initial) ? 0 : 1;
+      return NodeProcess(setup, **fabric).run(initial) ? 0 : 1;
     };
     const Deployment* const deployment = options_.deployment;
     result_.error = deployment == nullptr ? team_.start(nodes, *options_.fabrics, live)
                                           : team_.start_first(launcher_plan(*deployment),
                                                               [&] { return live(0, node_plan(*deployment)); });
     if (!result_.error.empty()) return false;
-    fabric_ = options_.fabrics->open(team_.plan(), result_.error);
-    if (fabric_ == nullptr) return false;
+    Result<std::unique_ptr<Fabric>> fabric = options_.fabrics->open(team_.plan());
+    if (!fabric) {
+      result_.error = fabric.error();
+      return false;
+    }
+    fabric_ = std::move(*fabric);
     if (deployment != nullptr && !gather(*deployment)) return false;
     station_ = std::make_unique<Station>(*fabric_, codec_, nodes, nodes);
     // Nodes that must not say anything before it is known here wait for the answer.

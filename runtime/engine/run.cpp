@@ -13,11 +13,12 @@ namespace {
 
 // Options that the record fixes: it says how the run was started and where it ended. Returns false after a report.
 bool begin_replay(const Image& image, RunOptions& options, Record& record, std::FILE* err) {
-  std::string error;
-  if (!read_record(options.replay_path, record, error)) {
-    std::fprintf(err, "error: %s\n", error.c_str());
+  Result<Record> read = read_record(options.replay_path);
+  if (!read) {
+    std::fprintf(err, "error: %s\n", read.error().c_str());
     return false;
   }
+  record = std::move(*read);
   if (record.model != image.name) {
     std::fprintf(err, "error: %s: a run of `%s` was recorded, this is `%s`\n", options.replay_path.c_str(),
                  record.model.c_str(), image.name);

@@ -67,10 +67,11 @@ RunResult RunLoop::run() {
 
 bool RunLoop::open_events() {
   BIP_ASSERT(phase_ == Phase::Created, "phase {}", static_cast<int>(phase_));
-  std::string error;
-  if ((is_replay() && !feed_.replay(options_.replay_path, error)) ||
-      (!options_.events_path.empty() && !feed_.read(options_.events_path, error))) {
-    std::fprintf(files_.err, "error: %s\n", error.c_str());
+  Result<bool> are_read = true;
+  if (is_replay()) are_read = feed_.replay(options_.replay_path);
+  if (are_read && !options_.events_path.empty()) are_read = feed_.read(options_.events_path);
+  if (!are_read) {
+    std::fprintf(files_.err, "error: %s\n", are_read.error().c_str());
     return false;
   }
   phase_ = Phase::EventsOpened;

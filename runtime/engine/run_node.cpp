@@ -90,17 +90,16 @@ std::string end_text(u64 end, u64 steps) {
 int run_node(const Image& image, const RunOptions& given) {
   const Deployment& deployment = *given.deployment;
   const InterruptGuard guard;
-  std::string error;
-  const std::unique_ptr<Fabric> fabric = given.fabrics->open(node_plan(deployment), error);
-  if (fabric == nullptr) {
-    tell_of_node(deployment, "cannot listen at " + deployment.listen + ": " + error);
+  const Result<std::unique_ptr<Fabric>> fabric = given.fabrics->open(node_plan(deployment));
+  if (!fabric) {
+    tell_of_node(deployment, "cannot listen at " + deployment.listen + ": " + fabric.error());
     return 1;
   }
   tell_of_node(deployment, "listens at " + deployment.listen + ", waits for `" + deployment.names[0] + '`');
   Greeting welcome;
   RunOptions options = given;
   do {
-    if (!await_welcome(deployment, *fabric, welcome)) return 128 + interrupting_signal();
+    if (!await_welcome(deployment, **fabric, welcome)) return 128 + interrupting_signal();
   } while (!options_of(welcome, options));
   tell_of_node(deployment, "the run begins");
 
@@ -114,7 +113,7 @@ int run_node(const Image& image, const RunOptions& given) {
   if (!core.initialize()) return 1;
   const Distribution distribution = distribute(core.tables(), core.priorities(), *options.placement);
   const NodeSetup setup{image, how, distribution, deployment.self, welcome.number, options.seed, options, output};
-  NodeProcess process(setup, *fabric);
+  NodeProcess process(setup, **fabric);
   if (!process.run(core.snapshot())) {
     tell_of_node(deployment, process.why());
     return is_interrupted() ? 128 + interrupting_signal() : 1;

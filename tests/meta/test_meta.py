@@ -66,8 +66,8 @@ def relative(path):
 def folder_of(include):
     """compiler/model/x.hpp -> model; runtime/…, bip/… -> runtime; else None."""
     parts = include.split("/")
-    if parts[-1] == "assert.hpp" and "bip" in parts:
-        return None  # bip/assert.hpp needs nothing, all may include it
+    if parts[-1] in ("assert.hpp", "result.hpp") and "bip" in parts:
+        return None  # these need nothing, all may include them
     if include == "runtime/core/graph_algorithms.hpp":
         return None  # needs bip/assert.hpp only: one implementation for the compiler and the runtime
     if parts[0] == "compiler" and len(parts) > 2:

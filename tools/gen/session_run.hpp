@@ -34,9 +34,12 @@ inline std::string without_end(const std::string& trace) {
 /// `plain`: the JSON trace of the run with these options and events. Returns a text that is the same on all executors.
 inline std::string session_run(const rt::Image& image, const rt::SessionOptions& options,
                                const std::string& events_path, std::uint64_t steps, const std::string& plain) {
-  std::string text, error;
+  std::string text;
   rt::DebugSession session(image, options);
-  if (!events_path.empty() && !session.read_events(events_path, error)) return kSessionDiffers + error;
+  if (!events_path.empty()) {
+    if (const Result<bool> are_read = session.read_events(events_path); !are_read)
+      return kSessionDiffers + are_read.error();
+  }
   if (session.start() == rt::Halt::Fault) return "the initial state is a fault\n";
   rt::Halt halt = rt::Halt::Done;
   for (std::uint64_t k = 0; k < steps && halt == rt::Halt::Done; ++k) halt = session.step();

@@ -55,11 +55,10 @@ std::array<FabricPlan, 2> plans_of_two(int listens, int port) {
 }
 
 std::unique_ptr<Fabric> opened(const FabricPlan& plan) {
-  std::string error;
-  std::unique_ptr<Fabric> fabric = zmq_fabric::open(plan, error);
-  INFO(error);
-  REQUIRE(fabric != nullptr);
-  return fabric;
+  Result<std::unique_ptr<Fabric>> fabric = zmq_fabric::open(plan);
+  INFO((fabric ? "" : fabric.error()));
+  REQUIRE(fabric);
+  return std::move(*fabric);
 }
 
 // What comes within the time, at least one if there is any.

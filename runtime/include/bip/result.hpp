@@ -1,0 +1,44 @@
+// Result<T>: a value, or the message of an expected failure (I/O, limits). Model errors are diagnostics instead. A
+// function that has no value to give returns Result<bool>, whose value is true.
+#pragma once
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "assert.hpp"  // beside this file: who builds without the runtime has no other path to it
+
+namespace bip {
+
+struct Failure {
+  std::string message;
+};
+
+template <class T>
+class [[nodiscard]] Result {
+ public:
+  Result(T value) : v_(std::move(value)) {}
+  Result(Failure f) : v_(std::move(f)) {}
+  [[nodiscard]] explicit operator bool() const { return v_.index() == 0; }
+  [[nodiscard]] T& operator*() {
+    require_value();
+    return std::get<0>(v_);
+  }
+  [[nodiscard]] const T& operator*() const {
+    require_value();
+    return std::get<0>(v_);
+  }
+  [[nodiscard]] T* operator->() { return &**this; }
+  [[nodiscard]] const std::string& error() const {
+    BIP_ENSURE(!*this, "asked a value for its error");
+    return std::get<1>(v_).message;
+  }
+
+ private:
+  void require_value() const {
+    BIP_ENSURE(v_.index() == 0, "asked a failure for its value: {}", std::get<1>(v_).message);
+  }
+
+  std::variant<T, Failure> v_;
+};
+
+}  // namespace bip
