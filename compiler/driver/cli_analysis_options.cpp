@@ -54,6 +54,8 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
       ->excludes("--certificate")
       ->excludes("--partial")
       ->type_name("'N [>= NUMBER]'");
+  command->add_flag("--all-steps", a.all_steps,
+                    "show also the steps that the run which violates the property does not need");
   command
       ->add_option("--trace", a.trace_path,
                    "write a trace (JSON lines) of the run that violates the property to PATH, for `bipc step`")

@@ -19,7 +19,9 @@
 #include "compiler/verify/evidence/certificate.hpp"
 #include "compiler/verify/evidence/proof_cache.hpp"
 #include "compiler/verify/net/unread_cpp.hpp"
+#include "compiler/verify/evidence/relevant_steps.hpp"
 #include "compiler/verify/portfolio/search_bad_state.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::library {
 
@@ -53,6 +55,29 @@ std::string error_remark(const Compilation& c, const verify::Question& question,
     case verify::Outcome::Unknown: return kErrorsNotAsked;
   }
   BIP_UNREACHABLE("an outcome");
+}
+
+// Leaves out of a counterexample the steps that it does not need. Returns how many.
+std::size_t shorten(verify::Counterexample& found, const Compilation& c, const verify::Question& question,
+                    const verify::CancellationToken& token) {
+  const std::size_t before = found.choices.size();
+  found.choices = verify::relevant_steps(c.lowered->image, verify::goal_of(question), found.choices, token);
+  BIP_ASSERT(found.choices.size() <= before, "{} of {} steps are relevant", found.choices.size(), before);
+  return before - found.choices.size();
+}
+
+// Lines after a counterexample of `steps` steps: what was left out, and which step decided, unless it is the last one.
+std::string relevance_text(const VerdictText& said, std::size_t steps) {
+  std::string text;
+  if (said.left_out != 0)
+    text += fmt::format("  left out: {} step{} that this does not need (--all-steps)\n", said.left_out,
+                        said.left_out == 1 ? "" : "s");
+  if (!said.decided) return text;
+  if (said.decided->way_out.empty()) text += "  no choice of these components avoids this\n";
+  else if (said.decided->step + 1 != steps)
+    text += fmt::format("  decided by #{}: before it, this could be avoided, for example by {}\n", said.decided->step,
+                        said.decided->way_out);
+  return text;
 }
 
 rt::CounterexampleEnd end_of(verify::QuestionKind asked) {
@@ -165,13 +190,23 @@ Verdict decide(const VerifyRequest& request, Compilation& c, const verify::Quest
   verify::Portfolio portfolio(*c.system, c.lowered->image, access, prepare, report);
   if (request.reuses && cache.is_on()) portfolio.use_cache(&proofs);
   const verify::ProcessClock::time_point start = verify::ProcessClock::now();
-  const verify::Decision decision = portfolio.decide(question, limits);
+  verify::Decision decision = portfolio.decide(question, limits);
   const double seconds = std::chrono::duration<double>(verify::ProcessClock::now() - start).count();
   Verdict verdict;
   if (!is_ready) return verdict;
   verdict.is_answered = true;
+  auto* const broken_by = std::get_if<verify::Counterexample>(&decision.evidence);
+  const bool is_replayable =
+      broken_by != nullptr && question.what != verify::QuestionKind::NoLocalDeadlock && !calls_cpp(*c.system);
+  const std::size_t left_out =
+      is_replayable && !request.all_steps ? shorten(*broken_by, c, question, token) : std::size_t{0};
   VerdictText said =
       verdict_text(c, question, decision, portfolio, request.why ? Explanation::Evidence : Explanation::None);
+  said.left_out = left_out;
+  if (is_replayable) {
+    said.decided = verify::deciding_step(c.lowered->image, verify::goal_of(question), broken_by->choices, token);
+    said.text += relevance_text(said, broken_by->choices.size());
+  }
   said.text += note;
   if (request.wants_certificate && decision.outcome == verify::Outcome::Holds)
     verdict.certificate = verify::certificate(portfolio, question, decision, *c.system, c.root_name);

@@ -22,6 +22,7 @@ struct VerifyRequest {
   bool wants_certificate = false;
   bool wants_trace = false;  // of a run that breaks what was asked
   bool wants_run = false;    // as data, in the JSON
+  bool all_steps = false;    // of a run that breaks what was asked, also those that it does not need
 };
 
 }  // namespace bip::library

@@ -183,6 +183,13 @@ std::string verdict_json(const VerdictText& v, const verify::Question& question,
              d.evidence);
   if (d.states != 0) json["states"] = d.states;
   if (const verify::Counterexample* found = d.counterexample()) json["steps"] = found->choices.size();
+  if (v.left_out != 0) json["left_out"] = v.left_out;
+  if (v.decided && !v.decided->way_out.empty()) {
+    json["decided_by"] = v.decided->step;
+    json["way_out"] = v.decided->way_out;
+  } else if (v.decided) {
+    json["inevitable"] = true;
+  }
   if (d.outcome == verify::Outcome::Unknown) json["reason"] = d.reason;
   if (stats != nullptr) {
     json["cpu_seconds"] = stats->seconds;

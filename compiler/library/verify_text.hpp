@@ -1,8 +1,10 @@
 // A verdict in words and as JSON.
 #pragma once
+#include <optional>
 #include <string>
 
 #include "compiler/pipeline/pipeline.hpp"
+#include "compiler/verify/evidence/relevant_steps.hpp"
 #include "compiler/verify/portfolio/portfolio.hpp"
 
 namespace bip::library {
@@ -13,6 +15,9 @@ struct VerdictText {
   int exit_code = 0;
   std::string name;  // "deadlock-free", "violated", "unknown" …
   std::string text;
+  // Of a run that breaks what was asked.
+  std::size_t left_out = 0;  // steps that it does not need
+  std::optional<verify::DecidingStep> decided = std::nullopt;
 };
 /// Evidence: after the verdict the invariants, equations and lemmas of the proof.
 enum class Explanation : std::uint8_t { None, Evidence };

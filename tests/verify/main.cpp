@@ -20,6 +20,7 @@
 #include "compiler/verify/evidence/certificate.hpp"
 #include "compiler/verify/evidence/counterexample_text.hpp"
 #include "tests/verify/random_property.hpp"
+#include "tests/verify/relevance_oracle.hpp"
 #include "tests/verify/small_net.hpp"
 #include "tests/verify/tampering.hpp"
 #include "tools/gen/compiled.hpp"
@@ -40,6 +41,7 @@ struct Totals {
                 failed = 0, certificates = 0;
   std::uint64_t decided = 0;  // answers of the prover
   std::uint64_t reused = 0, whole = 0, rows = 0, forged_rows = 0;
+  verify::test::RelevanceCounts relevance;
 };
 
 class Check {
@@ -133,6 +135,12 @@ class Check {
       if (!says_violated && wants_certificate_ && !o_.out.empty()) write(c, question, portfolio, d, file);
     }
     open_ = 0;
+    if (is_violated) {
+      constexpr std::size_t kStates = 300;
+      const std::string problem =
+          verify::test::check_relevance(c.lowered->image, verify::goal_of(question), seed_, kStates, t_.relevance);
+      if (!problem.empty()) fail(file + ": " + problem);
+    }
     if (seed_ % 5 == 0 && !kept_.empty())
       reuse(c, question, is_known ? std::optional(is_violated) : std::nullopt, file);
   }
@@ -246,11 +254,19 @@ int main(int argc, char** argv) {
       n(t.certificates));
   std::printf("with kept proofs %llu: the system known %llu, rows used %llu, forged ones %llu\n", n(t.reused),
               n(t.whole), n(t.rows), n(t.forged_rows));
+  std::printf("runs %llu: steps left out %llu, a step decided %llu, none %llu\n", n(t.relevance.runs),
+              n(t.relevance.left_out), n(t.relevance.decided), n(t.relevance.inevitable));
   // Of so many systems some have answers; a run without is no test.
   constexpr std::uint64_t kMany = 20;
-  if (o.print.empty() && t.systems >= kMany && (t.decided == 0 || t.holds == 0 || t.violated == 0 || t.rows == 0)) {
+  if (o.print.empty() && t.systems >= kMany &&
+      (t.decided == 0 || t.holds == 0 || t.violated == 0 || t.rows == 0 || t.relevance.left_out == 0 ||
+       t.relevance.decided == 0)) {
     ++t.failed;
     std::printf("FAILED: %llu answers, %llu rows of kept proofs: nothing was compared\n", n(t.decided), n(t.rows));
+  }
+  if (t.relevance.runs >= kMany && (t.relevance.left_out == 0 || t.relevance.decided == 0)) {
+    ++t.failed;
+    std::printf("FAILED: of %llu runs no step was left out, or none decided\n", n(t.relevance.runs));
   }
   std::printf("systems %llu, failed %llu\n", n(t.systems), n(t.failed));
   return t.failed == 0 ? 0 : 1;

@@ -1,0 +1,399 @@
+// See relevant_steps.hpp.
+#include "compiler/verify/evidence/relevant_steps.hpp"
+
+#include <algorithm>
+#include <unordered_map>
+#include <utility>
+
+#include "runtime/core/final_state.hpp"
+#include "runtime/include/bip/assert.hpp"
+#include "runtime/trace/trace.hpp"
+
+namespace bip::verify {
+
+namespace {
+
+constexpr std::uint64_t kReplayedSteps = 1'000'000;
+constexpr std::size_t kAvoidingStates = 20'000;
+// Of the states that a search for a way out stores, and of those of a run whose loops are cut out.
+constexpr std::size_t kStoredBytes = std::size_t{256} << 20;
+
+bool is_goal_state(const rt::Core& core, const SearchGoal& goal) {
+  return (goal.stuck && rt::is_deadlock(core)) || (goal.state && goal.state(core));
+}
+
+// A step by who takes part, whatever else is possible.
+struct StepLabel {
+  u32 interaction = 0;
+  std::vector<std::pair<u32, u32>> ports;  // atom, port
+};
+
+class Replayer {
+ public:
+  Replayer(const rt::Image& image, const SearchGoal& goal, const CancellationToken& token)
+      : core_(image), goal_(goal), token_(token) {}
+
+  [[nodiscard]] bool is_over() const { return replayed_ > kReplayedSteps || token_.is_cancelled(); }
+
+  // The labels of the run, without its loops. Empty: the run does not reach the goal.
+  std::vector<StepLabel> read(const std::vector<std::uint64_t>& choices) {
+    std::vector<StepLabel> labels;
+    std::unordered_map<std::string, std::size_t> first;  // state -> steps before it
+    const std::size_t bytes = state_key(begin() ? core_.snapshot() : rt::State{}).size();
+    const bool cuts_loops = bytes != 0 && choices.size() <= kStoredBytes / (2 * bytes);
+    for (const std::uint64_t choice : choices) {
+      if (cuts_loops) {
+        const auto [seen, is_new] = first.try_emplace(state_key(core_.snapshot()), labels.size());
+        if (!is_new && seen->second < labels.size()) {
+          labels.resize(seen->second);
+          std::erase_if(first, [&](const auto& entry) { return entry.second > labels.size(); });
+        }
+      }
+      if (choice >= core_.candidate_count()) return {};
+      labels.push_back(label(core_.position(choice)));
+      if (!core_.fire(choice)) break;
+    }
+    return labels;
+  }
+
+  // The numbers of the candidates if these steps lead to the goal; those behind it are removed.
+  std::optional<std::vector<std::uint64_t>> take(std::vector<StepLabel>& labels) {
+    replayed_ += 1 + core_.image().atoms.size / 16;
+    if (!begin()) return std::nullopt;
+    std::vector<std::uint64_t> choices;
+    choices.reserve(labels.size());
+    for (const StepLabel& wanted : labels) {
+      const std::optional<rt::EnabledSet::Position> at = find(wanted);
+      if (!at) return std::nullopt;
+      choices.push_back(core_.enabled().number(*at));
+      ++replayed_;
+      const bool is_sound = core_.take(*at);
+      if (!is_sound && !goal_.faults) return std::nullopt;
+      if (is_sound && !is_goal_state(core_, goal_)) continue;
+      labels.resize(choices.size());
+      return choices;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  bool begin() {
+    if (!initial_) {
+      if (!core_.initialize()) return false;
+      initial_ = core_.snapshot();
+      return true;
+    }
+    return core_.restore(*initial_);
+  }
+
+  StepLabel label(rt::EnabledSet::Position at) {
+    StepLabel made{at.interaction, {}};
+    core_.participants(core_.candidate(at), participants_);
+    for (const rt::Participant& p : participants_) made.ports.emplace_back(p.atom, p.port);
+    std::sort(made.ports.begin(), made.ports.end());
+    return made;
+  }
+
+  std::optional<rt::EnabledSet::Position> find(const StepLabel& wanted) {
+    for (u32 rank = 0; rank < core_.enabled().weight(wanted.interaction); ++rank) {
+      const rt::EnabledSet::Position at{wanted.interaction, rank};
+      if (label(at).ports == wanted.ports) return at;
+    }
+    return std::nullopt;
+  }
+
+  rt::Core core_;
+  const SearchGoal& goal_;
+  const CancellationToken& token_;
+  std::optional<rt::State> initial_;
+  std::vector<rt::Participant> participants_;
+  std::uint64_t replayed_ = 0;
+};
+
+// Leaves blocks out, from the end to the beginning: what comes late is needed by less.
+std::vector<StepLabel> leave_out(Replayer& replayer, std::vector<StepLabel> labels) {
+  std::size_t size = std::max<std::size_t>(labels.size() / 2, 1);
+  for (bool is_smaller = false;; is_smaller = false) {
+    for (std::size_t end = labels.size(); end > 0 && !replayer.is_over();) {
+      const std::size_t begin = end > size ? end - size : 0;
+      std::vector<StepLabel> fewer(labels.begin(), labels.begin() + static_cast<std::ptrdiff_t>(begin));
+      fewer.insert(fewer.end(), labels.begin() + static_cast<std::ptrdiff_t>(end), labels.end());
+      if (replayer.take(fewer)) {
+        labels = std::move(fewer);
+        is_smaller = true;
+      }
+      end = begin;
+    }
+    if (replayer.is_over() || (size == 1 && !is_smaller)) return labels;
+    if (size > 1) size /= 2;
+  }
+}
+
+bool shares_atom(const StepLabel& a, const StepLabel& b) {
+  auto x = a.ports.begin(), y = b.ports.begin();
+  while (x != a.ports.end() && y != b.ports.end()) {
+    if (x->first == y->first) return true;
+    if (x->first < y->first) ++x;
+    else ++y;
+  }
+  return false;
+}
+
+// An order of the steps in which those of each atom keep theirs: next comes a step that depends on the one placed last,
+// else on the one before that, …, else the first one that is left.
+std::vector<StepLabel> order_by_cause(const std::vector<StepLabel>& labels) {
+  constexpr std::size_t kMostSteps = 2000;
+  if (labels.size() > kMostSteps) return labels;
+  std::vector<std::vector<std::size_t>> causes(labels.size());
+  for (std::size_t k = 0; k < labels.size(); ++k) {
+    for (std::size_t before = 0; before < k; ++before)
+      if (shares_atom(labels[before], labels[k])) causes[k].push_back(before);
+  }
+  std::vector<bool> is_placed(labels.size());
+  std::vector<std::size_t> placed;
+  const auto is_ready = [&](std::size_t k) {
+    return !is_placed[k] &&
+           std::all_of(causes[k].begin(), causes[k].end(), [&](std::size_t c) { return is_placed[c]; });
+  };
+  const auto depends_on = [&](std::size_t k, std::size_t cause) {
+    return std::binary_search(causes[k].begin(), causes[k].end(), cause);
+  };
+  while (placed.size() < labels.size()) {
+    std::size_t next = labels.size();
+    for (auto last = placed.rbegin(); last != placed.rend() && next == labels.size(); ++last) {
+      for (std::size_t k = *last + 1; k < labels.size() && next == labels.size(); ++k)
+        if (is_ready(k) && depends_on(k, *last)) next = k;
+    }
+    for (std::size_t k = 0; next == labels.size(); ++k)
+      if (is_ready(k)) next = k;
+    is_placed[next] = true;
+    placed.push_back(next);
+  }
+  std::vector<StepLabel> ordered;
+  ordered.reserve(placed.size());
+  for (const std::size_t k : placed) ordered.push_back(labels[k]);
+  return ordered;
+}
+
+// The atoms that take part in a run.
+class RunAtoms {
+ public:
+  explicit RunAtoms(const rt::Image& image) : takes_part_(image.atoms.size) {}
+
+  void add(rt::Core& core, std::uint64_t choice) {
+    core.participants(core.candidate(choice), participants_);
+    for (const rt::Participant& p : participants_) takes_part_[p.atom] = true;
+  }
+  [[nodiscard]] bool touches(rt::Core& core, std::uint64_t choice) {
+    core.participants(core.candidate(choice), participants_);
+    return std::any_of(participants_.begin(), participants_.end(),
+                       [this](const rt::Participant& p) { return takes_part_[p.atom]; });
+  }
+
+ private:
+  std::vector<bool> takes_part_;
+  std::vector<rt::Participant> participants_;
+};
+
+// Searches for a run that avoids the goal: it ends elsewhere, or goes on for ever. One that goes on for ever counts
+// only if it does so with atoms of the run, or if these can do nothing again and again: that others move beside them is
+// no way out. Strong components by depth-first search (Tarjan 1972); an edge is *fair* if it makes its component one in
+// which such a run can stay.
+class Avoidance {
+ public:
+  enum class Answer : std::uint8_t { Possible, Impossible, Unknown };
+
+  Avoidance(const rt::Image& image, const SearchGoal& goal, RunAtoms& atoms, const CancellationToken& token)
+      : core_(image), goal_(goal), atoms_(atoms), token_(token) {}
+
+  // `way_out`: the first step of such a run that atoms of the run take part in, if there is one.
+  Answer from(const rt::State& state, std::string& way_out) {
+    rows_.clear();
+    nodes_.clear();
+    open_.clear();
+    path_.clear();
+    if (!core_.restore(state) || is_goal_state(core_, goal_)) return Answer::Impossible;
+    if (core_.candidate_count() == 0) return Answer::Possible;
+    bool meets_errors = false;
+    push(Edge::OfOthers);
+    while (!path_.empty()) {
+      Frame& frame = path_.back();
+      if (frame.next == frame.choices.size()) {
+        if (leave()) return found(way_out);
+        continue;
+      }
+      if (nodes_.size() > kAvoidingStates || nodes_.size() * bytes_ > kStoredBytes || token_.is_cancelled())
+        return Answer::Unknown;
+      const Edge edge = frame.next < frame.touching ? Edge::Fair : frame.other_edges;
+      const std::uint64_t choice = frame.choices[frame.next++];
+      if (!core_.restore(frame.state)) return Answer::Unknown;
+      if (!core_.fire(choice)) {
+        meets_errors = meets_errors || !goal_.faults;
+        continue;
+      }
+      if (is_goal_state(core_, goal_)) continue;
+      if (core_.candidate_count() == 0 || closes_fair_cycle(edge)) return found(way_out);
+    }
+    return meets_errors ? Answer::Unknown : Answer::Impossible;
+  }
+
+ private:
+  enum class Edge : std::uint8_t { Fair, OfOthers };
+  struct Node {
+    u32 low = 0;  // Tarjan's lowlink
+    bool is_open = true;
+    std::size_t depth = 0;  // on the path; else kOffPath
+  };
+  struct Frame {
+    rt::State state;
+    u32 node = 0;
+    Edge edge = Edge::OfOthers;          // that led here
+    std::size_t fair_before = 0;         // fair edges of the path up to here
+    std::vector<std::uint64_t> choices;  // those that touch atoms of the run first
+    std::size_t touching = 0, next = 0;
+    Edge other_edges = Edge::OfOthers;
+  };
+  static constexpr std::size_t kOffPath = ~std::size_t{0};
+
+  // To the core's state, by an edge from the end of the path. Returns whether a cycle with a fair edge is closed.
+  bool closes_fair_cycle(Edge edge) {
+    const auto known = rows_.find(state_key(core_.snapshot()));
+    if (known == rows_.end()) {
+      push(edge);
+      return false;
+    }
+    const Node& node = nodes_[known->second];
+    if (!node.is_open) return false;
+    Frame& frame = path_.back();
+    nodes_[frame.node].low = std::min(nodes_[frame.node].low, node.low);
+    return edge == Edge::Fair || (node.depth != kOffPath && frame.fair_before > path_[node.depth].fair_before);
+  }
+
+  void push(Edge edge) {
+    Frame frame;
+    frame.state = core_.snapshot();
+    frame.node = static_cast<u32>(nodes_.size());
+    frame.edge = edge;
+    frame.fair_before = (path_.empty() ? 0 : path_.back().fair_before) + (edge == Edge::Fair ? 1 : 0);
+    for (std::uint64_t k = 0; k < core_.candidate_count(); ++k)
+      if (atoms_.touches(core_, k)) frame.choices.push_back(k);
+    frame.touching = frame.choices.size();
+    for (std::uint64_t k = 0, touching = 0; k < core_.candidate_count(); ++k) {
+      if (touching < frame.touching && frame.choices[touching] == k) ++touching;
+      else frame.choices.push_back(k);
+    }
+    if (frame.touching == 0) frame.other_edges = Edge::Fair;
+    std::string key = state_key(frame.state);
+    bytes_ = key.size();
+    rows_.emplace(std::move(key), frame.node);
+    nodes_.push_back({.low = frame.node, .depth = path_.size()});
+    open_.push_back(frame.node);
+    path_.push_back(std::move(frame));
+  }
+
+  // Returns whether the edge that led to the end of the path is fair and within a component.
+  bool leave() {
+    const u32 row = path_.back().node;
+    const Edge edge = path_.back().edge;
+    Node& node = nodes_[row];
+    node.depth = kOffPath;
+    if (node.low == row) {
+      while (nodes_[row].is_open) {
+        nodes_[open_.back()].is_open = false;
+        open_.pop_back();
+      }
+      path_.pop_back();
+      return false;
+    }
+    path_.pop_back();
+    if (edge == Edge::Fair) return true;
+    Node& parent = nodes_[path_.back().node];
+    parent.low = std::min(parent.low, node.low);
+    return false;
+  }
+
+  Answer found(std::string& way_out);
+
+  rt::Core core_;
+  const SearchGoal& goal_;
+  RunAtoms& atoms_;
+  const CancellationToken& token_;
+  std::unordered_map<std::string, u32> rows_;  // by state
+  std::vector<Node> nodes_;                    // in the order of their discovery
+  std::vector<u32> open_;                      // Tarjan's stack
+  std::vector<Frame> path_;
+  std::size_t bytes_ = 0;  // of a state
+};
+
+std::string step_text(rt::Core& core, std::uint64_t choice) {
+  std::string line;
+  rt::StepWriter().step(line, core, core.candidate(choice), 0);
+  // Without its number and its newline.
+  const std::size_t begin = line.find_first_not_of(' ', line.find(' '));
+  return line.substr(begin, line.find('\n') - begin);
+}
+
+Avoidance::Answer Avoidance::found(std::string& way_out) {
+  const auto touching = std::find_if(path_.begin(), path_.end(), [](const Frame& f) { return f.next <= f.touching; });
+  const Frame& frame = touching != path_.end() ? *touching : path_.front();
+  if (!core_.restore(frame.state)) return Answer::Unknown;
+  way_out = step_text(core_, frame.choices[frame.next - 1]);
+  return Answer::Possible;
+}
+
+}  // namespace
+
+std::vector<std::uint64_t> relevant_steps(const rt::Image& image, const SearchGoal& goal,
+                                          const std::vector<std::uint64_t>& choices, const CancellationToken& token) {
+  Replayer replayer(image, goal, token);
+  std::vector<StepLabel> labels = replayer.read(choices);
+  if (!replayer.take(labels)) return choices;
+  std::vector<StepLabel> needed = leave_out(replayer, std::move(labels));
+  std::vector<StepLabel> by_cause = order_by_cause(needed);
+  if (std::optional<std::vector<std::uint64_t>> ordered = replayer.take(by_cause)) return std::move(*ordered);
+  std::optional<std::vector<std::uint64_t>> same = replayer.take(needed);
+  BIP_ENSURE(same, "a run of {} steps is not the same the second time", needed.size());
+  return std::move(*same);
+}
+
+std::optional<DecidingStep> deciding_step(const rt::Image& image, const SearchGoal& goal,
+                                          const std::vector<std::uint64_t>& choices, const CancellationToken& token) {
+  rt::Core core(image);
+  constexpr std::size_t kMostSteps = 10'000;
+  if (choices.empty() || choices.size() > kMostSteps || !core.initialize()) return std::nullopt;
+  if (choices.size() * state_key(core.snapshot()).size() > kStoredBytes) return std::nullopt;
+  RunAtoms atoms(image);
+  std::vector<rt::State> states;
+  bool has_choice = false;
+  for (const std::uint64_t choice : choices) {
+    has_choice = has_choice || core.candidate_count() > 1;
+    states.push_back(core.snapshot());
+    atoms.add(core, choice);
+    if (!core.fire(choice)) break;
+  }
+  BIP_ENSURE(states.size() == choices.size(), "the run ends after {} of {} steps", states.size(), choices.size());
+  if (!has_choice) return std::nullopt;
+  Avoidance avoidance(image, goal, atoms, token);
+  // Once the goal cannot be avoided it stays so: the last state where it can be is found by halving.
+  std::size_t low = 0, high = states.size();  // states below `low` have a way out, those from `high` on have none
+  DecidingStep found;
+  bool has_way_out = false;
+  while (low < high) {
+    const std::size_t middle = low + (high - low) / 2;
+    std::string way_out;
+    switch (avoidance.from(states[middle], way_out)) {
+      case Avoidance::Answer::Unknown: return std::nullopt;
+      case Avoidance::Answer::Impossible: high = middle; break;
+      case Avoidance::Answer::Possible:
+        found = {middle, std::move(way_out)};
+        has_way_out = true;
+        low = middle + 1;
+        break;
+    }
+  }
+  if (!has_way_out) return DecidingStep{};
+  BIP_ASSERT(found.step + 1 == low, "the way out at {} is not the last one before {}", found.step, low);
+  return found;
+}
+
+}  // namespace bip::verify
