@@ -353,16 +353,10 @@ Bits without(const Bits& bits, u32 first_leaf, u32 last_leaf) {
   return result;
 }
 void keep_maximal(std::vector<Bits>& found) {
-  std::vector<Bits> kept;
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    bool dominated = false;
-    for (std::size_t j = 0; j < found.size() && !dominated; ++j) {
-      dominated = i != j && contains(found[j], found[i]) && found[j] != found[i];
-    }
-    if (!dominated) kept.push_back(found[i]);
-  }
-  std::sort(kept.begin(), kept.end(), comes_first);
-  found = std::move(kept);
+  SetsBySize all;
+  for (const Bits& bits : found) all.add(bits);
+  std::erase_if(found, [&](const Bits& bits) { return all.has_larger(bits); });
+  std::sort(found.begin(), found.end(), comes_first);
 }
 
 }  // namespace
@@ -451,16 +445,17 @@ bool InteractionSearch::search(const Plan& plan, u32 root, std::vector<Bits>& fo
   if (!initial_configurations(plan, root, todo)) return false;
   const std::vector<Bits> largest = plan.has_ranges ? todo : std::vector<Bits>();
   std::set<Bits> seen;
+  SetsBySize enabled;  // those found
   while (!todo.empty()) {
     const Bits bits = std::move(todo.back());
     todo.pop_back();
-    const bool below = std::any_of(found.begin(), found.end(), [&](const Bits& big) { return contains(big, bits); });
-    if (below) continue;
+    if (enabled.covers(bits)) continue;
     choose_bits(plan, bits.data());
     u32 failed = kNone;
     if (!evaluate(plan, root, bits, failed)) return false;
     if (failed == kNone) {
       found.push_back(bits);
+      enabled.add(bits);
       continue;
     }
     BIP_ASSERT(failed < plan.use_count, "use {} of {}", failed, plan.use_count);
@@ -469,7 +464,7 @@ bool InteractionSearch::search(const Plan& plan, u32 root, std::vector<Bits>& fo
         !may_hold(plan, root, largest))
       return true;
     if (plan.has_ranges && seen.size() > core_.options.descent_bound) {
-      if (!search_ranges(plan, root, largest, found)) return false;
+      if (!search_ranges(plan, root, largest, enabled, found)) return false;
       break;
     }
     if (seen.size() > std::size_t{core_.options.enumeration_bound} * 16) {
@@ -662,7 +657,7 @@ bool InteractionSearch::may_hold(const Plan& plan, u32 root, const std::vector<B
 }
 
 // Adds enabled configurations within these, the maximal ones among them, to those that were found.
-bool InteractionSearch::search_ranges(const Plan& plan, u32 root, const std::vector<Bits>& largest,
+bool InteractionSearch::search_ranges(const Plan& plan, u32 root, const std::vector<Bits>& largest, SetsBySize& enabled,
                                       std::vector<Bits>& found) {
   RangeSearch search(core_.tables, plan, root, core_.memory.cells.data(), core_.memory.binds.rows);
   u64 looks = 0;
@@ -676,7 +671,7 @@ bool InteractionSearch::search_ranges(const Plan& plan, u32 root, const std::vec
       bool is_open = search.look();
       if (is_open) {
         const Bits bits = search.largest();
-        is_open = std::none_of(found.begin(), found.end(), [&](const Bits& big) { return contains(big, bits); });
+        is_open = !enabled.covers(bits);
         if (is_open) {
           choose_bits(plan, bits.data());
           u32 failed = kNone;
@@ -685,6 +680,7 @@ bool InteractionSearch::search_ranges(const Plan& plan, u32 root, const std::vec
             if (found.size() == core_.options.enumeration_bound)
               return core_.faults.fail_connector(FaultCode::TooManyInteractions, plan.connector);
             found.push_back(bits);
+            enabled.add(bits);
             is_open = false;
           }
         }

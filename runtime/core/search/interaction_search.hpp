@@ -127,7 +127,8 @@ class InteractionSearch {
   bool initial_configurations(const Plan& plan, u32 root, std::vector<Bits>& out);
   void smaller(const Plan& plan, u32 root, u32 failed, const Bits& bits, std::vector<Bits>& out);
   bool may_hold(const Plan& plan, u32 root, const std::vector<Bits>& largest);
-  bool search_ranges(const Plan& plan, u32 root, const std::vector<Bits>& largest, std::vector<Bits>& found);
+  bool search_ranges(const Plan& plan, u32 root, const std::vector<Bits>& largest, SetsBySize& enabled,
+                     std::vector<Bits>& found);
   bool enumerate(const Plan& plan, std::vector<Bits>& found);
 
   CoreParts& core_;

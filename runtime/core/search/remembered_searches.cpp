@@ -31,6 +31,45 @@ bool is_pure(const CoreParts& core, const Plan& plan) {
   return core.memory.ffi_data.empty();
 }
 
+// By bound row of the connector type: may a guard or an `up` read it? Code over ranges says which rows it reads.
+std::vector<bool> read_rows(const ConnectorType& type, u32 rows) {
+  std::vector<bool> is_read(rows, false);
+  for (const Clause& clause : type.clauses) {
+    if (!clause.has_ranges && (clause.guard != kNone || clause.up != kNone)) return std::vector<bool>(rows, true);
+    for (const Span<RangeOp>& code : {clause.guard_ranges, clause.up_ranges}) {
+      for (const RangeOp& op : code) {
+        // A value of which nothing is known: it may come from anywhere.
+        if (op.kind == RangeOpKind::Any) return std::vector<bool>(rows, true);
+        if (op.kind == RangeOpKind::Bound && op.row < rows) is_read[op.row] = true;
+      }
+    }
+  }
+  return is_read;
+}
+
+// By node of the plan: which variables of a Leaf's port its search may read.
+std::vector<std::vector<bool>> read_variables(const Tables& tables, const Plan& plan) {
+  std::vector<std::vector<bool>> of_node(plan.node_count);
+  for (u32 row = 0; row < plan.use_count; ++row) {
+    const PlanUse& use = tables.plan_uses[plan.first_use + row];
+    const ConnectorType& type = tables.connector_type(use.connector);
+    const std::vector<bool> is_read = read_rows(type, tables.first_read(use.connector));
+    for (u32 param = 0; param < type.params.size; ++param) {
+      const u32 node = tables.plan_params[use.first_param + param];
+      if (node == kNone) continue;
+      const auto first = is_read.begin() + type.params[param].first_bind;
+      of_node[node].assign(first, first + tables.image->port_types[type.params[param].type].vars.size);
+    }
+  }
+  // The ports of a Choice have the same variables.
+  for (u32 i = 0; i < plan.node_count; ++i) {
+    const u32 parent = tables.plan_nodes[plan.first_node + i].parent;
+    if (parent != kNone && tables.plan_nodes[plan.first_node + parent].kind == NodeKind::Choice)
+      of_node[i] = of_node[parent];
+  }
+  return of_node;
+}
+
 }  // namespace
 
 void RememberedSearches::link(const CoreParts& core) {
@@ -44,12 +83,17 @@ void RememberedSearches::link(const CoreParts& core) {
     if (!plan.guarded || plan.rigid || !plan.witnesses.empty() || !is_pure(core, plan)) continue;
     memory.is_used = true;
     memory.first_leaf = static_cast<u32>(leaves_.size());
+    const std::vector<std::vector<bool>> is_read = read_variables(tables, plan);
     for (u32 i = 0; i < plan.node_count; ++i) {
       const PlanNode& node = tables.plan_nodes[plan.first_node + i];
       if (node.kind != NodeKind::Leaf) continue;
       const u32 atom = tables.port_atom[node.ref];
       const Port& port = tables.atom_type(atom).ports[node.ref - tables.port_base(atom)];
-      for (u32 variable : port.variables) variables_.push_back(core.atoms[atom].first_cell + variable);
+      BIP_ASSERT(is_read[i].size() == port.variables.size, "{} of {} variables of a port", is_read[i].size(),
+                 port.variables.size);
+      for (u32 k = 0; k < port.variables.size; ++k) {
+        if (is_read[i][k]) variables_.push_back(core.atoms[atom].first_cell + port.variables[k]);
+      }
       leaves_.push_back({node.ref, static_cast<u32>(variables_.size())});
     }
     memory.end_leaf = static_cast<u32>(leaves_.size());
