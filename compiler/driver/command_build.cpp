@@ -101,6 +101,7 @@ bool build_program(Compilation& c, const BuildArguments& arguments) {
     command.push_back(runtime.library);
   }
   for (const std::string& dir : cpp.include_dirs) command.push_back("-I" + dir);
+  command.push_back("-I" + runtime.directory + "/include/published");
   for (const std::string& file : cpp.sources) {
     // Without the option the C++ compiler takes a file of C for C++.
     if (std::filesystem::path(file).extension() == ".c") command.insert(command.end(), {"-x", "c", file, "-x", "none"});

@@ -86,7 +86,9 @@ std::string cmake_text(const std::vector<fs::path>& runtime, const std::string& 
       for (const std::string& path : paths) out << " \"${CMAKE_CURRENT_SOURCE_DIR}/" << path << "\"";
       out << ")\n";
     };
-    list("target_include_directories", cpp.include_dirs);
+    std::vector<std::string> include_dirs = cpp.include_dirs;
+    include_dirs.push_back("runtime/include/published");
+    list("target_include_directories", include_dirs);
     list("target_sources", cpp.sources);
     list("target_link_libraries", cpp.objects);
   }

@@ -194,12 +194,15 @@ void report_cpp_failure(Compilation& c, const std::string& said) {
   const std::string error = first_error(said);
   auto problem = c.diags.report(Diag::kB5012, {}, "does not compile");
   problem.note("C++: " + place_of_error(said) + error);
-  // Headers of the published engine.
-  for (const char* header : {"AtomExternalPort.hpp", "AtomExternalPortItf.hpp", "Atom.hpp", "TimeValue.hpp"}) {
+  // Headers of the published engine that have no counterpart in include/published.
+  for (const char* header :
+       {"AtomItf.hpp", "BipError.hpp", "Component.hpp", "ComponentItf.hpp", "Compound.hpp", "Connector.hpp",
+        "Engine.hpp", "Launcher.hpp", "PortItf.hpp", "bip-engineiface-config.hpp"}) {
     if (!error.starts_with(std::string(header) + ": ") && !error.starts_with("'" + std::string(header) + "'")) continue;
     problem.help(
-        "derive the class of an external port from `bip::EventSource` of `bip/event_source.hpp`, with `hasEvent()`, "
-        "`popEvent()` and `get_x()` for each variable x");
+        "of the published engine's headers there are `AtomExternalPort.hpp`, `Atom.hpp` and `TimeValue.hpp`; derive "
+        "the "
+        "class of an external port from `AtomExternalPort`, or from `bip::EventSource` of `bip/event_source.hpp`");
   }
 }
 

@@ -113,6 +113,8 @@ class LibraryBuild {
     flags_.push_back("-I" + runtime.directory + "/include");
     flags_.push_back("-I" + fs::path(runtime.directory).parent_path().string());
     for (const std::string& dir : cpp_.include_dirs) flags_.push_back("-I" + dir);
+    // Last, so that a model's own files of these names are found first.
+    flags_.push_back("-I" + runtime.directory + "/include/published");
     shim_ = emit_cpp::shim_text(*c_.system, cpp_.const_names);
     return true;
   }

@@ -1,10 +1,10 @@
 // A C++ class behind `extern port … as "Class"`: what it derives from, and the table that the runtime calls it by.
 //
-// A class has `bool hasEvent()` and `void popEvent()`, a getter `get_x()` for each variable x of the port's type, and
-// if it wants `void initialize()`, `void purgeEvents()` and `eventTime()`, ns of model time. Getters and eventTime tell
-// of the event that popEvent would take. Each port of each atom has an object of its own. The runtime calls it on the
-// thread that runs the model, between two steps; threads of the object's own say notify() after they made hasEvent()
-// true. Header only.
+// A class has `bool hasEvent()` and `void popEvent()`, a getter `get_x()` or `event_get_x()` for each variable x of the
+// port's type, and if it wants a constructor with the port's name and an EventSourcePolicy, `void initialize()`, `void
+// purgeEvents()` and `eventTime()`, ns of model time. Getters and eventTime tell of the event that popEvent would take.
+// Each port of each atom has an object of its own. The runtime calls it on the thread that runs the model, between two
+// steps; threads of the object's own say notify() after they made hasEvent() true. Header only.
 #pragma once
 #include <cstdint>
 #include <exception>
@@ -17,6 +17,9 @@
 #include "bip/ffi.hpp"
 
 namespace bip {
+
+/// For constructors in the published form, which pass it on. The runtime itself applies the policy of the port.
+class EventSourcePolicy {};
 
 class EventSource {
  public:
@@ -80,7 +83,10 @@ template <class Class, void (*Get)(Class&, Cell*, FfiContext&)>
 
 template <class Class>
 [[nodiscard]] void* make_source(const SourceContext& context, FfiContext& ffi) try {
-  auto* const source = new Class();
+  Class* source = nullptr;
+  if constexpr (std::is_constructible_v<Class, const std::string&, const EventSourcePolicy&>)
+    source = new Class(std::string(context.port), EventSourcePolicy());
+  else source = new Class();
   EventSource* const object = source;
   object->bip_connect(&context);
   try {
