@@ -96,6 +96,49 @@ int start_program(const std::vector<std::string>& command, const std::string& ou
   return error;
 }
 
+// Ends the group of a program if this process ends while the program runs, also by SIGKILL: a process of its own waits
+// for the end of a pipe that this process alone holds open. Without a pipe or a process there is no such guard.
+class GroupGuard {
+ public:
+  explicit GroupGuard(pid_t group) {
+    int ends[2];
+    if (::pipe2(ends, O_CLOEXEC) != 0) return;
+    guard_ = ::fork();
+    if (guard_ == 0) guard(ends[0], group);
+    ::close(ends[0]);
+    if (guard_ > 0) open_end_ = ends[1];
+    else ::close(ends[1]);
+  }
+  ~GroupGuard() {
+    if (open_end_ < 0) return;
+    constexpr char kDone = 0;
+    // If this fails, the guard signals a group that is no longer there.
+    [[maybe_unused]] const ssize_t written = ::write(open_end_, &kDone, 1);
+    ::close(open_end_);
+    while (::waitpid(guard_, nullptr, 0) < 0 && errno == EINTR) {
+    }
+  }
+  GroupGuard(const GroupGuard&) = delete;
+  GroupGuard& operator=(const GroupGuard&) = delete;
+
+ private:
+  // After fork: only functions that are safe in signal handlers.
+  [[noreturn]] static void guard(int end, pid_t group) {
+    // Nobody waits for the end of other files because of this process.
+    if (end > 0) ::close_range(0, static_cast<unsigned>(end) - 1, 0);
+    ::close_range(static_cast<unsigned>(end) + 1, ~0u, 0);
+    char done = 0;
+    ssize_t size = 0;
+    while ((size = ::read(end, &done, 1)) < 0 && errno == EINTR) {
+    }
+    if (size == 0) ::kill(-group, SIGTERM);
+    ::_exit(0);
+  }
+
+  pid_t guard_ = -1;
+  int open_end_ = -1;
+};
+
 }  // namespace
 
 std::vector<std::string> find_host_compiler(std::string& tried) {
@@ -117,6 +160,7 @@ Result<int> run_program(const std::vector<std::string>& command, const std::stri
   const rt::EndingSignals forwarded(bip_forward_signal);
   pid_t child = 0;
   if (const int error = start_program(command, output, child); error != 0) return Failure{std::strerror(error)};
+  const GroupGuard guard(child);
   int status = 0;
   int error = 0;
   while (::waitpid(child, &status, 0) < 0 && error == 0) error = errno == EINTR ? 0 : errno;

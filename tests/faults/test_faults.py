@@ -12,7 +12,8 @@ Without --all a sample of about half a minute; with it, every system call and ev
 | `calls` | the k-th system call fails (fail_system_call.c) |
 | `memory` | the k-th allocation fails, once or for ever (fail_allocation.c) |
 | `limits` | a small stack, few files, small files, no home |
-| `kill` | SIGKILL, SIGTERM, SIGINT or SIGHUP at a random moment, then the same command with the same cache |
+| `threads` | no thread can be had (fail_thread.c) |
+| `kill` | SIGKILL, SIGTERM, SIGINT or SIGHUP at a random moment, then the same command with the same cache; the compiler ends as well |
 
 A disturbed command must end by itself and not by a signal of its own, without an internal error. If it says 0, its output and its files are
 those of the undisturbed command; otherwise it says why on standard error. Afterwards no temporary file is left, and the same command with
@@ -272,6 +273,23 @@ def memory():
     side_by_side(jobs)
 
 
+def threads():
+    tool = compile_tool("fail_thread.c", "-shared", "-fPIC")
+    load = ("LD_PRELOAD", str(tool))
+    for words in ("run --seed 1 --limit 300 m.bip", "run --seed 1 --limit 300 --engine=threads --threads 3 m.bip", "run --seed 1 --limit 9999 --silent --engine=batch --threads 2 m.bip",
+                  "verify m.bip", "verify timed.bip", "explore --threads 3 m.bip", "run --seed 1 --limit 15 --events events e.bip"):
+        place = Place()
+        done = place.run(words, env=[load, ("FAIL_COUNT", str(place.path / "count"))])
+        asked = int((place.path / "count").read_text()) if (place.path / "count").exists() else 0
+        place.renew()
+        same = place.run(words)
+        good(f"threads {words}", done.returncode in {same.returncode, NO_RESOURCES} and (done.returncode != NO_RESOURCES or done.stderr) and not place.litter(),
+             f"{done.returncode} after {asked} threads: {done.stderr.decode('utf-8', 'replace')[-300:]}")
+        if "--threads" in words: good(f"threads {words} are asked for", asked > 0, "no thread was asked for")
+        if done.returncode == same.returncode and "--engine" not in words:
+            good(f"threads {words} answer", done.stdout == same.stdout, f"{done.stdout[-300:]} is not {same.stdout[-300:]}")
+
+
 def output():
     place = Place()
     assert place.run("run --seed 1 --limit 9 --trace-format binary --trace rec.bin m.bip").returncode == 0
@@ -360,6 +378,13 @@ def limits():
     for megabytes in (30, 60, 120, 250):
         for words in ("run --seed 1 --limit 9 m.bip", "verify m.bip", "explore m.bip"):
             limited(f"{megabytes} MB {words}", words, resource.RLIMIT_AS, megabytes << 20, {0, 1, 2, NO_RESOURCES, 127})
+    # Memory runs out while events are read: one line without an end, and more events than there is room for.
+    (place.files / "endless").write_text('{"time":"1ms","port":"c.add","values":[' + "1," * (60 << 20) + "1]}\n")
+    (place.files / "many").write_text('{"time":"1ms","port":"c.add","values":[1]}\n' * 3_000_000)
+    for words in ("run --silent --backend interp --seed 1 --events endless e.bip", "run --silent --backend interp --seed 1 --limit 9 --events many e.bip",
+                  "run --silent --backend interp --seed 1 --events endless --record r e.bip"):
+        limited(f"events in 100 MB {words}", words, resource.RLIMIT_AS, 100 << 20, {0, 2, NO_RESOURCES} if "many" in words else {2, NO_RESOURCES})
+    for name in ("endless", "many"): (place.files / name).unlink()
     # No home, no cache; a relative one is none; one that others can write to is none.
     place.environment.pop("HOME")
     done = place.run("run --backend jit -O2 --seed 1 --limit 9 m.bip")
@@ -385,9 +410,37 @@ def kill():
         spent = time.monotonic() - began
         for k in range(40 if options.all else 4):
             how = [signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP][k % 4]
-            if name == "build" and how == signal.SIGKILL: continue  # then nobody can end the compiler
+            if name == "build" and how == signal.SIGKILL: continue  # see compiler_ends
             jobs.append(lambda r=reference, how=how, after=rng.random() * spent: killed(r, how, after))
     side_by_side(jobs)
+    compiler_ends()
+
+
+def compiler_ends():
+    """A compiler that would go on for long, and what it has started, end with a bipc that is killed."""
+    place = Place()
+    compiler = place.path / "slow_compiler"
+    compiler.write_text(f"#!/bin/sh\nsleep 600 &\necho $$ $! >{place.path}/running.new\nmv {place.path}/running.new {place.path}/running\nwait\n")
+    compiler.chmod(0o700)
+    child = subprocess.Popen([BIPC, "build", "-O0", "-o", "out", "m.bip"], cwd=place.files, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                             stderr=subprocess.DEVNULL, env={**place.environment, "CXX": str(compiler)})
+    running = place.path / "running"
+    until = time.monotonic() + TIMEOUT
+    while not running.exists() and child.poll() is None and time.monotonic() < until: time.sleep(0.01)
+    child.kill()
+    child.wait()
+    good("kill compiler begins", running.exists(), "no compiler was started")
+    if not running.exists(): return
+    pids = [int(pid) for pid in running.read_text().split()]
+    while any(map(is_running, pids)) and time.monotonic() < until: time.sleep(0.01)
+    good("kill compiler ends", not any(map(is_running, pids)), f"{pids} still run")
+
+
+def is_running(pid):
+    try:
+        return pathlib.Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] not in "ZX"
+    except OSError:
+        return False
 
 
 def killed(reference, how, after):
@@ -409,7 +462,7 @@ def killed(reference, how, after):
     shutil.rmtree(place.path)
 
 
-GROUPS = {"output": output, "input": inputs, "limits": limits, "kill": kill, "calls": calls, "memory": memory}
+GROUPS = {"output": output, "input": inputs, "limits": limits, "threads": threads, "kill": kill, "calls": calls, "memory": memory}
 started = time.time()
 for name in options.groups or GROUPS:
     before = time.time()
