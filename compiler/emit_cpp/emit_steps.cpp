@@ -61,11 +61,13 @@ class ShapeWriter {
       if (op.kind == StepOpKind::Code) code(op);
       if (op.kind == StepOpKind::Place) loop(op, "s.places[" + at(op, 0) + "] = " + value(op, 1) + ";");
       if (op.kind == StepOpKind::Ready) ready(op);
-      if (op.kind == StepOpKind::Interaction && op.delta != 0) loop(op, grow(op, 0));
+      if ((op.kind == StepOpKind::Interaction || op.kind == StepOpKind::Count) && op.delta != 0) loop(op, grow(op, 0));
     }
     guard({});
     for (const StepOp& op : shape_.ops) {
       if (op.kind == StepOpKind::Interaction) list(op);
+      if (op.kind == StepOpKind::SettleInOrder) settle_in_order(op);
+      if (op.kind == StepOpKind::Settle) loop(op, "settle_interaction(s, " + value(op, 0) + ");");
     }
     BIP_ASSERT(inlined_.empty(), "copies were not written: {}", inlined_);
     out_.line("  state.count = s.count;");
@@ -195,6 +197,18 @@ class ShapeWriter {
     loop(op, "{ " + (before.empty() ? "" : before + " ") + body + " }");
   }
 
+  void settle_in_order(const StepOp& op) {
+    const std::string number = std::to_string(op.first_ref);
+    std::string changed;
+    for (std::uint32_t k = 1; k < op.refs; ++k) changed += (k == 1 ? "" : ", ") + value(op, k);
+    out_.line("  const std::uint32_t order" + number + " = s.scratch[" + at(op, 0) + "], changed" + number + "[] = {" +
+              changed + "};");
+    for (std::uint32_t k = 1; k < op.refs; ++k) {
+      out_.line("  settle_interaction(s, changed" + number + "[order" + number + " >> " + std::to_string(4 * (k - 1)) +
+                " & 15]);");
+    }
+  }
+
   // Who is ready is noted first, without branches: nobody can predict it.
   void ready(const StepOp& op) {
     out_.line("  {");
@@ -283,6 +297,7 @@ void emit_steps(const lower::LoweredSystem& lowered, CppWriter& out) {
        {"ColumnCell", "StepState", "StepOperand", "interaction_enters", "interaction_leaves", "set_interaction"}) {
     out.line(std::string("using bip::rt::") + name + ";");
   }
+  if (!steps.inner.runs.empty()) out.line("using bip::rt::settle_interaction;");
   for (std::size_t k = 0; k < steps.shapes.size(); ++k) {
     const lower::StepShape& shape = steps.shapes[k];
     const std::string name = "shape_" + std::to_string(k);

@@ -252,6 +252,7 @@ void TableWriter::image() {
       field("step_cells", std::to_string(lowered_.steps.cells.count));
       field("step_cells_pay", std::to_string(lowered_.steps.cells.pay));
     }
+    if (!inner_steps_.empty()) field("inner_steps", inner_steps_);
   }
   if (image_.ffi != nullptr) {
     field("ffi_types", ffi_span);

@@ -32,6 +32,7 @@ class TableWriter {
   void choices();
   void shown_ports();
   void steps();
+  void inner_steps();
 
   /// `constexpr <type> <name>[] = { rows };` and the expression for its span; nothing and "{}" if there are no rows.
   std::string table(const std::string& type, const std::string& name, const std::vector<std::string>& rows);
@@ -56,7 +57,7 @@ class TableWriter {
   // Spans of the finished tables, for image().
   std::string port_types_, atom_types_, connector_types_, compounds_, atoms_, args_, connectors_, port_refs_, binds_,
       priorities_, choices_, shown_ports_, step_fns_, step_runs_, step_operands_, step_entries_, step_columns_,
-      steps_fn_;
+      steps_fn_, inner_steps_;
 };
 
 }  // namespace bip::emit_cpp

@@ -157,7 +157,29 @@ void TableWriter::steps() {
   step_operands_ = "span(" + rows + ")";
   const std::string loop = names_.make("take_many_steps");
   const lower::StepCells& cells = lowered_.steps.cells;
+  inner_steps();
   if (emit_step_loop(lowered_, loop, cells.empty() ? rows : cell_operands(), out_)) steps_fn_ = loop;
+}
+
+void TableWriter::inner_steps() {
+  const lower::InnerStepRows& inner = lowered_.steps.inner;
+  if (inner.runs.empty()) return;
+  const auto numbers = [&](const char* name, const std::vector<std::uint32_t>& rows) {
+    std::vector<std::string> texts;
+    for (const std::uint32_t row : rows) texts.push_back(row_text(row));
+    return table("std::uint32_t", name, texts);
+  };
+  std::vector<std::string> runs;
+  for (const rt::StepRun& run : inner.runs) {
+    runs.push_back(braces({row_text(run.first), row_text(run.count), row_text(run.distance), row_text(run.shape),
+                           row_text(run.operands)}));
+  }
+  const std::string atoms = numbers("inner_atoms", inner.atoms);
+  const std::string interactions = numbers("inner_interactions", inner.interactions);
+  const std::string cells = numbers("inner_cells", inner.cells);
+  const std::string run_of = numbers("inner_run_of", inner.run_of);
+  const std::string rows = table("StepRun", "inner_runs", runs);
+  inner_steps_ = braces({atoms, interactions, cells, run_of, rows, std::to_string(inner.pay)});
 }
 
 // Where data are in columns: what the loop over steps knows there.

@@ -55,11 +55,14 @@ class StepBuilder {
       if (op.kind == StepOpKind::Place)
         loop(op, [&](Value* t) { b_.CreateStore(number(op, 1, t), cell(places_, op, 0, t)); });
       if (op.kind == StepOpKind::Ready) ready(op);
-      if (op.kind == StepOpKind::Interaction && op.delta != 0) loop(op, [&](Value* t) { grow(op, 0, t); });
+      if ((op.kind == StepOpKind::Interaction || op.kind == StepOpKind::Count) && op.delta != 0)
+        loop(op, [&](Value* t) { grow(op, 0, t); });
     }
     close_guarded();
     for (const StepOp& op : shape_.ops) {
       if (op.kind == StepOpKind::Interaction) loop(op, [&](Value* t) { list(op, t); });
+      if (op.kind == StepOpKind::Settle) loop(op, [&](Value* t) { settle(number(op, 0, t)); });
+      if (op.kind == StepOpKind::SettleInOrder) settle_in_order(op);
     }
   }
 
@@ -320,6 +323,35 @@ class StepBuilder {
     leaves(interaction);
     b_.CreateBr(same);
     b_.SetInsertPoint(same);
+  }
+
+  // rt::settle_interaction.
+  void settle(Value* interaction) {
+    Value* count = b_.CreateLoad(i32_, count_);
+    Value* position = b_.CreateLoad(i32_, cell(position_, interaction));
+    Value* off = b_.CreateAShr(b_.CreateLoad(i32_, cell(values_, interaction)), 31);
+    Value* was = b_.CreateSExt(b_.CreateICmpNE(position, constant(rt::kAbsentInteraction)), i32_);
+    Value* leaves = b_.CreateAnd(was, off);
+    b_.CreateStore(interaction, cell(members_, count));
+    Value* end = b_.CreateAdd(count, leaves);
+    Value* last = b_.CreateLoad(i32_, cell(members_, end));
+    Value* hole = b_.CreateXor(count, b_.CreateAnd(b_.CreateXor(count, position), leaves));
+    b_.CreateStore(last, cell(members_, hole));
+    b_.CreateStore(hole, cell(position_, last));
+    Value* there = b_.CreateOr(b_.CreateAnd(position, was), b_.CreateAnd(count, b_.CreateNot(was)));
+    b_.CreateStore(b_.CreateOr(there, off), cell(position_, interaction));
+    b_.CreateStore(b_.CreateSub(end, b_.CreateNot(b_.CreateOr(was, off))), count_);
+  }
+  void settle_in_order(const StepOp& op) {
+    llvm::IRBuilder<> start(&function_->getEntryBlock(), function_->getEntryBlock().begin());
+    Value* changed = start.CreateAlloca(llvm::ArrayType::get(i32_, op.refs - 1));
+    Value* order = b_.CreateLoad(i32_, cell(scratch_, op, 0, nullptr));
+    for (std::uint32_t k = 1; k < op.refs; ++k)
+      b_.CreateStore(number(op, k, nullptr), b_.CreateConstInBoundsGEP1_64(i32_, changed, k - 1));
+    for (std::uint32_t k = 1; k < op.refs; ++k) {
+      Value* row = b_.CreateAnd(b_.CreateLShr(order, 4 * (k - 1)), constant(15));
+      settle(b_.CreateLoad(i32_, cell(changed, row)));
+    }
   }
 
   // Who is ready is noted first, without branches: nobody can predict it.

@@ -37,6 +37,12 @@ std::vector<Place> shape_places(const lower::LoweredSystem& lowered) {
   for (const rt::StepRun& run : lowered.steps.runs) {
     if (places[run.shape].name.empty() && run.first < of_cell.size()) places[run.shape] = of_cell[run.first];
   }
+  const lower::InnerStepRows& inner = lowered.steps.inner;
+  for (std::size_t k = 0; k < inner.interactions.size(); ++k) {
+    if (inner.run_of[k] == rt::kNone) continue;
+    Place& place = places[inner.runs[inner.run_of[k]].shape];
+    if (place.name.empty() && inner.interactions[k] < of_cell.size()) place = of_cell[inner.interactions[k]];
+  }
   return places;
 }
 

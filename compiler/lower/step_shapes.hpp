@@ -22,6 +22,10 @@ enum class StepOpKind : std::uint8_t {
   Place,   // refs atom, place: the atom is there now
   Ready,   // refs atom, self if there is a unit, interaction if delta != 0: if the atom is at `from`, runs `unit`, puts
            // it at `to`, the interaction's value grows by delta and it enters
+  Count,   // refs interaction: its value grows by delta
+  Settle,  // refs interaction: it is in the list iff it is available; without branches
+  SettleInOrder,  // refs the fired interaction, then up to eight others, which it settles: in the order that four bits
+                  // for each of them in the fired one's row of scratch say
   Interaction  // refs interaction, then, if there is a guard `unit`, self and bound variables, then interactions that
                // hide it: its value grows by delta, and it is in the list iff it is available, the guard holds and none
                // of those is available
@@ -45,8 +49,8 @@ struct StepOp {
   std::uint32_t first_ref = 0, refs = 0;
 };
 struct StepShape {
-  std::vector<StepOp> ops;            // Ats, Aways, Reduces, Copies and Codes, then Places, Readys and Interactions; of
-                                      // Interactions first all values, then the list, in order
+  std::vector<StepOp> ops;            // Ats, Aways, Reduces, Copies and Codes, then Places, Readys, Counts, Settles and
+                                      // Interactions; of the last first all values, then the list, in order
   std::vector<std::int32_t> strides;  // by operand; 0 unless its operation repeats
   std::vector<std::uint32_t>
       run_strides;  // by operand: what StepOperand::stride is in all runs of the shape; empty: it varies
@@ -72,6 +76,12 @@ struct StepCells {
 
   [[nodiscard]] bool empty() const { return count == 0; }
 };
+/// What rt::InnerSteps points to.
+struct InnerStepRows {
+  std::vector<std::uint32_t> atoms, interactions, cells, run_of;
+  std::vector<rt::StepRun> runs;
+  std::uint32_t pay = 0;
+};
 struct Steps {
   std::vector<StepShape> shapes;
   std::vector<rt::StepRun> runs;
@@ -80,6 +90,7 @@ struct Steps {
   StepCells cells;  // if not empty, shapes and operands of the rows of `loop` are those there
   std::vector<rt::StepOperand> operands;
   std::vector<rt::StepEntry> entries;             // by shape
+  InnerStepRows inner;                            // its shapes and operands are among those above
   std::vector<std::vector<std::uint32_t>> binds;  // by unit: its bound variables, as CodeFacts has them
 };
 

@@ -1,6 +1,7 @@
 // See check_steps.hpp.
 #include "compiler/steps/check_steps.hpp"
 
+#include <initializer_list>
 #include <vector>
 
 #include "runtime/include/bip/assert.hpp"
@@ -38,11 +39,11 @@ void check_shape(const lower::LoweredSystem& lowered, const lower::StepShape& sh
 
 // What is at the borders of a run is inside the core's arrays: operands are affine.
 void check_operands(const lower::LoweredSystem& lowered, const rt::StepRun& run, const lower::StepShape& shape,
-                    [[maybe_unused]] u32 interactions) {
+                    std::initializer_list<u32> members, [[maybe_unused]] u32 interactions) {
   const rt::StepOperand* const operands = lowered.steps.operands.data() + run.operands;
   for (const StepOp& op : shape.ops) {
     const u32 first = op.first_ref + (op.repeats ? 1 : 0);
-    for (const u32 i : {0u, run.count - 1}) {
+    for (const u32 i : members) {
       [[maybe_unused]] const u32 at = operands[first].at(i);
       switch (op.kind) {
         case StepOpKind::Reduce:
@@ -58,6 +59,9 @@ void check_operands(const lower::LoweredSystem& lowered, const rt::StepRun& run,
         case StepOpKind::Ready:
           BIP_ASSERT(at < lowered.image.atoms.size, "atom {} of {}", at, lowered.image.atoms.size);
           break;
+        case StepOpKind::Count:
+        case StepOpKind::Settle:
+        case StepOpKind::SettleInOrder:
         case StepOpKind::Interaction: BIP_ASSERT(at < interactions, "interaction {} of {}", at, interactions); break;
       }
     }
@@ -80,7 +84,15 @@ bool check_steps(const lower::LoweredSystem& lowered, u32 interactions) {
       BIP_ASSERT(interaction < interactions && !has_run[interaction], "interaction {} is in two runs", interaction);
       has_run[interaction] = true;
     }
-    check_operands(lowered, run, steps.shapes[run.shape], interactions);
+    check_operands(lowered, run, steps.shapes[run.shape], {0u, run.count - 1}, interactions);
+  }
+  const lower::InnerStepRows& inner = steps.inner;
+  for (u32 k = 0; k < inner.interactions.size(); ++k) {
+    if (inner.run_of[k] == rt::kNone) continue;
+    const rt::StepRun& run = inner.runs[inner.run_of[k]];
+    BIP_ASSERT(run.shape < steps.shapes.size() && run.first <= k && k < run.first + run.count,
+               "inner interaction {} is in a run of {} from {} on", k, run.count, run.first);
+    check_operands(lowered, run, steps.shapes[run.shape], {k - run.first}, interactions);
   }
   const lower::StepCells& cells = steps.cells;
   BIP_ASSERT(cells.empty() || cells.self_distance.size() == lowered.units.size(), "distances of {} of {} units",

@@ -113,7 +113,10 @@ class Layout {
       case StepOpKind::Interaction: return {1, op.unit != kNone ? refs - 1 - op.hiders : 0};
       case StepOpKind::At:
       case StepOpKind::Away:
-      case StepOpKind::Place: break;
+      case StepOpKind::Place:
+      case StepOpKind::Count:
+      case StepOpKind::Settle:
+      case StepOpKind::SettleInOrder: break;
     }
     return {0, 0};
   }

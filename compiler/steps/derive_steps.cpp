@@ -10,31 +10,19 @@
 #include "compiler/steps/check_steps.hpp"
 #include "compiler/steps/columns.hpp"
 #include "compiler/steps/deriver.hpp"
+#include "compiler/steps/inner_steps.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::steps {
 
 namespace {
 
-constexpr std::size_t kLeastRepeats = 4;  // in a row, to become a loop
-constexpr std::size_t kMostOps = 48;
 constexpr std::size_t kMostShapes = 64;  // with strides in them
 
 bool alike(const StepOp& a, const StepOp& b) {
   return a.kind == b.kind && a.change == b.change && a.unit == b.unit && a.zeroed == b.zeroed && a.delta == b.delta &&
          a.from == b.from && a.to == b.to && a.hiders == b.hiders && a.refs == b.refs && a.reduction == b.reduction &&
          a.guarded == b.guarded;
-}
-
-std::vector<u32> key_of(const Instance& folded, const std::vector<std::int32_t>& strides) {
-  std::vector<u32> key;
-  for (const StepOp& op : folded.ops) {
-    key.insert(key.end(), {static_cast<u32>(op.kind), static_cast<u32>(op.change), op.repeats ? 1u : 0u, op.unit,
-                           op.zeroed, static_cast<u32>(op.delta), op.from, op.to, op.hiders, op.refs,
-                           static_cast<u32>(op.reduction), op.inlined ? 1u : 0u, op.offset, op.guarded ? 1u : 0u});
-  }
-  for (const std::int32_t stride : strides) key.push_back(static_cast<u32>(stride));
-  return key;
 }
 
 // Interactions of one shape, as they come.
@@ -146,6 +134,17 @@ std::vector<rt::StepRun> choose_loop(const lower::Steps& steps) {
 
 }  // namespace
 
+std::vector<u32> shape_key(const Instance& folded, const std::vector<std::int32_t>& strides) {
+  std::vector<u32> key;
+  for (const StepOp& op : folded.ops) {
+    key.insert(key.end(), {static_cast<u32>(op.kind), static_cast<u32>(op.change), op.repeats ? 1u : 0u, op.unit,
+                           op.zeroed, static_cast<u32>(op.delta), op.from, op.to, op.hiders, op.refs,
+                           static_cast<u32>(op.reduction), op.inlined ? 1u : 0u, op.offset, op.guarded ? 1u : 0u});
+  }
+  for (const std::int32_t stride : strides) key.push_back(static_cast<u32>(stride));
+  return key;
+}
+
 void fold(const Instance& in, std::size_t least, Instance& out, std::vector<std::int32_t>& strides) {
   out.clear();
   strides.clear();
@@ -154,7 +153,8 @@ void fold(const Instance& in, std::size_t least, Instance& out, std::vector<std:
     const StepOp& op = in.ops[i];
     std::size_t end = i + 1;
     const auto goes_on = [&] {
-      if (end >= in.ops.size() || !alike(op, in.ops[end])) return false;
+      // Their order is no regularity.
+      if (op.kind == StepOpKind::Settle || end >= in.ops.size() || !alike(op, in.ops[end])) return false;
       for (u32 k = 0; k < op.refs; ++k) {
         if (ref(end, k) - ref(end - 1, k) != ref(i + 1, k) - ref(i, k)) return false;
       }
@@ -192,6 +192,7 @@ void derive_steps(lower::LoweredSystem& lowered, Columns columns) {
   lowered.image.step_entries = {};
   lowered.image.step_columns = {};
   lowered.image.step_cells = 0;
+  lowered.image.inner_steps = {};
   // Objects of C++ types are no data of ours.
   if (lowered.image.ffi != nullptr) return;
   Deriver deriver(lowered);
@@ -212,7 +213,7 @@ void derive_steps(lower::LoweredSystem& lowered, Columns columns) {
     if (found == Deriver::Found::No && deriver.needs_all()) return;
     has_all = has_all && found != Deriver::Found::No;
     if (found != Deriver::Found::Yes) continue;
-    const auto [at, is_new] = known.try_emplace(key_of(folded, strides), static_cast<u32>(runs.size()));
+    const auto [at, is_new] = known.try_emplace(shape_key(folded, strides), static_cast<u32>(runs.size()));
     if (is_new) {
       steps.shapes.push_back({folded.ops, strides, {}});
       runs.emplace_back(steps, at->second);
@@ -224,6 +225,10 @@ void derive_steps(lower::LoweredSystem& lowered, Columns columns) {
   list_entries(steps);
   steps.loop = choose_loop(steps);
   for (const lower::CodeFacts& facts : deriver.facts()) steps.binds.push_back(facts.binds);
+  if (has_all && steps.loop.empty()) {
+    const bool wherever = columns == Columns::WherePossible;
+    derive_inner_steps(deriver, lowered, wherever ? InnerOrders::WherePossible : InnerOrders::WhereOfUse, steps);
+  }
   if (has_all || columns == Columns::WherePossible) lay_out_columns(lowered, deriver.atom_cells(), columns, steps);
   lowered.steps = std::move(steps);
   lowered.image.step_runs = {lowered.steps.runs.data(), static_cast<u32>(lowered.steps.runs.size())};
@@ -233,6 +238,16 @@ void derive_steps(lower::LoweredSystem& lowered, Columns columns) {
   lowered.image.step_cells_pay = lowered.steps.cells.pay;
   lowered.image.step_operands = {lowered.steps.operands.data(), static_cast<u32>(lowered.steps.operands.size())};
   lowered.image.step_entries = {lowered.steps.entries.data(), static_cast<u32>(lowered.steps.entries.size())};
+  const lower::InnerStepRows& inner = lowered.steps.inner;
+  const auto span = [](const std::vector<u32>& rows) {
+    return rt::Span<u32>{rows.data(), static_cast<u32>(rows.size())};
+  };
+  lowered.image.inner_steps = {span(inner.atoms),
+                               span(inner.interactions),
+                               span(inner.cells),
+                               span(inner.run_of),
+                               {inner.runs.data(), static_cast<u32>(inner.runs.size())},
+                               inner.pay};
   BIP_ASSERT(check_steps(lowered, deriver.interactions()), "steps of {} interactions", deriver.interactions());
 }
 

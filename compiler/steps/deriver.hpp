@@ -17,6 +17,9 @@ using lower::StepOpKind;
 using rt::kNone;
 using rt::u32;
 
+inline constexpr std::size_t kLeastRepeats = 4;  // in a row, to become a loop
+inline constexpr std::size_t kMostOps = 48;
+
 /// The operations of one interaction's interaction with the values of their operands.
 struct Instance {
   std::vector<StepOp> ops;
@@ -47,6 +50,8 @@ struct Instance {
 
 /// Operations that repeat with equal strides, `least` or more in a row, become one. strides: by operand.
 void fold(const Instance& in, std::size_t least, Instance& out, std::vector<std::int32_t>& strides);
+/// Of folded operations: equal iff they differ in operands alone.
+[[nodiscard]] std::vector<u32> shape_key(const Instance& folded, const std::vector<std::int32_t>& strides);
 /// Copies to variables of atoms go into the loop of the code that follows and works on these atoms.
 void inline_copies(Instance& folded, const std::vector<std::int32_t>& strides, u32 atom_cells);
 
@@ -57,6 +62,7 @@ class Deriver {
   /// False: priorities that only the core knows how to follow.
   [[nodiscard]] bool link_priorities();
   [[nodiscard]] const std::vector<lower::CodeFacts>& facts() const { return facts_; }
+  [[nodiscard]] const rt::Tables& tables() const { return tables_; }
   [[nodiscard]] u32 interactions() const { return static_cast<u32>(tables_.interactions.size()); }
   /// Must every interaction have a shape, if any is to have one? Compiled steps do not keep the core's books of
   /// priority rules.

@@ -46,7 +46,9 @@ MemoryUse memory_use(const CoreParts& core) {
   if (core.clocks.is_timed()) use.atoms += core.clocks.bytes() + core.events.bytes() + core.actions.bytes();
 
   use.connectors = bytes(image.connectors) + bytes_of_names(image.connectors) +
-                   all_of(image.port_refs, image.binds, image.choices, image.step_runs, image.step_operands);
+                   all_of(image.port_refs, image.binds, image.choices, image.step_runs, image.step_operands,
+                          image.inner_steps.interactions, image.inner_steps.run_of, image.inner_steps.runs,
+                          image.inner_steps.atoms, image.inner_steps.cells);
   for (const Choice& choice : image.choices) use.connectors += bytes(choice.ports);
   use.connectors += t.interactions.bytes() + all_of(t.interaction_of_connector, t.flat_ports, t.inner_start, t.node_out,
                                                     t.port_out.items, t.port_watch, t.plans, t.plan_nodes, t.plan_uses,

@@ -94,6 +94,7 @@ void wait_a_little(u64 seed) {
 void CompiledSteps::link() {
   const Image& image = *core_.tables.image;
   runs_.clear();
+  inner_runs_.clear();
   run_of_ = {};
   if (image.step_fns.size == 0 || core_.options.progress == MaximalProgress::Off || core_.search.is_weighted()) return;
   // Steps may have been derived for which there is no code yet: then there are no functions, but entries.
@@ -127,6 +128,10 @@ void CompiledSteps::link() {
     const auto [at, is_new] = known.try_emplace(std::vector<u32>(begin, end), static_cast<u32>(run_of_.rows.size()));
     run_of_.blocks.push_back(RunRows::kInteractionsDiffer + at->second);
     if (is_new) run_of_.rows.insert(run_of_.rows.end(), begin, end);
+  }
+  for (const StepRun& run : image.inner_steps.runs) {
+    BIP_ASSERT(run.shape < image.step_fns.size && run.distance == 1, "shape {} of {}", run.shape, image.step_fns.size);
+    inner_runs_.push_back({image.step_fns[run.shape], image.step_operands.data + run.operands, run.first, 0});
   }
   for (const ConnectorType& type : image.connector_types) most = std::max(most, type.params.size);
   step_scratch_.assign(std::size_t{most} + 1, 0);
@@ -215,16 +220,93 @@ u64 CompiledSteps::run_watched(Choose& given, u64 limit, bool (*is_stopped)(), b
   given = choose;
   core_.history.set_next(history_at);
   if (!sound) return done;
-  core_.enabled.close_list(s.count);
+  sound = close_run(s.count);
+  return done;
+}
+
+bool CompiledSteps::close_run(u32 count) {
+  core_.enabled.close_list(count);
   for (u32 interaction = core_.ports.direct().below;
        interaction < core_.ports.direct().is_direct.size() && core_.priorities.tables().count != 0; ++interaction) {
     if (core_.ports.direct().is_direct[interaction] == 0) core_.ports.mark_dirty(interaction);
   }
-  sound = core_.settle();
+  return core_.settle();
+}
+
+bool CompiledSteps::takes_inner(u64 limit) const {
+  return !inner_runs_.empty() && limit >= core_.tables.image->inner_steps.pay;
+}
+
+// The core's arrays are filled from the inner ones at the end; interactions are renamed in the ring as well.
+u64 CompiledSteps::run_inner(Prng& prng, u64 limit, bool (*is_stopped)()) {
+  constexpr u64 kBetweenLooks = 4096;
+  const InnerSteps& inner = core_.tables.image->inner_steps;
+  const EnabledSet::List list = core_.enabled.open_list();
+  const StepState outer = state_of(list);
+  std::vector<Cell> cells;
+  std::vector<u32> places, members, position;
+  std::vector<std::int32_t> values;
+  cells.reserve(std::size_t{inner.cells.size} + 1);
+  for (const u32 cell : inner.cells) cells.push_back(outer.all[cell]);
+  cells.push_back({});
+  places.reserve(inner.atoms.size);
+  for (const u32 atom : inner.atoms) places.push_back(outer.places[atom]);
+  members.assign(std::size_t{inner.interactions.size} + 1, 0);
+  position.reserve(inner.interactions.size);
+  values.reserve(inner.interactions.size);
+  for (u32 k = 0; k < inner.interactions.size; ++k) {
+    const u32 interaction = inner.interactions[k], at = outer.position[interaction];
+    values.push_back(outer.values[interaction]);
+    position.push_back(at);
+    if (at != kAbsentInteraction) members[at] = k;
+  }
+  // Orders, or what broadcasts need.
+  std::vector<u32> scratch = step_scratch_;
+  if (inner.run_of.size > inner.interactions.size)
+    scratch.assign(inner.run_of.begin() + inner.interactions.size, inner.run_of.end());
+  StepState s{cells.data(), places.data(), values.data(), members.data(), position.data(), scratch.data(), outer.count};
+  Prng numbers = prng;
+  u32* const history = core_.history.ring();
+  u32 history_at = core_.history.next();
+  const u32* const run_of = inner.run_of.data;
+  const CompiledRun* const runs = inner_runs_.data();
+  u64 done = 0;
+  for (u64 look = 0; done < limit && s.count != 0;) {
+    if (done >= look) {
+      if (is_stopped()) break;
+      look = done + kBetweenLooks;
+    }
+    const u32 interaction = s.members[s.count == 1 ? 0 : numbers.below(s.count)];
+    BIP_ASSERT(run_of[interaction] < inner_runs_.size(), "inner interaction {} has no run", interaction);
+    const CompiledRun& run = runs[run_of[interaction]];
+    history[history_at] = interaction;
+    history_at = (history_at + 1) % FiringHistory::kSize;
+    run.fn(s, run.operands, interaction - run.first);
+    ++done;
+  }
+  prng = numbers;
+  for (u32 k = 0; k < inner.cells.size; ++k) outer.all[inner.cells[k]] = cells[k];
+  for (u32 k = 0; k < inner.atoms.size; ++k) outer.places[inner.atoms[k]] = places[k];
+  for (u32 k = 0; k < inner.interactions.size; ++k) {
+    outer.values[inner.interactions[k]] = values[k];
+    outer.position[inner.interactions[k]] = position[k];
+  }
+  for (u32 k = 0; k < s.count; ++k) outer.members[k] = inner.interactions[members[k]];
+  for (u64 k = 0; k < std::min<u64>(done, FiringHistory::kSize); ++k) {
+    u32& fired = history[(history_at + FiringHistory::kSize - 1 - k) % FiringHistory::kSize];
+    fired = inner.interactions[fired];
+  }
+  core_.history.set_next(history_at);
+  *list.count = s.count;
   return done;
 }
 
 u64 CompiledSteps::run(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound, Profile* profile) {
+  if (profile == nullptr && takes_inner(limit)) {
+    const u64 done = run_inner(prng, limit, is_stopped);
+    sound = close_run(*core_.enabled.open_list().count);
+    return done;
+  }
   Unwatched nobody;
   Drawn drawn{prng};
   const u64 done = profile == nullptr ? run_watched(drawn, limit, is_stopped, sound, nobody)

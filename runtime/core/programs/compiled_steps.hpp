@@ -78,7 +78,7 @@ class CompiledSteps {
   void drop_programs();
   /// Of all rows.
   [[nodiscard]] std::size_t bytes() const {
-    return runs_.size() * sizeof(CompiledRun) +
+    return (runs_.size() + inner_runs_.size()) * sizeof(CompiledRun) +
            (run_of_.blocks.size() + run_of_.rows.size() + first_entry_.size()) * sizeof(u32);
   }
 
@@ -87,6 +87,11 @@ class CompiledSteps {
   [[nodiscard]] StepState state_of(const EnabledSet::List& list);
   template <class Choose, class Watch>
   u64 run_watched(Choose& given, u64 limit, bool (*is_stopped)(), bool& sound, Watch& watch);
+  /// The same as `run` on arrays in inner order. Requires the image's inner steps.
+  u64 run_inner(Prng& prng, u64 limit, bool (*is_stopped)());
+  [[nodiscard]] bool takes_inner(u64 limit) const;
+  /// Lets the core see what steps have done.
+  [[nodiscard]] bool close_run(u32 count);
   void run_part(const BatchPlan& plan, BatchPart& part, bool records);
   void cut_list(const BatchPlan& plan, std::vector<BatchPart>& parts, u64 draws);
   void join_list(const std::vector<BatchPart>& parts);
@@ -94,8 +99,9 @@ class CompiledSteps {
 
   CoreParts& core_;
   std::vector<CompiledRun> runs_;  // the image's runs of step functions
-  RunRows run_of_;                 // by interaction: row of runs_, or kNone
-  std::vector<u32> first_entry_;   // by shape: its rows of the image's entries, up to those of the next
+  std::vector<CompiledRun> inner_runs_;
+  RunRows run_of_;                // by interaction: row of runs_, or kNone
+  std::vector<u32> first_entry_;  // by shape: its rows of the image's entries, up to those of the next
   std::vector<u32> step_scratch_;
 };
 

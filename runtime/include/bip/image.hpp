@@ -323,6 +323,7 @@ struct Image {
   Span<StepColumn> step_columns = {};  // not empty: steps_fn works on cells, and knows all interactions that can fire
   std::uint32_t step_cells = 0;        // how many
   std::uint32_t step_cells_pay = 0;    // after so many steps filling the columns has paid
+  InnerSteps inner_steps = {};         // their shapes and operands are rows of step_fns and step_operands
   Span<TransitionWeight> transition_weights = {};  // in order; without these two all candidates are as likely
   Span<ConnectorWeight> connector_weights = {};    // in order
 };

@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "bip/assert.hpp"
+#include "bip/rows.hpp"
 
 namespace bip::rt {
 
@@ -57,6 +58,15 @@ struct StepColumn {
   std::uint32_t cell, distance, column_cell, count;
 };
 
+/// Steps on arrays in another order, for long runs of models whose own order has no regularity. Tables by inner number
+/// say which of the core's it is. A run has the interactions that run_of assigns to it, from `first` on, at distance 1.
+struct InnerSteps {
+  Span<std::uint32_t> atoms, interactions, cells;
+  Span<std::uint32_t> run_of;  // by inner interaction; kNone: it cannot fire; then, if steps need it, scratch
+  Span<StepRun> runs;
+  std::uint32_t pay = 0;  // after so many steps filling the arrays has paid
+};
+
 /// The interactions that fired last: a ring.
 struct StepHistory {
   static constexpr std::uint32_t kSize = 1u << 14;
@@ -90,6 +100,23 @@ inline void set_interaction(StepState& s, std::uint32_t interaction, bool on) {
   if ((s.position[interaction] != kAbsentInteraction) == on) return;
   if (on) interaction_enters(s, interaction);
   else interaction_leaves(s, interaction);
+}
+
+/// Puts the interaction in or takes it out, as its value says, without branches: nobody can predict them. Writes beyond
+/// the list's end.
+inline void settle_interaction(StepState& s, std::uint32_t interaction) {
+  const std::uint32_t count = s.count, position = s.position[interaction];
+  // All ones if so: it is not available, it is in the list, it leaves.
+  const auto off = static_cast<std::uint32_t>(s.values[interaction] >> 31);
+  const std::uint32_t was = position != kAbsentInteraction ? ~0u : 0u;
+  const std::uint32_t leaves = was & off;
+  s.members[count] = interaction;
+  const std::uint32_t end = count + leaves, last = s.members[end];
+  const std::uint32_t hole = count ^ ((count ^ position) & leaves);
+  s.members[hole] = last;
+  s.position[last] = hole;
+  s.position[interaction] = (position & was) | (count & ~was) | off;
+  s.count = end - ~(was | off);
 }
 
 }  // namespace bip::rt
