@@ -35,7 +35,7 @@ int command_deploy(const DeployArguments& arguments) {
   Compilation c(arguments.compile);
   rt::Placement placement;
   const bool ready = compile(c, arguments.file, Stage::Image) &&
-                     prepare_deployed(c, arguments.placement_path, placement) && is_deployable(c, placement);
+                     prepare_deployed(c, arguments.placement_path, {}, placement) && is_deployable(c, placement);
   if (!ready) return report(c);
   const Result<const rt::FabricFactory*> fabrics = load_fabric();
   if (!fabrics) return end_unusable(fabrics.error());
@@ -58,7 +58,8 @@ int command_node(const NodeArguments& arguments) {
   Executor executor;
   const bool ready = compile(c, (fs::path(arguments.folder) / kModelFile).string(), Stage::Image) &&
                      check_outputs(c, {arguments.run.trace_path}) &&
-                     prepare_deployed(c, (fs::path(arguments.folder) / kPlacementFile).string(), placement) &&
+                     prepare_deployed(c, (fs::path(arguments.folder) / kPlacementFile).string(),
+                                      (fs::path(arguments.folder) / kMovesFile).string(), placement) &&
                      is_deployable(c, placement) && executor.prepare(c, arguments.backend, arguments.optimisation);
   if (const int code = report(c); code != 0 || !ready) return code;
   Result<rt::Deployment> deployment = read_deployment(arguments.folder, placement);

@@ -18,6 +18,7 @@
 #include "compiler/base/content_hash.hpp"
 #include "compiler/base/read_file.hpp"
 #include "compiler/base/write_file.hpp"
+#include "compiler/driver/known_conflicts.hpp"
 #include "compiler/emit_cpp/copy_ffi_files.hpp"
 #include "compiler/pipeline/ffi_build.hpp"
 #include "compiler/system/bsys.hpp"
@@ -145,7 +146,8 @@ Result<rt::FabricKeys> read_keys(const fs::path& path, const std::string& open) 
 
 // Everything that all nodes must have alike.
 std::string model_hash(const fs::path& folder, const rt::Placement& placement) {
-  std::vector<std::string> texts{BIPC_VERSION, read_file(folder / kModelFile).value_or("")};
+  std::vector<std::string> texts{BIPC_VERSION, read_file(folder / kModelFile).value_or(""),
+                                 read_file(folder / kMovesFile).value_or("")};
   std::string homes;
   for (const std::string& name : placement.nodes) homes += name + '\n';
   for (const std::uint32_t home : placement.home) homes += std::to_string(home) + ' ';
@@ -246,6 +248,7 @@ Result<bool> write_deployment(Compilation& c, const rt::Placement& placement, co
     const Result<bool> files[] = {
         write_text_file(folder / kModelFile, model),
         write_text_file(folder / kPlacementFile, *place),
+        write_text_file(folder / kMovesFile, print_next_moves(placement.next_moves)),
         write_text_file(folder / kNodeFile, about + known),
         write_secret(folder / kKeyFile, keys[node].secret + '\n'),
         node == 0 ? write_secret(folder / kLauncherKeyFile, keys[nodes].secret + '\n') : Result<bool>(true),

@@ -3,6 +3,7 @@
 //   model.bsys      the model
 //   ffi/            its C++, if it has some
 //   model.place     the placement
+//   model.moves     what the prover knows about conflicts
 //   node            which node this is, and the keys of all by which they know each other
 //   key             its secret key, which only its owner can read; `launcher.key` beside it on the first node
 //   start, bipc-NAME.service, README
@@ -18,6 +19,7 @@ namespace bip::driver {
 
 inline constexpr const char* kModelFile = "model.bsys";
 inline constexpr const char* kPlacementFile = "model.place";
+inline constexpr const char* kMovesFile = "model.moves";
 inline constexpr const char* kCppFolder = "ffi";
 
 /// Can such a placement be deployed? False: a diagnostic was reported.

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "compiler/base/read_file.hpp"
+#include "compiler/driver/known_conflicts.hpp"
 #include "runtime/core/fire/partial.hpp"
 #include "runtime/distributed/faults.hpp"
 
@@ -106,11 +108,25 @@ bool prepare_distributed(Compilation& c, const RunArguments& arguments, rt::Plac
     c.diags.report(Diag::kB5070, {}, problem);
     return false;
   }
+  placement.next_moves = prove_next_moves(c).moves;
   return crosses_nothing(c, linked, rt::distribute(linked.tables, linked.rules, placement));
 }
 
-bool prepare_deployed(Compilation& c, const std::string& placement_path, rt::Placement& placement) {
+bool prepare_deployed(Compilation& c, const std::string& placement_path, const std::string& moves_path,
+                      rt::Placement& placement) {
   if (!is_distributable(c) || !read_placement(c, placement_path, placement)) return false;
+  if (moves_path.empty()) {
+    placement.next_moves = prove_next_moves(c).moves;
+  } else {
+    const std::optional<std::string> text = read_file(moves_path);
+    Result<std::vector<rt::NextMove>> moves = Failure{"it cannot be read"};
+    if (text) moves = read_next_moves(c.lowered->image, *text);
+    if (!moves) {
+      c.diags.report(Diag::kB6120, {}, moves_path, moves.error()).help("deploy again, and copy all folders");
+      return false;
+    }
+    placement.next_moves = std::move(*moves);
+  }
   const Linked linked(c.lowered->image);
   return crosses_nothing(c, linked, rt::distribute(linked.tables, linked.rules, placement));
 }
@@ -119,6 +135,8 @@ std::string distribution_text(Compilation& c, const std::string& placement_path)
   rt::Placement placement;
   if (!is_distributable(c) || !read_placement(c, placement_path, placement)) return {};
   const Linked linked(c.lowered->image);
+  const verify::NextMoves known = prove_next_moves(c);
+  placement.next_moves = known.moves;
   const rt::Distribution distribution = rt::distribute(linked.tables, linked.rules, placement);
   if (!crosses_nothing(c, linked, distribution)) return {};
   const rt::ConflictSets& sets = distribution.sets;
@@ -144,6 +162,7 @@ std::string distribution_text(Compilation& c, const std::string& placement_path)
       text += "  " + reason_text(linked.tables, rt::why_joined(linked.tables, linked.rules, sets, largest)) + '\n';
   }
 
+  text += removed_conflicts_text(linked.tables, known);
   std::string rows;
   std::size_t border = 0, sum = 0;
   std::vector<std::uint32_t> atoms, nodes;

@@ -17,8 +17,10 @@ namespace bip::driver {
 /// nothing. The image needs no code yet. False: a diagnostic was reported.
 [[nodiscard]] bool prepare_distributed(Compilation& c, const RunArguments& arguments, rt::Placement& placement);
 
-/// What `bipc deploy` and `bipc node` need of a placement: as prepare_distributed, with the file.
-[[nodiscard]] bool prepare_deployed(Compilation& c, const std::string& placement_path, rt::Placement& placement);
+/// What `bipc deploy` and `bipc node` need of a placement: as prepare_distributed, with the file. `moves_path`: where
+/// `bipc deploy` wrote what the prover knows about conflicts; empty: it is asked.
+[[nodiscard]] bool prepare_deployed(Compilation& c, const std::string& placement_path, const std::string& moves_path,
+                                    rt::Placement& placement);
 
 /// Returns what a run with the placement would be: nodes, interactions over several of them, conflict sets, messages.
 /// Empty: a diagnostic was reported.

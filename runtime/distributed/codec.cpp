@@ -165,6 +165,7 @@ void Codec::read(ByteReader& reader, u32 from, Offer& offer) const {
 
 void Codec::write(ByteWriter& writer, const Begin& begin) const {
   writer.number(begin.step);
+  writer.number(begin.interaction);
   writer.number(begin.parts.size());
   for (const Part& part : begin.parts) {
     writer.number(part.atom);
@@ -178,6 +179,7 @@ void Codec::write(ByteWriter& writer, const Begin& begin) const {
 
 void Codec::read(ByteReader& reader, u32 self, Begin& begin) const {
   begin.step = reader.number();
+  begin.interaction = reader.row(tables_.interactions.size());
   const u64 count = reader.count();
   for (u64 i = 0; i < count && reader.is_sound(); ++i) {
     Part part;
@@ -189,6 +191,10 @@ void Codec::read(ByteReader& reader, u32 self, Begin& begin) const {
     part.order = reader.row(kNone);
     const LinkedType& type = tables_.types[tables_.atoms[part.atom].type];
     if (!reader.is_sound() || !has_port(type, part.transition)) return reader.refuse();
+    // What becomes the atom's history is a connector.
+    const u32 port = tables_.instance(part.atom, tables_.transitions[part.transition].port);
+    if (distribution_.sets.is_told_apart[port] != 0 && begin.interaction >= tables_.connector_interactions)
+      return reader.refuse();
     read_cells(reader, part.atom, part.cells);
     begin.parts.push_back(std::move(part));
   }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <tuple>
 
 #include "runtime/core/fire/partial.hpp"
 #include "runtime/core/programs/batch_plan.hpp"
@@ -75,7 +76,8 @@ Csr shown_cells(const Tables& tables) {
 }
 
 // The same, of tables that were linked before.
-static ConflictSets conflict_sets(const Tables& tables, const PartialState& partial) {
+static ConflictSets conflict_sets(const Tables& tables, const PartialState& partial,
+                                  const std::vector<NextMove>& next_moves) {
   const u32 interaction_count = static_cast<u32>(tables.interactions.size());
   const u32 atom_count = tables.image->atoms.size;
   const Csr movers = partial.atoms_of_interaction.transposed(atom_count);
@@ -109,13 +111,23 @@ static ConflictSets conflict_sets(const Tables& tables, const PartialState& part
   }
   result.first_slot.push_back(static_cast<u32>(result.set_at.size()));
 
+  // An atom that is looked at is moved by one set, whatever is known of it.
+  result.by_situation.assign(atom_count, 0);
+  result.is_told_apart.assign(tables.port_atom.size(), 0);
+  for (const NextMove& move : next_moves) {
+    if (is_looked_at[move.atom] != 0) continue;
+    result.by_situation[move.atom] = 1;
+    if (move.connector != kNone) result.is_told_apart[tables.instance(move.atom, move.port)] = 1;
+  }
   // By now set_at holds one of the interactions at the place, at the end its set.
   std::vector<u32> ports;
-  std::vector<Csr::Pair> atoms;
+  std::vector<Csr::Pair> atoms, by_port;
   for (u32 interaction = 0; interaction < interaction_count; ++interaction) {
     ports_of_interaction(tables, tables.interactions[interaction], ports);
     for (const u32 port : ports) {
       const u32 atom = tables.port_atom[port];
+      if (!next_moves.empty()) by_port.push_back({port, interaction});
+      if (result.by_situation[atom] != 0) continue;
       const LinkedType& type = tables.types[tables.atoms[atom].type];
       for (u32 row = type.first_transition; row < type.first_transition + type.transition_count; ++row) {
         if (tables.transitions[row].port != port - tables.port_base(atom)) continue;
@@ -125,6 +137,35 @@ static ConflictSets conflict_sets(const Tables& tables, const PartialState& part
       }
     }
   }
+  // So do the rows of situations.
+  const Csr interactions_of_port = Csr::build(tables.port_atom.size(), by_port);
+  const NextMove* last = nullptr;
+  u32 before = kNone;  // an interaction of the same mode
+  for (const NextMove& move : next_moves) {
+    if (result.by_situation[move.atom] == 0) continue;
+    if (last == nullptr || std::tuple(last->atom, last->place, last->history, last->mode) !=
+                               std::tuple(move.atom, move.place, move.history, move.mode))
+      before = kNone;
+    last = &move;
+    const Span<u32> all = interactions_of_port[tables.instance(move.atom, move.port)];
+    const bool is_alone = move.connector != kNone;
+    if (!is_alone && all.size == 0) continue;
+    const u32 one = is_alone ? tables.interaction_of(move.connector) : all[0];
+    for (u32 k = 0; !is_alone && k < all.size; ++k) sets.join(one, all[k]);
+    if (before != kNone) sets.join(one, before);
+    before = one;
+    result.situations.push_back({move.atom, move.place, move.history, move.port, one});
+  }
+  const auto key = [](const ConflictSets::Situation& at) { return std::tuple(at.atom, at.place, at.history, at.port); };
+  std::stable_sort(result.situations.begin(), result.situations.end(),
+                   [&](const auto& a, const auto& b) { return key(a) < key(b); });
+  for (std::size_t row = 1; row < result.situations.size(); ++row) {
+    if (key(result.situations[row - 1]) == key(result.situations[row]))
+      sets.join(result.situations[row - 1].set, result.situations[row].set);
+  }
+  result.situations.erase(std::unique(result.situations.begin(), result.situations.end(),
+                                      [&](const auto& a, const auto& b) { return key(a) == key(b); }),
+                          result.situations.end());
   std::vector<u32> number(interaction_count + atom_count, kNone);
   for (u32 interaction = 0; interaction < interaction_count; ++interaction) {
     u32& set = number[sets.find(interaction)];
@@ -133,6 +174,7 @@ static ConflictSets conflict_sets(const Tables& tables, const PartialState& part
     for (const u32 atom : partial.atoms_of_interaction[interaction]) atoms.push_back({set, atom});
   }
   for (u32& set : result.set_at) set = set == kNone ? kNone : result.of_interaction[set];
+  for (ConflictSets::Situation& at : result.situations) at.set = result.of_interaction[at.set];
   for (u32 atom = 0; atom < atom_count; ++atom) {
     if (is_looked_at[atom] == 0) continue;
     const u32 set = number[sets.find(interaction_count + atom)];
@@ -149,8 +191,16 @@ static ConflictSets conflict_sets(const Tables& tables, const PartialState& part
   return result;
 }
 
-ConflictSets conflict_sets(const Tables& tables, const PriorityTables& rules) {
-  return conflict_sets(tables, link_partial(tables, rules));
+ConflictSets conflict_sets(const Tables& tables, const PriorityTables& rules, const std::vector<NextMove>& next_moves) {
+  return conflict_sets(tables, link_partial(tables, rules), next_moves);
+}
+
+u32 ConflictSets::set_of(u32 atom, u32 place, u32 history, u32 port) const {
+  const auto key = [](const Situation& at) { return std::tuple(at.atom, at.place, at.history, at.port); };
+  const std::tuple wanted(atom, place, history, port);
+  const auto at = std::lower_bound(situations.begin(), situations.end(), wanted,
+                                   [&](const Situation& row, const auto& value) { return key(row) < value; });
+  return at != situations.end() && key(*at) == wanted ? at->set : kNone;
 }
 
 Placement place_atoms(const Tables& tables, const PriorityTables& rules, u32 nodes) {
@@ -168,7 +218,7 @@ Placement place_atoms(const Tables& tables, const PriorityTables& rules, u32 nod
     return std::any_of(cells[atom].begin(), cells[atom].end(),
                        [&](u32 cell) { return has_object(tables, atom, cell); });
   };
-  const ConflictSets sets = conflict_sets(tables, partial);
+  const ConflictSets sets = conflict_sets(tables, partial, {});
   UnionFind together(atom_count);
   for (u32 set = 0; set < sets.count; ++set) {
     u32 first = kNone;
@@ -232,7 +282,7 @@ JoinReason why_joined(const Tables& tables, const PriorityTables& rules, const C
 Distribution distribute(const Tables& tables, const PriorityTables& rules, Placement placement) {
   Distribution result;
   result.placement = std::move(placement);
-  result.sets = conflict_sets(tables, rules);
+  result.sets = conflict_sets(tables, rules, result.placement.next_moves);
   result.cells = shown_cells(tables);
   BIP_ASSERT(result.placement.home.size() == tables.image->atoms.size, "{} atoms have a home",
              result.placement.home.size());

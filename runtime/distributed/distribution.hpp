@@ -3,13 +3,16 @@
 //
 // Interactions that can compete for an atom form a *conflict set*, and one node coordinates all of a set, so that
 // nothing is ever reserved. Two interactions compete
-// - if an atom offers ports of both from one place;
+// - if an atom offers ports of both from one place, and nothing is known that tells them apart (NextMove);
 // - if one of them depends on a group (core/fire/partial.hpp: a larger interaction, a rule, or a fault might come) and
 //   the other moves an atom of that group.
-// So at each place an atom has at most one coordinator: the only node to which it is offered there.
+// So an atom at rest has at most one coordinator: the only node to which it is offered. No step depends on what is
+// known of next moves: an atom is offered to one node, which alone begins what moves it. If it were wrong, a step that
+// is possible would not be begun.
 //
 // Linear in the ports of all interactions and groups, but for the logarithms of sorting. Constant during a run.
 #pragma once
+#include <compare>
 #include <string>
 #include <vector>
 
@@ -20,11 +23,25 @@ namespace bip::rt {
 
 inline constexpr u32 kMostNodes = 64;
 
+/// What is known of an atom beyond its places (compiler/verify/conflicts): in one of its modes at the place, with this
+/// history, it offers this port, among others to this connector. Its history is the last connector that moved it
+/// through one of its ports that have rows with connectors. Of an atom with rows these are all: it never does anything
+/// else.
+struct NextMove {
+  u32 atom = 0, place = 0;
+  u32 history = kNone;    // a connector; kNone: there was none yet
+  u32 mode = 0;           // what can be offered together has one number
+  u32 port = 0;           // of the atom's type
+  u32 connector = kNone;  // kNone: all of the port
+  friend auto operator<=>(const NextMove&, const NextMove&) = default;
+};
+
 /// Where the atoms are at home.
 struct Placement {
   std::vector<std::string> nodes;           // their names
   std::vector<u32> home;                    // by atom
   std::vector<std::string> addresses = {};  // by node: HOST:PORT, or empty; of a placement without a file: none
+  std::vector<NextMove> next_moves = {};    // sorted by atom, place, history, mode; of other atoms places tell all
 };
 
 /// Variables that connectors and rules read or write, and traces show: rows in `all`, by atom. What an offer carries.
@@ -37,12 +54,22 @@ struct ConflictSets {
   Csr atoms;                    // by set: those that take part or are looked at, sorted
   std::vector<u32> first_slot;  // by atom: row of its first place in set_at; and one more
   std::vector<u32> set_at;      // by atom and place (of Petri types: one for all): the set it is offered to, or kNone
+  /// Of atoms with next moves: the set of what an enabled port leads to.
+  struct Situation {
+    u32 atom = 0, place = 0, history = kNone, port = 0, set = kNone;
+  };
+  std::vector<Situation> situations;        // sorted by atom, place, history, port
+  std::vector<std::uint8_t> by_situation;   // by atom: not 0 if set_at does not tell its set
+  std::vector<std::uint8_t> is_told_apart;  // by port instance: its connector becomes the atom's history
   [[nodiscard]] u32 set_of(u32 atom, u32 place) const {
     const u32 first = first_slot[atom];
     return set_at[first_slot[atom + 1] - first == 1 ? first : first + place];
   }
+  /// The set of an atom by_situation that offers the port; kNone: no interaction can take it through that port.
+  [[nodiscard]] u32 set_of(u32 atom, u32 place, u32 history, u32 port) const;
 };
-[[nodiscard]] ConflictSets conflict_sets(const Tables& tables, const PriorityTables& rules);
+[[nodiscard]] ConflictSets conflict_sets(const Tables& tables, const PriorityTables& rules,
+                                         const std::vector<NextMove>& next_moves = {});
 
 /// A variable that holds a C++ object, is seen by an interaction, and would have to cross from one node to another.
 struct CrossingObject {
@@ -59,7 +86,8 @@ struct Distribution {
   std::vector<CrossingObject> crossing;  // not empty: such a run cannot be
 
   [[nodiscard]] u32 home(u32 atom) const { return placement.home[atom]; }
-  /// The node to which the atom is offered at this place; kNone: no interaction can take it there.
+  /// The node to which an atom that is not by_situation is offered at this place; kNone: no interaction can take it
+  /// there.
   [[nodiscard]] u32 coordinator_at(u32 atom, u32 place) const {
     const u32 set = sets.set_of(atom, place);
     return set == kNone ? kNone : coordinator[set];

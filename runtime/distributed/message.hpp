@@ -10,7 +10,7 @@
 namespace bip::rt {
 
 /// Of frames and greetings: programs of other versions do not understand each other.
-inline constexpr u64 kProtocol = 1;
+inline constexpr u64 kProtocol = 2;
 
 /// From an atom's home to its coordinator: it is at rest, and can do this.
 struct Offer {
@@ -31,6 +31,7 @@ struct Part {
 struct Begin {
   u64 step = 0;
   std::vector<Part> parts;
+  u32 interaction = 0;
 };
 /// To all other nodes: this step ended in a run-time error; begin nothing more.
 struct Stop {

@@ -8,12 +8,15 @@ namespace bip::rt {
 bool Node::start(const State& state) {
   const u32 atoms = core_.image().atoms.size;
   n_.assign(atoms, 0);
+  history_.assign(atoms, kNone);
   if (!core_.restore(state)) return false;
   PartialSteps& partial = core_.partial();
   partial.allow();
   partial.share();
   for (u32 atom = 0; atom < atoms; ++atom) {
-    if (distribution_.coordinator_at(atom, partial.place_at_rest(atom)) != self_) partial.send_away(atom);
+    u32 coordinator = kNone;
+    if (!find_coordinator(atom, coordinator)) return false;
+    if (coordinator != self_) partial.send_away(atom);
   }
   return partial.settle();
 }
@@ -44,6 +47,7 @@ void Node::take(const Begin& begin) {
     ++n_[part.atom];
     const Span<u32> cells = distribution_.cells[part.atom];
     for (u32 i = 0; i < cells.size; ++i) core_.write_cell(cells[i], part.cells[i]);
+    note_history(part.atom, core_.tables().transitions[part.transition], begin.interaction);
     Work work;
     if (core_.partial().take_up(part.atom, part.transition, begin.step, part.order, work)) works_.push_back(work);
     else stop();
@@ -60,6 +64,7 @@ void Node::begin(EnabledSet::Position at, u64 step, std::vector<u32>& atoms) {
     atoms.push_back(work.atom);
     if (home == self_) {
       ++n_[work.atom];
+      note_history(work.atom, *work.transition, at.interaction);
       works_.push_back(work);
       ++order;
       continue;
@@ -67,7 +72,7 @@ void Node::begin(EnabledSet::Position at, u64 step, std::vector<u32>& atoms) {
     std::size_t to = first;
     while (to < outbox_.size() && outbox_[to].to != home) ++to;
     if (to == outbox_.size()) {
-      outbox_.push_back({home, Begin{step, {}}});
+      outbox_.push_back({home, Begin{step, {}, at.interaction}});
       ++counts_.begins;
     }
     Part part{
@@ -90,9 +95,38 @@ void Node::run(std::size_t k) {
   landed_.push_back(work.step);
 }
 
+// The connector, if it tells apart what may come next.
+void Node::note_history(u32 atom, const LinkedTransition& transition, u32 interaction) {
+  const Tables& tables = core_.tables();
+  if (distribution_.sets.is_told_apart[tables.instance(atom, transition.port)] != 0)
+    history_[atom] = tables.connector_of(interaction);
+}
+
+// Of an atom at rest: any of its enabled ports tells, if an interaction can take it through that port at all. False: a
+// fault.
+bool Node::find_coordinator(u32 atom, u32& coordinator) {
+  PartialSteps& partial = core_.partial();
+  const u32 place = partial.place_at_rest(atom);
+  if (distribution_.sets.by_situation[atom] == 0) {
+    coordinator = distribution_.coordinator_at(atom, place);
+    return true;
+  }
+  coordinator = kNone;
+  if (!partial.find_enabled_ports(atom, enabled_)) return false;
+  for (const u32 port : enabled_) {
+    const u32 set = distribution_.sets.set_of(atom, place, history_[atom], port);
+    if (set == kNone) continue;
+    BIP_ASSERT(coordinator == kNone || coordinator == distribution_.coordinator[set], "atom {} has two coordinators",
+               atom);
+    coordinator = distribution_.coordinator[set];
+  }
+  return true;
+}
+
 void Node::come_to_rest(u32 atom) {
   PartialSteps& partial = core_.partial();
-  const u32 coordinator = distribution_.coordinator_at(atom, partial.place_at_rest(atom));
+  u32 coordinator = kNone;
+  if (!find_coordinator(atom, coordinator)) return stop();
   if (coordinator == self_) {
     if (!partial.offer_here(atom)) stop();
     return;

@@ -56,15 +56,19 @@ class Node {
   void take(const Stop&) { is_stopped_ = true; }
   void take(const Control&) {}
   void come_to_rest(u32 atom);
+  void note_history(u32 atom, const LinkedTransition& transition, u32 interaction);
+  bool find_coordinator(u32 atom, u32& coordinator);
   void stop();
 
   const Distribution& distribution_;
   u32 self_;
   Core core_;
-  std::vector<u64> n_;  // by atom: at home, how often it took part; elsewhere, as its last offer said
+  std::vector<u64> n_;        // by atom: at home, how often it took part; elsewhere, as its last offer said
+  std::vector<u32> history_;  // by atom at home: the connector that tells its next moves apart (NextMove)
   std::vector<Work> works_, begun_;
   std::vector<Outgoing> outbox_;
   std::vector<u64> landed_;
+  std::vector<u32> enabled_;  // scratch: ports
   NodeCounts counts_;
   bool is_stopped_ = false;
 };

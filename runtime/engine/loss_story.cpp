@@ -2,6 +2,7 @@
 #include "runtime/engine/loss_story.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace bip::rt {
 
@@ -25,6 +26,25 @@ bool is_whole(const Distribution& distribution, const std::vector<bool>& is_lost
          std::none_of(atoms.begin(), atoms.end(), [&](u32 atom) { return is_lost[distribution.home(atom)]; });
 }
 
+// Whatever it did last, where that tells its set.
+static bool waits_for_lost(const Distribution& distribution, const std::vector<bool>& is_lost, u32 atom, u32 place) {
+  const ConflictSets& sets = distribution.sets;
+  if (sets.by_situation[atom] == 0) {
+    const u32 set = sets.set_of(atom, place);
+    return set != kNone && !is_whole(distribution, is_lost, set);
+  }
+  const auto is_before = [](const ConflictSets::Situation& at, const std::pair<u32, u32>& key) {
+    return std::pair(at.atom, at.place) < key;
+  };
+  auto at = std::lower_bound(sets.situations.begin(), sets.situations.end(), std::pair(atom, place), is_before);
+  bool is_any = false;
+  for (; at != sets.situations.end() && at->atom == atom && at->place == place; ++at) {
+    if (is_whole(distribution, is_lost, at->set)) return false;
+    is_any = true;
+  }
+  return is_any;
+}
+
 std::string loss_story(const Core& core, const Distribution& distribution, const std::vector<bool>& is_lost, u64 steps,
                        const std::string& why) {
   std::vector<u32> gone, waiting;
@@ -33,8 +53,7 @@ std::string loss_story(const Core& core, const Distribution& distribution, const
       gone.push_back(atom);
       continue;
     }
-    const u32 set = distribution.sets.set_of(atom, core.partial().place_at_rest(atom));
-    if (set != kNone && !is_whole(distribution, is_lost, set)) waiting.push_back(atom);
+    if (waits_for_lost(distribution, is_lost, atom, core.partial().place_at_rest(atom))) waiting.push_back(atom);
   }
   std::string names;
   for (u32 node = 0; node < is_lost.size(); ++node) {

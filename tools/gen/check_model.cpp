@@ -8,6 +8,7 @@
 #endif
 #include "compiler/steps/derive_steps.hpp"
 #include "compiler/system/bsys.hpp"
+#include "compiler/verify/conflicts/next_moves.hpp"
 #include "tools/gen/compiled.hpp"
 #include "tools/gen/engine_runs.hpp"
 #include "tools/gen/ffi_prototypes.hpp"
@@ -15,6 +16,8 @@
 
 namespace bip::gen {
 namespace {
+
+constexpr double kSecondsOfConflicts = 2;
 
 std::vector<std::string> all_traces(const rt::Image& image, std::uint64_t seed, std::uint64_t steps) {
   std::vector<std::string> traces;
@@ -57,18 +60,21 @@ std::string check_bsys(const Compiled& c, const std::vector<std::string>& traces
 }
 
 // Nothing but them: by the interpreter, which has no compiled steps, and by the JIT, which has.
-std::string check_engines(lower::LoweredSystem& lowered, std::uint64_t seed, const CheckOptions& options,
-                          EngineCounts& counts) {
+std::string check_engines(const System& system, lower::LoweredSystem& lowered, std::uint64_t seed,
+                          const CheckOptions& options, EngineCounts& counts) {
+  const std::vector<rt::NextMove> known =
+      rt::has_time(lowered.image) ? std::vector<rt::NextMove>()
+                                  : verify::find_next_moves(system, verify::within_seconds(kSecondsOfConflicts)).moves;
   {
     interp::Interpreter interpreter(lowered);
-    std::string failure = engine_runs(lowered.image, seed, options.engine_runs, options.steps, counts);
+    std::string failure = engine_runs(lowered.image, seed, options.engine_runs, options.steps, counts, known);
     if (!failure.empty()) return failure;
   }
 #ifdef BIP_GEN_JIT
   if (options.jit) {
     auto code = jit::Jit::compile(lowered, jit::OptLevel::O2);
     if (!code) return "jit -O2: " + code.error();
-    return engine_runs(lowered.image, seed, options.engine_runs, options.steps, counts);
+    return engine_runs(lowered.image, seed, options.engine_runs, options.steps, counts, known);
   }
 #endif
   return "";
@@ -103,7 +109,7 @@ std::string check_model(const Description& model, std::uint64_t seed, const Chec
   const rt::Image& image = c.lowered->image;
   std::vector<std::string> traces;
   if (options.engine_runs != 0) {
-    std::string failure = check_engines(*c.lowered, seed, options, counts.engines);
+    std::string failure = check_engines(*c.system, *c.lowered, seed, options, counts.engines);
     if (!failure.empty()) return failure;
   } else {
     interp::Interpreter interpreter(*c.lowered);

@@ -10,10 +10,12 @@
 #include <cstdlib>
 #include <iterator>
 #include <string>
+#include <vector>
 
 #include "bip/run.hpp"
 #include "runtime/core/programs/batch_plan.hpp"
 #include "runtime/core/core.hpp"
+#include "runtime/distributed/distribution.hpp"
 #include "runtime/engine/replay_record.hpp"
 #include "runtime/trace/trace.hpp"
 
@@ -21,11 +23,13 @@ namespace bip::gen {
 
 struct EngineCounts {
   std::uint64_t runs = 0, steps = 0;
-  std::uint64_t in_parts = 0;  // of them, runs of the batch engine whose system came apart
+  std::uint64_t in_parts = 0;    // of them, runs of the batch engine whose system came apart
+  std::uint64_t with_known = 0;  // and simulated ones that know more of conflicts than places tell
   void add(const EngineCounts& more) {
     runs += more.runs;
     steps += more.steps;
     in_parts += more.in_parts;
+    with_known += more.with_known;
   }
 };
 
@@ -73,9 +77,10 @@ inline std::string engine_run(const rt::Image& image, rt::RunOptions options, En
 inline constexpr const char* kNetworkFaults[] = {"", "lose 10%, double 10%", "cut 1-2 3ms..60ms, slow 2 x10",
                                                  "crash 2 5ms", "cut 1-2 1ms..200ms, lose 30%, crash 1 20ms"};
 
-/// `runs` runs of each engine: policies, maximal progress, delays and faults of the network in turn.
+/// `runs` runs of each engine: policies, maximal progress, delays and faults of the network in turn. `known`: what the
+/// prover knows of conflicts, for the simulated ones.
 inline std::string engine_runs(const rt::Image& image, std::uint64_t seed, std::uint64_t runs, std::uint64_t steps,
-                               EngineCounts& counts) {
+                               EngineCounts& counts, const std::vector<rt::NextMove>& known = {}) {
   // They do not run models with time.
   if (rt::has_time(image)) return "";
   const bool has_parts = comes_apart(image);
@@ -95,7 +100,16 @@ inline std::string engine_runs(const rt::Image& image, std::uint64_t seed, std::
     options.nodes = 2 + static_cast<std::uint32_t>(options.seed % 4);
     options.network_faults = kNetworkFaults[options.seed % std::size(kNetworkFaults)];
     options.on_loss = options.seed % 2 == 0 ? rt::OnLoss::Stop : rt::OnLoss::GoOn;
+    rt::Placement placement;
+    if (!known.empty()) {
+      const rt::Tables tables = rt::link(image, rt::MaximalProgress::On);
+      placement = rt::place_atoms(tables, rt::link_priorities(tables), options.nodes);
+      placement.next_moves = known;
+      options.placement = &placement;
+      ++counts.with_known;
+    }
     if (std::string problem = engine_run(image, options, counts); !problem.empty()) return problem;
+    options.placement = nullptr;
     options.network_faults.clear();
     options.engine = rt::Engine::Batch;
     // Only these take epochs.

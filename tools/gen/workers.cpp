@@ -80,8 +80,9 @@ class Worker {
     std::fprintf(out_, "F %llu %s\n", static_cast<unsigned long long>(f.seed), one_line(f.what).c_str());
   }
   void tell(const EngineCounts& counts) {
-    std::fprintf(out_, "R %llu %llu %llu\n", static_cast<unsigned long long>(counts.runs),
-                 static_cast<unsigned long long>(counts.steps), static_cast<unsigned long long>(counts.in_parts));
+    std::fprintf(out_, "R %llu %llu %llu %llu\n", static_cast<unsigned long long>(counts.runs),
+                 static_cast<unsigned long long>(counts.steps), static_cast<unsigned long long>(counts.in_parts),
+                 static_cast<unsigned long long>(counts.with_known));
   }
   void flush() {
     if (cases_.empty()) return;
@@ -114,7 +115,8 @@ void read_results(std::FILE* in, Totals& totals) {
       totals.counts.in_columns += std::strtoull(rest, nullptr, 10);
     } else if (line[0] == 'R') {
       const std::uint64_t steps = std::strtoull(rest, &rest, 10);
-      totals.counts.engines.add({first, steps, std::strtoull(rest, nullptr, 10)});
+      const std::uint64_t in_parts = std::strtoull(rest, &rest, 10);
+      totals.counts.engines.add({first, steps, in_parts, std::strtoull(rest, nullptr, 10)});
     } else if (line[0] == 'E') {
       totals.emitted += first;
     } else if (line[0] == 'U') {

@@ -320,6 +320,19 @@ bool PartialSteps::take_up(u32 atom, u32 transition, u64 step, u32 order, Work& 
   return false;
 }
 
+bool PartialSteps::find_enabled_ports(u32 atom, std::vector<u32>& ports) {
+  ports.clear();
+  if (!core_.atom_steps.find_ports(atom)) {
+    note_fault(state_->last_step[atom], state_->order[atom]);
+    return false;
+  }
+  const u32 count = core_.tables.port_base(atom + 1) - core_.tables.port_base(atom);
+  for (u32 port = 0; port < count; ++port) {
+    if (core_.atom_steps.port_scratch()[port] != kNone) ports.push_back(port);
+  }
+  return true;
+}
+
 bool PartialSteps::offer_away(u32 atom, AtomOffer& offer) {
   PartialState& p = *state_;
   const LinkedType& type = core_.tables.types[core_.atoms[atom].type];

@@ -114,6 +114,8 @@ class PartialSteps {
   bool take_up(u32 atom, u32 transition, u64 step, u32 order, Work& work);
   /// As finish, but for what follows: Idle means that the atom is at rest and not yet offered anywhere.
   Finished come_to_rest(Work& work, std::int32_t status);
+  /// The enabled ports (of its type) of an atom that is at rest here. False: a fault.
+  bool find_enabled_ports(u32 atom, std::vector<u32>& ports);
   /// What the atom, which came to rest here, offers to another core; here it is away. False: a fault.
   bool offer_away(u32 atom, AtomOffer& offer);
   /// The atom, which came to rest here, is offered here. False: a fault.
