@@ -76,6 +76,19 @@ void add_run(CLI::App& app, RunArguments& a) {
       ->type_name("FAULTS");
   add_choice(*command, "--on-loss", a.run.on_loss, kOnLoss, "stop|go-on",
              "when a node is lost, stop the run or go on with what does not need it (default: stop)");
+  add_duration(
+      *command, "--checkpoint", a.run.checkpoint_every,
+      "with --engine=distributed or --engine=simulated, write a checkpoint every TIME, from which --resume goes "
+      "on; SIGUSR1 asks for one at once");
+  command
+      ->add_option("--checkpoint-file", a.run.checkpoint_path,
+                   "write checkpoints to PATH, each in place of the one before (default with --checkpoint: "
+                   "run.checkpoint)")
+      ->type_name("PATH");
+  command
+      ->add_option("--resume", a.run.resume_path,
+                   "go on from the checkpoint in PATH, with any number of nodes and any placement")
+      ->type_name("PATH");
   command->add_flag("-a,--asap", a.run.asap,
                     "take each step at the earliest instant at which it is possible (for models with clocks)");
   command->add_flag_callback(
@@ -358,6 +371,8 @@ void add_replay(CLI::App& app, ReplayArguments& a) {
                    "binary trace (as written by `bipc run --trace-format=binary`); its steps are printed")
       ->type_name("TRACE")
       ->excludes(published);
+  command->add_option("--resume", a.resume_path, "with --recorded, the checkpoint from which the recorded run went on")
+      ->type_name("PATH");
   add_choice(*command, "--trace-format", a.format, kTextFormats.names, kTextFormats.shown,
              "with --recorded, format of the printed steps (default: steps)");
   command->add_flag("--silent", a.silent, "with --recorded, print no steps");

@@ -259,6 +259,7 @@ int replay_recorded(Compilation& c, const ReplayArguments& arguments, Executor& 
   rt::RunOptions options;
   options.silent = arguments.silent;
   options.format = arguments.format;
+  options.resume_path = arguments.resume_path;
   const rt::Followed followed = rt::follow(c.lowered->image, *bytes, options, stdout);
   if (!followed.problem.empty()) {
     auto d = c.diags.report(Diag::kB5021, {}, followed.problem);

@@ -28,6 +28,9 @@
 namespace bip::driver {
 namespace {
 
+// Of --checkpoint without --checkpoint-file.
+constexpr const char* kCheckpointFile = "run.checkpoint";
+
 namespace fs = std::filesystem;
 
 bool has_own_program(const std::string& folder) {
@@ -142,7 +145,8 @@ int command_run(const RunArguments& arguments) {
   Executor executor;
   const bool profiles = arguments.profile || !arguments.profile_path.empty();
   bool ready = compile(c, arguments.file, Stage::Image) &&
-               check_outputs(c, {arguments.run.trace_path, arguments.run.record_path, arguments.profile_path});
+               check_outputs(c, {arguments.run.trace_path, arguments.run.record_path, arguments.run.checkpoint_path,
+                                 arguments.profile_path});
   rt::Placement placement;
   ready = ready && prepare_distributed(c, arguments, placement);
   if (ready) c.lowered->calls_rows = profiles;
@@ -153,6 +157,7 @@ int command_run(const RunArguments& arguments) {
   if (const int code = report(c); code != 0 || !ready) return code;
   release_instances(c);
   rt::RunOptions options = arguments.run;
+  if (options.checkpoint_every > 0 && options.checkpoint_path.empty()) options.checkpoint_path = kCheckpointFile;
   options.new_code = executor.new_code();
   if (!placement.nodes.empty()) options.placement = &placement;
   if (options.engine == rt::Engine::Distributed) {

@@ -185,6 +185,7 @@ struct ReplayArguments {
   CompileOptions compile;
   std::string file;
   std::string published_trace, recorded_trace;  // one of them
+  std::string resume_path;                      // of the recorded one: where that run went on
   rt::TraceFormat format = rt::TraceFormat::Steps;
   bool silent = false;
   Backend backend = Backend::Auto;

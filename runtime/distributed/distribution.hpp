@@ -84,6 +84,7 @@ struct Distribution {
   Csr cells;                             // shown_cells
   std::vector<u32> coordinator;          // by set
   std::vector<CrossingObject> crossing;  // not empty: such a run cannot be
+  std::vector<u32> history;              // by atom: NextMove::history when the run goes on; empty: it begins
 
   [[nodiscard]] u32 home(u32 atom) const { return placement.home[atom]; }
   /// The node to which an atom that is not by_situation is offered at this place; kNone: no interaction can take it

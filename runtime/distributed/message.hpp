@@ -46,6 +46,9 @@ struct Control {
     Count,   // round
     Lost,    // node
     Halt,    // begin nothing more
+    Pause,   // begin nothing until GoOn
+    Tell,    // say your state, and Told
+    GoOn,
     Finish,  // say your last state, then wait. A second one: how the run ended, steps
     Beat,    // to a node: say where your clock is. To the launcher: clock, steps, credit that is not spent
     // To the launcher.
@@ -57,7 +60,8 @@ struct Control {
     Begun,    // step, and the home of each part; texts
     Landed,   // steps of which a part has ended
     Fault,    // step, order, code, atom, connector, port, and two places in files; texts
-    Atom,     // a last state: atom, place, marks, then its variables' bits; their strings
+    Atom,     // a state: atom, place, marks, history; its variables
+    Told,
     Finished  // what it counted
   };
   Kind kind = Kind::Credit;

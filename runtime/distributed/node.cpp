@@ -8,7 +8,8 @@ namespace bip::rt {
 bool Node::start(const State& state) {
   const u32 atoms = core_.image().atoms.size;
   n_.assign(atoms, 0);
-  history_.assign(atoms, kNone);
+  history_ = distribution_.history;
+  history_.resize(atoms, kNone);
   if (!core_.restore(state)) return false;
   PartialSteps& partial = core_.partial();
   partial.allow();

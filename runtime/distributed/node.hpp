@@ -49,6 +49,8 @@ class Node {
   [[nodiscard]] const NodeCounts& counts() const { return counts_; }
   /// Writes places and data of the atoms at home here into a state of the image.
   void save(State& state) const;
+  /// NextMove::history of an atom at home here.
+  [[nodiscard]] u32 history(u32 atom) const { return history_[atom]; }
 
  private:
   void take(const Offer& offer);

@@ -7,6 +7,7 @@
 #include "bip/assert.hpp"
 #include "runtime/core/final_state.hpp"
 #include "runtime/distributed/station.hpp"
+#include "runtime/engine/checkpoints.hpp"
 #include "runtime/engine/gathering.hpp"
 #include "runtime/engine/interrupt.hpp"
 #include "runtime/engine/loss_story.hpp"
@@ -26,20 +27,21 @@ constexpr i64 kAskAgain = 5000000;     // ns until credit is asked for again
 constexpr i64 kPatience = 3000000000;  // ns for nodes to end their actions after Ctrl-C
 constexpr u64 kInfinite = ~u64{0};
 
-enum class RunPhase : std::uint8_t { Running, Counting, Ending };
+enum class RunPhase : std::uint8_t { Running, Counting, Telling, Ending };
 
 // What the launcher knows of a node.
 struct Member {
   bool is_there = false, is_lost = false, has_finished = false;
   bool is_silent = false;  // and that was reported
-  bool is_idle = false, wants = false, has_counted = false, owes_credit = false;
+  bool is_idle = false, wants = false, has_counted = false, owes_credit = false, has_told = false;
   u64 sent = 0, received = 0, steps = 0;
   u64 granted = 0;  // credit, but for what it gave back
 };
 
 class Launcher {
  public:
-  Launcher(Core& core, const Distribution& distribution, const RunOptions& options, u64 seed, Output& output)
+  Launcher(Core& core, const Distribution& distribution, const RunOptions& options, u64 seed, Output& output,
+           u64 resumed)
       : core_(core),
         distribution_(distribution),
         options_(options),
@@ -49,7 +51,8 @@ class Launcher {
         run_(draw_run()),
         codec_(core.tables(), distribution, run_),
         merge_(core, distribution, output),
-        members_(distribution.placement.nodes.size()) {
+        members_(distribution.placement.nodes.size()),
+        checkpoints_(options, resumed) {
     result_.cpu.assign(members_.size(), 0);
   }
 
@@ -63,10 +66,12 @@ class Launcher {
     }
     share_out();
     beat_at_ = began + kBeat;
+    began_ = began;
+    history_.assign(core_.image().atoms.size, kNone);
     while (!has_ended()) {
       const i64 now = wall_clock();
       advance(now);
-      i64 due = std::min({station_->due(), next_due(), beat_at_});
+      i64 due = std::min({station_->due(), next_due(), beat_at_, checkpoint_due()});
       arrivals_.clear();
       if (gathering_) due = std::min(due, gathering_->due());
       const bool any_ended =
@@ -233,7 +238,7 @@ class Launcher {
   }
 
   void serve_wants(i64 now) {
-    if (!is_limited() || is_halted_) return;
+    if (!is_limited() || is_halted_ || is_pausing_) return;
     bool is_wanted = false;
     for (u32 node = 0; node < members_.size(); ++node) {
       if (!members_[node].wants || members_[node].is_lost) continue;
@@ -306,6 +311,7 @@ class Launcher {
         return;
       case Control::Kind::Fault: return take_fault(*control);
       case Control::Kind::Atom: return take_atom(heard.from, *control);
+      case Control::Kind::Told: member.has_told = true; return save_checkpoint(now);
       case Control::Kind::Finished:
         member.has_finished = true;
         member.steps = number(0);
@@ -323,6 +329,9 @@ class Launcher {
       case Control::Kind::Count:
       case Control::Kind::Lost:
       case Control::Kind::Halt:
+      case Control::Kind::Pause:
+      case Control::Kind::Tell:
+      case Control::Kind::GoOn:
       case Control::Kind::Finish: return;
     }
   }
@@ -358,10 +367,12 @@ class Launcher {
     if (control.numbers[0] >= core_.image().atoms.size) return;
     const u32 atom = static_cast<u32>(control.numbers[0]);
     const u32 words = tables.types[tables.atoms[atom].type].mark_words;
-    if (distribution_.home(atom) != node || control.numbers.size() != 2 + words) return;
+    if (distribution_.home(atom) != node || control.numbers.size() != 3 + words) return;
     if (control.numbers[1] < tables.atom_type(atom).places.size)
       last_.places[atom] = static_cast<u32>(control.numbers[1]);
     for (u32 i = 0; i < words; ++i) last_.marks[tables.first_mark(atom) + i] = control.numbers[2 + i];
+    const u64 history = control.numbers[2 + words];
+    history_[atom] = history < core_.image().connectors.size ? static_cast<u32>(history) : kNone;
     ByteReader reader(control.texts[0]);
     for (u32 i = 0; i < tables.atom_type(atom).variables.size; ++i) {
       const u32 cell = tables.atoms[atom].first_cell + i;
@@ -396,6 +407,8 @@ class Launcher {
       pool_ += member.granted - std::min(member.granted, member.steps);
     }
     say_all(Control::Kind::Lost, {node});
+    if (is_pausing_) say_all(Control::Kind::GoOn);
+    is_pausing_ = false;
     phase_ = phase_ == RunPhase::Ending ? RunPhase::Ending : RunPhase::Running;
     is_changed_ = true;
   }
@@ -403,6 +416,7 @@ class Launcher {
   void halt() {
     if (is_halted_) return;
     is_halted_ = true;
+    is_pausing_ = false;
     for (Member& member : members_) member.is_idle = false;
     say_all(Control::Kind::Halt);
   }
@@ -428,7 +442,8 @@ class Launcher {
 
   // Could a node that wants credit get some?
   [[nodiscard]] bool is_credit_coming() const {
-    if (!is_limited() || is_halted_ || has_fault_ || all([](const Member& member) { return !member.wants; }))
+    if (!is_limited() || is_halted_ || is_pausing_ || has_fault_ ||
+        all([](const Member& member) { return !member.wants; }))
       return false;
     return pool_ != 0 || !all([](const Member& member) { return member.granted == member.steps; });
   }
@@ -448,6 +463,9 @@ class Launcher {
       gathering_->tick(now);
       look_for_silence(now);
     }
+    if (phase_ == RunPhase::Running && !is_pausing_ && !is_halted_ && !has_lost_ && !has_fault_ &&
+        checkpoints_.take_due(now - began_))
+      pause();
     serve_wants(now);
     if (phase_ == RunPhase::Running && is_changed_ && !is_credit_coming() && is_balanced() &&
         all([](const Member& member) { return member.is_idle; }))
@@ -480,10 +498,38 @@ class Launcher {
     if (phase_ != RunPhase::Counting || !all([](const Member& member) { return member.has_counted; })) return;
     const bool is_over = all([](const Member& member) { return member.is_idle; }) && is_balanced() &&
                          sum_of_sent() == first_sum_ && !is_credit_coming();
-    phase_ = is_over ? RunPhase::Ending : RunPhase::Running;
     // A node that rests reports it once.
     is_changed_ = true;
+    if (is_over && is_pausing_ && !has_fault_) {
+      phase_ = RunPhase::Telling;
+      for (Member& member : members_) member.has_told = false;
+      return say_all(Control::Kind::Tell);
+    }
+    phase_ = is_over ? RunPhase::Ending : RunPhase::Running;
     if (is_over) say_all(Control::Kind::Finish);
+  }
+
+  // ---- checkpoints: nothing begins, all rest as at the end, all tell their states, and go on
+
+  [[nodiscard]] i64 checkpoint_due() const {
+    const i64 due = checkpoints_.due();
+    return is_pausing_ || due > kForever - began_ ? kForever : began_ + due;
+  }
+
+  void pause() {
+    is_pausing_ = true;
+    for (Member& member : members_) member.is_idle = false;
+    say_all(Control::Kind::Pause);
+  }
+
+  void save_checkpoint(i64 now) {
+    if (phase_ != RunPhase::Telling || !all([](const Member& member) { return member.has_told; })) return;
+    checkpoints_.write(core_, {steps(), last_, history_});
+    phase_ = RunPhase::Running;
+    is_pausing_ = false;
+    for (Member& member : members_) member.is_idle = false;
+    say_all(Control::Kind::GoOn);
+    serve_wants(now);
   }
 
   [[nodiscard]] bool has_ended() const {
@@ -523,6 +569,8 @@ class Launcher {
 
   void end(const State& initial) {
     add_own_counts();
+    result_.checkpoints = checkpoints_.count();
+    result_.checkpoint = checkpoints_.steps();
     if (has_fault_) {
       result_.end = End::Fault;
       if (writes_) merge_.write_until(fault_step_);
@@ -575,6 +623,7 @@ class Launcher {
   Codec codec_;
   StepMerge merge_;
   std::vector<Member> members_;
+  Checkpoints checkpoints_;
   DistributedResult result_;
   // The fabric ends before the processes that it talks to.
   NodeTeam team_;
@@ -585,10 +634,13 @@ class Launcher {
 
   RunPhase phase_ = RunPhase::Running;
   State last_;
-  u64 pool_ = 0;  // credit that is granted to no node
+  std::vector<u32> history_;  // by atom, as the nodes said with it
+  u64 pool_ = 0;              // credit that is granted to no node
   u64 round_ = 0, first_sum_ = 0;
   u64 odd_ = 0;  // messages that say what cannot be
   bool is_changed_ = false, is_halted_ = false, is_interrupted_ = false;
+  bool is_pausing_ = false;  // for a checkpoint
+  i64 began_ = 0;
   bool has_fault_ = false, has_lost_ = false;
   u64 fault_step_ = 0, fault_order_ = 0;
   Fault fault_;
@@ -604,8 +656,8 @@ class Launcher {
 }  // namespace
 
 DistributedResult run_distributed(Core& core, const Distribution& distribution, const RunOptions& options, u64 seed,
-                                  Output& output) {
-  return Launcher(core, distribution, options, seed, output).run();
+                                  Output& output, u64 resumed) {
+  return Launcher(core, distribution, options, seed, output, resumed).run();
 }
 
 }  // namespace bip::rt

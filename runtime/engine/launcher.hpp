@@ -23,6 +23,6 @@ struct DistributedResult : SimulatedResult {
 
 /// Of an initialized core without time. Leaves the core in the last state; core.fault() tells of a fault.
 [[nodiscard]] DistributedResult run_distributed(Core& core, const Distribution& distribution, const RunOptions& options,
-                                                u64 seed, Output& output);
+                                                u64 seed, Output& output, u64 resumed = 0);
 
 }  // namespace bip::rt

@@ -155,6 +155,15 @@ void NodeProcess::take_control(const Control& control) {
       is_halted_ = true;
       is_idle_ = false;
       return;
+    case Control::Kind::Pause:
+      is_paused_ = true;
+      is_idle_ = false;
+      return;
+    case Control::Kind::Tell: say_state(); return say(Control::Kind::Told, {});
+    case Control::Kind::GoOn:
+      is_paused_ = false;
+      is_idle_ = false;
+      return;
     case Control::Kind::Finish:
       if (!is_finished_) return say_last_state();
       if (control.numbers.size() == 2) told_end_ = control.numbers[0], told_steps_ = control.numbers[1];
@@ -169,6 +178,7 @@ void NodeProcess::take_control(const Control& control) {
     case Control::Kind::Landed:
     case Control::Kind::Fault:
     case Control::Kind::Atom:
+    case Control::Kind::Told:
     case Control::Kind::Finished: return;
   }
 }
@@ -210,7 +220,7 @@ bool NodeProcess::has_worked() {
 
 bool NodeProcess::has_begun() {
   EnabledSet::Position at{};
-  if (is_halted_ || node_.is_stopped() || station_.link(launcher_).unsaid() > kMostUnsaid) return false;
+  if (is_halted_ || is_paused_ || node_.is_stopped() || station_.link(launcher_).unsaid() > kMostUnsaid) return false;
   wants_ = scheduler_.choose_decided(node_.core(), at);
   if (!wants_) return false;
   if (credit_ == 0) {
@@ -304,7 +314,7 @@ void NodeProcess::count(u64 round) {
   say(Control::Kind::Counted, {round, sum_of_open(sent_), sum_of_open(received_), is_idle_ && held_.empty() ? 1u : 0u});
 }
 
-void NodeProcess::say_last_state() {
+void NodeProcess::say_state() {
   State last = *initial_;
   node_.save(last);
   const Tables& tables = node_.core().tables();
@@ -313,6 +323,7 @@ void NodeProcess::say_last_state() {
     Control told{Control::Kind::Atom, {atom, last.places[atom]}, {}};
     const u32 words = tables.types[tables.atoms[atom].type].mark_words;
     for (u32 i = 0; i < words; ++i) told.numbers.push_back(last.marks[tables.first_mark(atom) + i]);
+    told.numbers.push_back(node_.history(atom));
     const u32 variables = tables.atom_type(atom).variables.size;
     std::string values;
     ByteWriter writer(values);
@@ -323,6 +334,10 @@ void NodeProcess::say_last_state() {
     told.texts.push_back(std::move(values));
     station_.say(launcher_, std::move(told));
   }
+}
+
+void NodeProcess::say_last_state() {
+  say_state();
   const NodeCounts& counts = node_.counts();
   const StationCounts& station = station_.counts();
   say(Control::Kind::Finished, {steps_, border_steps_, counts.offers, counts.begins, station.frames, station.again,

@@ -68,6 +68,7 @@ class NodeProcess {
   void report(i64 now);
   void report_fault();
   void count(u64 round);
+  void say_state();
   void say_last_state();
   [[nodiscard]] i64 next_due(bool has_work) const;
   [[nodiscard]] u64 sum_of_open(const std::vector<u64>& counts);
@@ -91,7 +92,7 @@ class NodeProcess {
   u64 credit_ = 0;  // steps that may begin
   u64 steps_ = 0, border_steps_ = 0;
   bool wants_ = false, has_asked_ = false;
-  bool is_halted_ = false, is_idle_ = false, is_finished_ = false;
+  bool is_halted_ = false, is_paused_ = false, is_idle_ = false, is_finished_ = false;
   std::vector<u64> sent_, received_;  // by node: offers, begins, stops
   std::deque<Held> held_;
   i64 idle_since_ = 0;  // 0: reported, or at work

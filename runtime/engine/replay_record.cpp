@@ -5,6 +5,7 @@
 
 #include "bip/assert.hpp"
 #include "runtime/core/final_state.hpp"
+#include "runtime/engine/checkpoints.hpp"
 #include "runtime/engine/output.hpp"
 #include "runtime/engine/policies.hpp"
 
@@ -62,6 +63,11 @@ Followed follow(const Image& image, std::string_view bytes, RunOptions options, 
   Core core(image, {.progress = result.begin.maximal_progress ? MaximalProgress::On : MaximalProgress::Off});
   if (image.ffi != nullptr) std::srand(static_cast<unsigned>(result.begin.seed));
   bool sound = core.initialize();
+  if (sound && !options.resume_path.empty()) {
+    Checkpoint checkpoint;
+    result.problem = resume(core, options.resume_path, checkpoint);
+    if (!result.problem.empty()) return result;
+  }
   EnabledSet::Position at{};
   RecordedEnd end;
   while (true) {

@@ -1,5 +1,6 @@
 // `run`: checks what was asked for, opens the files, runs the loop (run_loop.hpp).
 #include "bip/run.hpp"
+#include "runtime/distributed/checkpoint.hpp"
 
 #include <sys/stat.h>
 
@@ -92,6 +93,11 @@ std::string refusal(const Image& image, const RunOptions& options) {
   }
   if (options.engine != Engine::Simulated && !options.network_faults.empty())
     return "--faults needs --engine=simulated";
+  if (!options.checkpoint_path.empty() || !options.resume_path.empty()) {
+    if (!has_nodes(options.engine)) return "--checkpoint and --resume need --engine=simulated or --engine=distributed";
+    if (const std::string object = object_without_checkpoint(image); !object.empty())
+      return "--checkpoint and --resume: the C++ object `" + object + "` cannot be saved";
+  }
   if (!has_nodes(options.engine) && options.placement != nullptr)
     return "--placement needs --engine=simulated or --engine=distributed";
   if (options.engine == Engine::Distributed && options.fabrics == nullptr)

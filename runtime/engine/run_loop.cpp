@@ -54,6 +54,11 @@ RunResult RunLoop::run() {
   }
   begin_record();
   initialize();
+  if (is_sound_ && !resume_run()) {
+    (void)files_.trace.close();
+    (void)files_.record.close();
+    return {End::Fault, 0, 2};
+  }
   start_real_time();
   start_measuring();
   if (is_sound_ && options_.engine == Engine::Threads) run_on_threads();
@@ -103,6 +108,16 @@ void RunLoop::initialize() {
   phase_ = Phase::Initialized;
 }
 
+// False: the file is none of this model.
+bool RunLoop::resume_run() {
+  if (!options_.checkpoint_path.empty()) checkpoint_signal_ = std::make_unique<CheckpointSignal>();
+  if (options_.resume_path.empty()) return true;
+  const std::string problem = resume(core_, options_.resume_path, resumed_);
+  if (problem.empty()) return true;
+  std::fprintf(files_.err, "error: --resume: %s: %s\n", options_.resume_path.c_str(), problem.c_str());
+  return false;
+}
+
 // The wall clock starts when the initial state is known; then what may ask for the time: threads of event sources.
 void RunLoop::start_real_time() {
   BIP_ASSERT(phase_ == Phase::Initialized && !sleeps_, "phase {}", static_cast<int>(phase_));
@@ -146,15 +161,17 @@ void RunLoop::run_on_nodes() {
   BIP_ASSERT(phase_ == Phase::Initialized, "phase {}", static_cast<int>(phase_));
   const Tables& tables = core_.tables();
   const PriorityTables& rules = core_.priorities();
-  const Distribution distribution = distribute(
+  Distribution distribution = distribute(
       tables, rules, options_.placement != nullptr ? *options_.placement : place_atoms(tables, rules, options_.nodes));
+  distribution.history = resumed_.history;
   NetworkFaults faults;
   const std::string problem = read_faults(options_.network_faults, distribution.placement.nodes, faults);
   BIP_ENSURE(problem.empty() && distribution.crossing.empty(), "what cannot run was refused");
   if (options_.engine == Engine::Distributed) {
-    distributed_ = run_distributed(core_, distribution, options_, seed_, output_);
+    distributed_ = run_distributed(core_, distribution, options_, seed_, output_, resumed_.steps);
   } else {
-    static_cast<SimulatedResult&>(distributed_) = run_simulated(core_, distribution, faults, options_, seed_, output_);
+    static_cast<SimulatedResult&>(distributed_) =
+        run_simulated(core_, distribution, faults, options_, seed_, output_, resumed_.steps);
   }
   result_.steps = distributed_.steps;
   end_with(distributed_.error.empty() ? distributed_.end : End::Interrupted);
@@ -338,6 +355,9 @@ void RunLoop::report_end() {
   } else if (!distributed_.warning.empty()) {
     std::fprintf(files_.err, "warning[R0030]: %s", distributed_.warning.c_str());
   }
+  if (distributed_.checkpoints != 0)
+    std::fprintf(files_.err, "bipc: go on after step %llu by `--resume %s`\n",
+                 static_cast<unsigned long long>(distributed_.checkpoint), options_.checkpoint_path.c_str());
   // As a shell says of a program that the signal ended; the end of --interactive's input is none.
   if (result_.end == End::Interrupted && is_interrupted()) result_.exit_code = 128 + interrupting_signal();
 }

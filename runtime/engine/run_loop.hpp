@@ -15,6 +15,7 @@
 #include "bip/real_time_thread.hpp"
 #include "bip/run.hpp"
 #include "runtime/engine/batch_engine.hpp"
+#include "runtime/engine/checkpoints.hpp"
 #include "runtime/engine/event_feed.hpp"
 #include "runtime/engine/interrupt.hpp"
 #include "runtime/engine/launcher.hpp"
@@ -57,6 +58,7 @@ class RunLoop {
   [[nodiscard]] bool open_events();
   void begin_record();
   void initialize();
+  [[nodiscard]] bool resume_run();
   void start_real_time();
   void start_measuring();
   void run_on_threads();
@@ -108,6 +110,8 @@ class RunLoop {
   std::unique_ptr<BatchEngine> batch_;
   ThreadedResult threaded_;
   DistributedResult distributed_;  // of engines with several nodes
+  Checkpoint resumed_;             // where the run goes on, if it does
+  std::unique_ptr<CheckpointSignal> checkpoint_signal_;
 
   Phase phase_ = Phase::Created;
   bool writes_;                  // the steps, somewhere

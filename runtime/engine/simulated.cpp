@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <memory>
+#include <utility>
 
 #include "bip/assert.hpp"
 #include "runtime/core/final_state.hpp"
 #include "runtime/distributed/node.hpp"
+#include "runtime/engine/checkpoints.hpp"
 #include "runtime/engine/flights.hpp"
 #include "runtime/engine/interrupt.hpp"
 #include "runtime/engine/loss_story.hpp"
@@ -29,14 +31,15 @@ struct Seat {
 class SimulatedRun {
  public:
   SimulatedRun(Core& core, const Distribution& distribution, const NetworkFaults& faults, const RunOptions& options,
-               u64 seed, Output& output)
+               u64 seed, Output& output, u64 resumed)
       : core_(core),
         distribution_(distribution),
         options_(options),
         writes_(output.writes_steps()),
         network_(faults, seed),
         draws_(seed + 1),
-        flights_(output) {
+        flights_(output),
+        checkpoints_(options, resumed) {
     const u32 nodes = static_cast<u32>(distribution.placement.nodes.size());
     const CoreOptions how = core.parts().options;
     for (u32 node = 0; node < nodes; ++node) {
@@ -56,7 +59,16 @@ class SimulatedRun {
       BIP_ENSURE(seats_[node].node->start(initial), "the initial state has no fault");
       wake(node);
     }
-    for (NetworkEvent event; network_.next(event);) take(event);
+    while (true) {
+      for (NetworkEvent event; network_.next(event);) {
+        take(event);
+        const bool may_pause = !is_pausing_ && !has_lost() && steps_ != options_.limit;
+        if (may_pause && checkpoints_.take_due(network_.now())) is_pausing_ = true;
+      }
+      // Nobody is at work, nothing is on its way.
+      if (!std::exchange(is_pausing_, false)) break;
+      take_checkpoint(initial);
+    }
     SimulatedResult result;
     result.border_steps = border_steps_;
     for (const Seat& seat : seats_) {
@@ -65,6 +77,8 @@ class SimulatedRun {
     }
     result.network = network_.counts();
     result.time = network_.now();
+    result.checkpoints = checkpoints_.count();
+    result.checkpoint = checkpoints_.steps();
     end(initial, result);
     return result;
   }
@@ -119,7 +133,7 @@ class SimulatedRun {
   bool has_begun(Seat& seat) {
     Node& node = *seat.node;
     EnabledSet::Position at{};
-    if (is_stopping_ || node.is_stopped() || steps_ == options_.limit || is_interrupted() ||
+    if (is_stopping_ || is_pausing_ || node.is_stopped() || steps_ == options_.limit || is_interrupted() ||
         !seat.scheduler.choose_decided(node.core(), at))
       return false;
     if (writes_) flights_.depart(node.core(), at);
@@ -171,6 +185,22 @@ class SimulatedRun {
     }
     seat.again_until[peer] = 0;
     await_again(node, peer);
+  }
+
+  // The homes together are a state, unless one was lost or stopped meanwhile. Then all go on.
+  void take_checkpoint(const State& initial) {
+    for (u32 node = 0; node < seats_.size(); ++node) wake(node);
+    if (std::any_of(seats_.begin(), seats_.end(),
+                    [](const Seat& seat) { return seat.is_lost || seat.node->is_stopped(); }))
+      return;
+    Checkpoint checkpoint{steps_, initial, std::vector<u32>(core_.image().atoms.size, kNone)};
+    for (u32 node = 0; node < seats_.size(); ++node) {
+      seats_[node].node->save(checkpoint.state);
+      for (u32 atom = 0; atom < checkpoint.history.size(); ++atom) {
+        if (distribution_.home(atom) == node) checkpoint.history[atom] = seats_[node].node->history(atom);
+      }
+    }
+    checkpoints_.write(core_, std::move(checkpoint));
   }
 
   // -- The end --
@@ -242,6 +272,8 @@ class SimulatedRun {
   std::vector<Seat> seats_;
   u64 steps_ = 0, border_steps_ = 0, lost_after_ = 0;
   bool is_stopping_ = false;  // a node was lost
+  bool is_pausing_ = false;   // nothing begins until a checkpoint can be taken
+  Checkpoints checkpoints_;
   // Scratch.
   std::vector<Message> heard_;
   std::vector<u32> atoms_;
@@ -251,8 +283,8 @@ class SimulatedRun {
 }  // namespace
 
 SimulatedResult run_simulated(Core& core, const Distribution& distribution, const NetworkFaults& faults,
-                              const RunOptions& options, u64 seed, Output& output) {
-  return SimulatedRun(core, distribution, faults, options, seed, output).run();
+                              const RunOptions& options, u64 seed, Output& output, u64 resumed) {
+  return SimulatedRun(core, distribution, faults, options, seed, output, resumed).run();
 }
 
 }  // namespace bip::rt

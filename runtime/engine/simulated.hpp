@@ -25,10 +25,13 @@ struct SimulatedResult {
   i64 time = 0;            // ns of the simulation
   std::string lost_nodes;  // of the run that ended because nodes were lost: their story, several lines; empty: none
   std::string warning;     // nodes were lost, and it went on
+  u64 checkpoints = 0;     // written
+  u64 checkpoint = 0;      // steps before the last one
 };
 
-/// Of an initialized core without time. Leaves the core in the last state; core.fault() tells of a fault.
+/// Of an initialized core without time, `resumed` steps after the initial state. Leaves the core in the last state;
+/// core.fault() tells of a fault.
 [[nodiscard]] SimulatedResult run_simulated(Core& core, const Distribution& distribution, const NetworkFaults& faults,
-                                            const RunOptions& options, u64 seed, Output& output);
+                                            const RunOptions& options, u64 seed, Output& output, u64 resumed = 0);
 
 }  // namespace bip::rt

@@ -87,6 +87,7 @@ class Run:
     def __init__(self, folder, model, root, *options):
         self.trace, self.model, self.root = folder / "run.trace", model, ["--root", root] if root else []
         self.command = [BIPC, "run", "--engine=distributed", "--silent", "--stats", "--trace", str(self.trace), "--trace-format=binary", *options, *self.root, str(model)]
+        self.resumed = None
         self.process = subprocess.Popen(self.command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=folder)
 
     def nodes(self, count, seconds=20):
@@ -106,7 +107,8 @@ class Run:
         return self.process.returncode
 
     def replay(self):
-        done = subprocess.run([BIPC, "replay", "--silent", "--recorded", str(self.trace), *self.root, str(self.model)], capture_output=True, text=True)
+        resume = ["--resume", str(self.resumed)] if self.resumed else []
+        done = subprocess.run([BIPC, "replay", "--silent", "--recorded", str(self.trace), *resume, *self.root, str(self.model)], capture_output=True, text=True)
         return done.returncode == 0 and "the end agree" in done.stdout, done.stdout + done.stderr
 
     def check(self, codes, what):
@@ -183,6 +185,37 @@ def test_orphans(folder):
         left.rmdir()
 
 
+def test_checkpoints(folder, draws, runs):
+    """A node is killed between checkpoints; the run goes on from the last one, on more nodes, and again from one that a signal asked for."""
+    model, root = MODELS / "bench/philosophers.bip", "Table(8)"
+    for k in range(runs):
+        first, second = folder / "first.checkpoint", folder / "second.checkpoint"
+        run = Run(folder, model, root, "--nodes", "3", "--seed", str(k), "--checkpoint", "150ms", "--checkpoint-file", str(first))
+        processes = run.nodes(3)
+        end = time.monotonic() + 20
+        while not first.exists() and time.monotonic() < end:
+            time.sleep(0.01)
+        time.sleep(draws.random() * 0.4)
+        os.kill(draws.choice(processes), signal.SIGKILL)
+        run.check({1}, "a node is killed after a checkpoint")
+        check(first.exists() and f"--resume {first}" in run.err, "how to go on is told", run.err)
+        run = Run(folder, model, root, "--nodes", str(2 + 3 * k), "--seed", str(k), "--resume", str(first), "--checkpoint-file", str(second))
+        run.resumed = first
+        run.nodes(2 + 3 * k)
+        time.sleep(0.3)
+        run.process.send_signal(signal.SIGUSR1)
+        while not second.exists() and time.monotonic() < end + 20:
+            time.sleep(0.01)
+        run.process.send_signal(signal.SIGINT)
+        run.check({130}, "a resumed run")
+        check(second.exists(), "a signal asks for a checkpoint", run.err)
+        run = Run(folder, model, root, "--nodes", "4", "--seed", str(k), "--limit", "500", "--resume", str(second))
+        run.resumed = second
+        run.check({0}, "a run that was resumed twice")
+        first.unlink()
+        second.unlink()
+
+
 def test_errors(folder):
     """A network that is not there is named, with the package; other commands do not miss it."""
     moved = folder / "alone"
@@ -213,6 +246,7 @@ def main():
         test_kill(folder, draws, options.runs)
         test_interrupt(folder, draws)
         test_orphans(folder)
+        test_checkpoints(folder, draws, options.runs)
         test_errors(folder)
     check(sockets() <= before, "no socket is left")
     print(f"{passed} passed, {failed} failed")

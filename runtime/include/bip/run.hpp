@@ -45,6 +45,9 @@ struct RunOptions {
   const FabricFactory* fabrics = nullptr;  // of processes (runtime/distributed/fabric.hpp); null: there is no network
   const Deployment* deployment = nullptr;  // on several hosts (runtime/distributed/deployment.hpp); null: on this one
   std::int64_t lost_after = 10000000000;   // ns of silence until a node on another host counts as lost
+  std::int64_t checkpoint_every = 0;       // ns between checkpoints; 0: there are none
+  std::string checkpoint_path;             // the last one, a file
+  std::string resume_path;                 // the run goes on where this checkpoint was taken; empty: it begins
   // Models with time. Without `speed` time is logical: nothing sleeps.
   bool asap = false;     // each step at the first instant at which one is possible
   double speed = 0;      // model seconds a second of the wall clock

@@ -2,17 +2,23 @@
 // are sequential runs whatever goes wrong.
 #include <catch2/catch.hpp>
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <numeric>
 
+#include "runtime/distributed/checkpoint.hpp"
 #include "runtime/distributed/codec.hpp"
 #include "runtime/distributed/deployment.hpp"
 #include "runtime/distributed/greeting.hpp"
 #include "runtime/distributed/node.hpp"
 #include "runtime/distributed/station.hpp"
+#include "runtime/engine/checkpoints.hpp"
 #include "runtime/engine/replay_record.hpp"
 #include "runtime/engine/simulated.hpp"
+#include "runtime/trace/recorded.hpp"
 #include "tests/unit/base/contents.hpp"
 #include "tests/unit/runtime/helpers.hpp"
 #include "tests/unit/runtime/models.hpp"
@@ -52,8 +58,8 @@ struct Told {
   RunResult result;
   std::string trace, out, err;
 };
-Told told(const Image& image, std::uint64_t seed, std::uint64_t limit, const char* faults, OnLoss on_loss) {
-  RunOptions options;
+Told told(const Image& image, std::uint64_t seed, std::uint64_t limit, const char* faults, OnLoss on_loss,
+          RunOptions options = {}) {
   options.seed = seed;
   options.has_seed = true;
   options.limit = limit;
@@ -430,6 +436,64 @@ TEST_CASE("conflict sets: places tell what competes") {
     u32 largest = 0;
     for (u32 set = 0; set < sets.count; ++set) largest = std::max<u32>(largest, sets.interactions[set].size);
     CHECK(largest == 8);
+  }
+}
+
+TEST_CASE("a checkpoint is the state after its steps, and a run goes on from it") {
+  ImageBuilder b;
+  build_philosophers(b, 6, false);
+  const Image& image = b.image();
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    char name[] = "/tmp/bip-checkpoint-XXXXXX";
+    const int file = mkstemp(name);
+    REQUIRE(file >= 0);
+    close(file);
+    RunOptions options;
+    options.limit = 300;
+    options.checkpoint_every = 30000000;
+    options.checkpoint_path = name;
+    const Told first = told(image, seed, options.limit, "lose 10%, slow 2 x3", OnLoss::Stop, options);
+    CHECK(check(image, first).problem == "");
+    CHECK(first.err.find("bipc: go on after step ") == 0);
+    // The recorded steps before it lead there.
+    Core core(image), followed(image);
+    REQUIRE(core.initialize());
+    REQUIRE(followed.initialize());
+    Checkpoint checkpoint;
+    REQUIRE(resume(core, name, checkpoint) == "");
+    CHECK(checkpoint.steps > 0);
+    CHECK(checkpoint.steps < options.limit);
+    RecordedReader reader;
+    RecordedBegin begin;
+    RecordedEnd end;
+    REQUIRE(reader.open(first.trace, begin).empty());
+    for (u64 step = 0; step < checkpoint.steps; ++step) {
+      EnabledSet::Position at{};
+      REQUIRE(reader.next(at, end) == RecordedReader::Next::Step);
+      REQUIRE(followed.take(at));
+    }
+    CHECK(followed.snapshot() == checkpoint.state);
+    // Bytes that are cut off or odd are refused, and never more.
+    const std::string bytes = print_checkpoint(core.tables(), checkpoint);
+    Prng draws(seed);
+    for (std::size_t size = 0; size < bytes.size(); ++size) {
+      Checkpoint cut = checkpoint;
+      CHECK_FALSE(read_checkpoint(core.tables(), std::string_view(bytes).substr(0, size), cut).empty());
+      std::string odd = bytes;
+      odd[size] = static_cast<char>(draws.below(256));
+      (void)read_checkpoint(core.tables(), odd, cut);
+    }
+    RunOptions more;
+    more.resume_path = name;
+    const Told second = told(image, seed + 1, 200, "double 20%", OnLoss::Stop, more);
+    CHECK(second.result.steps == 200);
+    RunOptions quiet;
+    quiet.silent = true;
+    quiet.resume_path = name;
+    std::FILE* out = std::tmpfile();
+    CHECK(follow(image, second.trace, quiet, out).problem == "");
+    std::fclose(out);
+    std::remove(name);
   }
 }
 
