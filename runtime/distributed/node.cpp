@@ -35,6 +35,7 @@ void Node::take(const Offer& offer) {
   const Span<u32> cells = distribution_.cells[offer.atom];
   BIP_ASSERT(cells.size == offer.cells.size(), "{} of {} variables", offer.cells.size(), cells.size);
   for (u32 i = 0; i < cells.size; ++i) core_.write_cell(cells[i], offer.cells[i]);
+  tell(NodeEvent::Kind::Received, offer.atom);
   if (!core_.partial().receive(offer.atom, offer.offer)) stop();
 }
 
@@ -46,6 +47,7 @@ void Node::take(const Begin& begin) {
       continue;
     }
     ++n_[part.atom];
+    tell(NodeEvent::Kind::Taken, part.atom);
     const Span<u32> cells = distribution_.cells[part.atom];
     for (u32 i = 0; i < cells.size; ++i) core_.write_cell(cells[i], part.cells[i]);
     note_history(part.atom, core_.tables().transitions[part.transition], begin.interaction);
@@ -63,7 +65,9 @@ void Node::begin(EnabledSet::Position at, u64 step, std::vector<u32>& atoms) {
   for (const Work& work : begun_) {
     const u32 home = distribution_.home(work.atom);
     atoms.push_back(work.atom);
+    tell(NodeEvent::Kind::Begun, work.atom);
     if (home == self_) {
+      tell(NodeEvent::Kind::Taken, work.atom);
       ++n_[work.atom];
       note_history(work.atom, *work.transition, at.interaction);
       works_.push_back(work);
@@ -126,8 +130,11 @@ bool Node::find_coordinator(u32 atom, u32& coordinator) {
 
 void Node::come_to_rest(u32 atom) {
   PartialSteps& partial = core_.partial();
+  tell(NodeEvent::Kind::Rested, atom);
   u32 coordinator = kNone;
   if (!find_coordinator(atom, coordinator)) return stop();
+  if (coordinator != kNone) tell(NodeEvent::Kind::Offered, atom);
+  if (coordinator == self_) tell(NodeEvent::Kind::Received, atom);
   if (coordinator == self_) {
     if (!partial.offer_here(atom)) stop();
     return;

@@ -7,6 +7,8 @@
 // (core/fire/partial.hpp). A step that it begins runs here for the atoms at home here, and is a BEGIN for others;
 // an atom that comes to rest is offered to the one node that coordinates what it can do next.
 #pragma once
+#include <functional>
+#include <utility>
 #include <vector>
 
 #include "runtime/core/core.hpp"
@@ -20,6 +22,20 @@ struct NodeCounts {
   u64 stale = 0;               // messages that came again
 };
 
+/// What happens to an atom, as models/protocol/offer_begin.bip tells it.
+struct NodeEvent {
+  enum class Kind : std::uint8_t {
+    Begun,    // its coordinator begins a step with it
+    Taken,    // its home takes the step
+    Rested,   // it is at rest again
+    Offered,  // its home offers it
+    Received  // its coordinator has the offer
+  };
+  Kind kind = Kind::Begun;
+  u32 atom = kNone;
+};
+using NodeObserver = std::function<void(NodeEvent)>;
+
 class Node {
  public:
   /// All arguments must outlive the node.
@@ -30,6 +46,8 @@ class Node {
   /// To the initial state, which all nodes know. False: a fault.
   bool start(const State& state);
 
+  /// Is told what happens from now on; for tests.
+  void observe(NodeObserver observer) { observer_ = std::move(observer); }
   /// Takes a message of another node.
   void take(const Message& message);
   /// Begins a candidate that is_decided, as step `step` of the whole run: numbers grow along whatever depends on
@@ -61,6 +79,9 @@ class Node {
   void note_history(u32 atom, const LinkedTransition& transition, u32 interaction);
   bool find_coordinator(u32 atom, u32& coordinator);
   void stop();
+  void tell(NodeEvent::Kind kind, u32 atom) const {
+    if (observer_) observer_({kind, atom});
+  }
 
   const Distribution& distribution_;
   u32 self_;
@@ -72,6 +93,7 @@ class Node {
   std::vector<u64> landed_;
   std::vector<u32> enabled_;  // scratch: ports
   NodeCounts counts_;
+  NodeObserver observer_;
   bool is_stopped_ = false;
 };
 

@@ -31,7 +31,7 @@ struct Seat {
 class SimulatedRun {
  public:
   SimulatedRun(Core& core, const Distribution& distribution, const NetworkFaults& faults, const RunOptions& options,
-               u64 seed, Output& output, u64 resumed)
+               u64 seed, Output& output, u64 resumed, const NodeObserver& observer)
       : core_(core),
         distribution_(distribution),
         options_(options),
@@ -49,6 +49,7 @@ class SimulatedRun {
                                             {}});
       for (u32 peer = 0; peer < nodes; ++peer) seat.links.emplace_back(node, peer);
       seat.again_until.assign(nodes, 0);
+      seat.node->observe(observer);
     }
   }
 
@@ -283,8 +284,9 @@ class SimulatedRun {
 }  // namespace
 
 SimulatedResult run_simulated(Core& core, const Distribution& distribution, const NetworkFaults& faults,
-                              const RunOptions& options, u64 seed, Output& output, u64 resumed) {
-  return SimulatedRun(core, distribution, faults, options, seed, output, resumed).run();
+                              const RunOptions& options, u64 seed, Output& output, u64 resumed,
+                              const NodeObserver& observer) {
+  return SimulatedRun(core, distribution, faults, options, seed, output, resumed, observer).run();
 }
 
 }  // namespace bip::rt

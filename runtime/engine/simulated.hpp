@@ -12,6 +12,7 @@
 #include "runtime/distributed/distribution.hpp"
 #include "runtime/distributed/faults.hpp"
 #include "runtime/distributed/network.hpp"
+#include "runtime/distributed/node.hpp"
 #include "runtime/engine/output.hpp"
 
 namespace bip::rt {
@@ -32,6 +33,7 @@ struct SimulatedResult {
 /// Of an initialized core without time, `resumed` steps after the initial state. Leaves the core in the last state;
 /// core.fault() tells of a fault.
 [[nodiscard]] SimulatedResult run_simulated(Core& core, const Distribution& distribution, const NetworkFaults& faults,
-                                            const RunOptions& options, u64 seed, Output& output, u64 resumed = 0);
+                                            const RunOptions& options, u64 seed, Output& output, u64 resumed = 0,
+                                            const NodeObserver& observer = {});
 
 }  // namespace bip::rt
