@@ -14,7 +14,7 @@
 namespace bip::driver {
 
 /// Seconds of processor time that a proof about conflicts may take. What is not proved by then counts as a conflict.
-inline constexpr double kSecondsOfConflicts = 5;
+inline constexpr double kSecondsOfConflicts = 2;
 
 /// Asks the prover. Requires a System.
 [[nodiscard]] verify::NextMoves prove_next_moves(const Compilation& c);
