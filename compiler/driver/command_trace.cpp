@@ -15,6 +15,7 @@
 #include "compiler/pipeline/executor.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/traces/compress_chunk.hpp"
+#include "compiler/traces/part_of_trace.hpp"
 #include "compiler/traces/run_statistics.hpp"
 #include "compiler/traces/run_writer.hpp"
 #include "runtime/core/text.hpp"
@@ -90,18 +91,6 @@ void visit_steps(rt::DebugSession& session, std::uint64_t length, const Visit& v
   }
 }
 
-// Of JSON lines the head, the lines of the wanted steps and the end.
-std::string wanted_lines(const std::string& text, const std::vector<bool>& wanted) {
-  std::string out;
-  std::size_t row = 0;
-  for (std::size_t at = 0; at < text.size(); ++row) {
-    const std::size_t end = std::min(text.find('\n', at), text.size() - 1) + 1;
-    if (row == 0 || row > wanted.size() || wanted[row - 1]) out.append(text, at, end - at);
-    at = end;
-  }
-  return out;
-}
-
 }  // namespace
 
 int command_trace(const TraceArguments& arguments) {
@@ -119,8 +108,9 @@ int command_trace(const TraceArguments& arguments) {
   if (arguments.compress && (counts || *output != TraceOutput::Mcap)) return usage("--compress is of mcap");
   if (arguments.compress && !traces::has_zstd()) return usage("this bipc was built without libzstd");
   const std::optional<rt::TraceFormat> format = counts ? std::nullopt : trace_format(*output);
-  if (!counts && arguments.action == TraceAction::Filter && format && *output != TraceOutput::Json)
-    return usage("a part of a run can be written as json, csv, vcd or svg",
+  if (!counts && arguments.action == TraceAction::Filter &&
+      (*output == TraceOutput::Bip2 || *output == TraceOutput::Binary))
+    return usage("a part of a run can be written as json, mcap, perfetto, csv, vcd or svg",
                  "the other formats are read as whole runs: `bipc trace convert`");
 
   Compilation c(arguments.compile);
@@ -138,14 +128,20 @@ int command_trace(const TraceArguments& arguments) {
   if (session.is_at_fault() && format && session.position() > 0) (void)session.back(1);
   const std::uint64_t length = session.position();
   std::string text;
-  if (format) {
-    rt::McapWriter compressed({"zstd", traces::zstd});
-    if (!(arguments.compress ? session.append_trace(text, *format, compressed) : session.append_trace(text, *format)))
-      return usage("the run cannot be repeated: " + session.problem(), debug::kGoesBackHelp);
+  rt::McapWriter mcap(arguments.compress ? rt::McapWriter::Compression{"zstd", traces::zstd}
+                                         : rt::McapWriter::Compression{});
+  const auto cannot_repeat = [&session] {
+    return usage("the run cannot be repeated: " + session.problem(), debug::kGoesBackHelp);
+  };
+  // Which steps are in a part is known before it is written: of MCAP files, which are not cut afterwards.
+  const bool is_part_of_mcap = format && *output == TraceOutput::Mcap && !selection.is_all();
+  if (format && !is_part_of_mcap) {
+    if (!(*output == TraceOutput::Mcap ? session.append_trace(text, *format, mcap)
+                                       : session.append_trace(text, *format)))
+      return cannot_repeat();
   }
   if (!format || !selection.is_all()) {
-    if (session.go_to(0) == rt::Halt::Refused)
-      return usage("the run cannot be repeated: " + session.problem(), debug::kGoesBackHelp);
+    if (session.go_to(0) == rt::Halt::Refused) return cannot_repeat();
     traces::RunStatistics statistics(selection);
     std::unique_ptr<traces::RunWriter> writer;
     std::vector<bool> wanted;
@@ -160,8 +156,13 @@ int command_trace(const TraceArguments& arguments) {
       else wanted.push_back(is_wanted);
     });
     if (counts) text = arguments.json ? statistics.json().dump(2) + "\n" : statistics.text();
-    else if (writer == nullptr) text = wanted_lines(text, wanted);
-    else if (const std::string problem = writer->problem(); !problem.empty()) return usage(problem);
+    else if (is_part_of_mcap) {
+      traces::PartSink part(mcap, std::move(wanted));
+      if (!session.append_trace(text, *format, part)) return cannot_repeat();
+    } else if (writer == nullptr) {
+      text = *output == TraceOutput::Json ? traces::wanted_lines(text, wanted)
+                                          : traces::wanted_events(text, wanted, selection);
+    } else if (const std::string problem = writer->problem(); !problem.empty()) return usage(problem);
     else writer->end(text);
   }
   if (arguments.output.empty() || arguments.output == "-") {

@@ -10,6 +10,7 @@
 #include "compiler/base/read_file.hpp"
 #include "compiler/driver/published_trace.hpp"
 #include "compiler/system/uses_time.hpp"
+#include "compiler/traces/exported_lines.hpp"
 #include "runtime/engine/policies.hpp"
 #include "runtime/engine/replay_record.hpp"
 #include "runtime/trace/trace.hpp"
@@ -65,6 +66,17 @@ bool read_binary_head(Compilation& c, const RunFileText& run, rt::SessionOptions
   options.seed = begin.seed;
   options.policy = rt::find_policy(begin.policy)->policy;
   options.progress = begin.maximal_progress ? rt::MaximalProgress::On : rt::MaximalProgress::Off;
+  return true;
+}
+
+// What was written for other programs becomes JSON lines.
+bool read_exported(Compilation& c, RunFileText& run) {
+  const traces::Instants instants =
+      system::is_timed(*c.system) ? traces::Instants::OfTheModel : traces::Instants::OfNothing;
+  Result<std::string> lines = traces::is_mcap(run.text) ? traces::lines_of_mcap(run.text, instants)
+                                                        : traces::lines_of_perfetto(run.text, instants);
+  if (!lines) return is_unreadable(c, run.path, lines.error());
+  run.text = std::move(*lines);
   return true;
 }
 
@@ -202,11 +214,13 @@ std::optional<RunFileText> read_run(Compilation& c, const std::string& path, rt:
     is_sound = read_record_head(c, run, options);
   } else if (run.text.starts_with(R"({"format":"bipc-trace")")) {
     is_sound = read_json_head(c, run, options);
+  } else if (traces::is_mcap(run.text) || traces::is_perfetto(run.text)) {
+    is_sound = read_exported(c, run) && read_json_head(c, run, options);
   } else if (run.text.find("[BIP ENGINE]: ") != std::string::npos) {
     run.kind = RecordedRun::PublishedTrace;
     is_sound = true;
   } else {
-    (void)is_unreadable(c, path, "it is neither a trace (JSON lines, binary, bip2) nor a record");
+    (void)is_unreadable(c, path, "it is neither a trace (JSON lines, binary, bip2, MCAP, Perfetto) nor a record");
   }
   if (is_sound && run.kind != RecordedRun::EventRecord) {
     if (const std::string port = system::first_event_port(*c.system); !port.empty()) {

@@ -18,6 +18,13 @@ std::string zstd(std::string_view bytes) {
   return out;
 }
 
+std::optional<std::string> unzstd(std::string_view bytes, std::size_t size) {
+  if (ZSTD_getFrameContentSize(bytes.data(), bytes.size()) != size) return std::nullopt;
+  std::string out(size, '\0');
+  if (ZSTD_decompress(out.data(), out.size(), bytes.data(), bytes.size()) != size) return std::nullopt;
+  return out;
+}
+
 }  // namespace bip::traces
 #else
 namespace bip::traces {
@@ -28,6 +35,8 @@ std::string zstd(std::string_view) {
   BIP_ENSURE(has_zstd(), "libzstd is not built in");
   return {};
 }
+
+std::optional<std::string> unzstd(std::string_view, std::size_t) { return std::nullopt; }
 
 }  // namespace bip::traces
 #endif
