@@ -585,3 +585,28 @@ def test_outline_of_a_large_file_is_linear():
         equal(len(answer[0]["children"]), count + 1)
     # Quadratic would be 16; the clock is noisy.
     assert took[1] < 10 * took[0] + 0.2, took
+
+
+def test_no_request_reads_the_document_again():
+    """The work of a request does not contain a check of the document: it is the number of checks that counts, not time."""
+    c = started()
+    checks = lambda: c.result("bip/checks")["checks"]
+    c.diagnostics(URI)
+    equal(checks(), 1)
+    where = at("Node")
+    ends = {"start": {"line": 0, "character": 0}, "end": {"line": 10, "character": 0}}
+    for name in ("documentSymbol", "formatting", "semanticTokens/full", "codeLens", "foldingRange", "documentLink", "diagnostic"):
+        c.result("textDocument/" + name, {**document(), "options": {"tabSize": 2, "insertSpaces": True}})
+    for name in ("codeAction", "semanticTokens/range", "inlayHint"):
+        c.result("textDocument/" + name, {**document(), "range": ends, "context": {"diagnostics": []}})
+    for name in ("definition", "references", "hover", "completion", "prepareRename", "documentHighlight", "signatureHelp"):
+        ask(c, name, where)
+    c.result("textDocument/rename", {**document(), "position": where, "newName": "Other"})
+    c.result("workspace/symbol", {"query": ""})
+    equal(checks(), 1)
+    # One more for an edit, however many answers follow it.
+    c.change(URI, 2, [{"range": {"start": {"line": 0, "character": 0}, "end": {"line": 0, "character": 0}}, "text": "\n"}])
+    for _ in range(3):
+        ask(c, "hover", where)
+        c.result("textDocument/formatting", {**document(), "options": {}})
+    equal(checks(), 2)

@@ -1,6 +1,4 @@
 // Formatting by the printer of `bipc fmt`, and the edits that diagnostics suggest.
-#include "compiler/parse/parse.hpp"
-#include "compiler/syntax/print.hpp"
 #include "tools/lsp/features.hpp"
 
 namespace bip::lsp {
@@ -8,15 +6,9 @@ namespace bip::lsp {
 Reply formatting(Workspace& w, const Document& d) {
   Json edits = Json::array();
   if (d.path.ends_with(".bsys")) return edits;
-  SourceMap sources;
-  Diagnostics diags;
-  const Result<FileId> file = sources.load_text(d.path, d.text.str());
-  if (!file) return edits;
-  const std::optional<syntax::Syntax> syntax = parse::parse_file(sources, *file, diags);
   // What could not be read would be lost; the diagnostics say what that is.
-  if (!syntax || diags.has_errors()) return edits;
-  const std::string text = syntax::print(*syntax, sources);
-  if (text == d.text.str()) return edits;
+  if (!d.analysis.formatted || *d.analysis.formatted == d.text.str()) return edits;
+  const std::string& text = *d.analysis.formatted;
   const auto end = static_cast<std::uint32_t>(d.text.str().size());
   edits.push_back(
       {{"range",

@@ -36,6 +36,7 @@ std::map<std::string, std::string> Workspace::open_texts() const {
 }
 
 void Workspace::analyse(Document& d) {
+  ++checks;
   d.checked_edits = d.edits;
   pipeline::CompileOptions options;
   options.folders = folders;
