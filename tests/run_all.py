@@ -134,7 +134,7 @@ def groups(options):
         ("python", [script("python", "tests/python/test_python.py", alone=True), script("notebooks", "tests/python/test_notebooks.py", alone=True)]),
         ("fuzz", needs("bip-fuzz", script("fuzz", "tests/fuzz/test_fuzz.py", weight=140))),
         ("graph", [script("graph", "tests/graph/test_pictures.py", weight=5)]),
-        ("view", [script("view", "tests/view/test_page.py", alone=True), script("live", "tests/view/test_live.py")]),
+        ("view", [script("view", "tests/view/test_page.py", alone=True), script("live", "tests/view/test_live.py"), script("attach", "tests/view/test_attach.py")]),
         ("dap", [script("dap", "tests/dap/test_dap.py", weight=20)]),
         ("lsp", needs("bipc-lsp", script("lsp", "tests/lsp/test_lsp.py", weight=145))),
         ("verify", needs("bip-verify-check", script("verify", "tests/verify/test_verify.sh", str(options.nets), str(options.first), weight=180),

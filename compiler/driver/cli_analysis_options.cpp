@@ -310,14 +310,20 @@ void add_view(CLI::App& app, ViewArguments& a) {
       "write no page but serve a live one at port N of 127.0.0.1 (0: a free one), in which a person chooses the steps; "
       "prints its address, which nobody else knows");
   port->check(is_number())->excludes(output)->type_name("N");
+  CLI::Option* attach = command->add_option(
+      "--attach", a.attached_to,
+      "serve a live page of the model that `bipc serve` runs at WHERE: SOCKET, or PORT:TOKEN of this machine, or PORT "
+      "with the token in $BIPC_TOKEN; MODEL is the served one");
+  attach->excludes(output)->type_name("WHERE");
   CLI::Option* trace =
       command->add_option("--trace", a.trace_path,
                           "show the run in TRACE: a trace in JSON lines, binary or bip2, a "
                           "counterexample of `bipc verify --trace`, or a record of `bipc run --record`");
-  trace->type_name("TRACE");
+  trace->excludes(attach)->type_name("TRACE");
   command->add_option("--steps", a.steps, "show a run of at most N steps (default: 200)")
       ->check(is_number())
       ->excludes(trace)
+      ->excludes(attach)
       ->excludes(port)
       ->type_name("N");
   add_session(*command, a, trace);

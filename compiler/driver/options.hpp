@@ -61,7 +61,8 @@ struct ViewArguments : SessionArguments {
   std::uint64_t steps = 200;  // without a trace
   std::string certificate;    // of verify --certificate; empty: none
   bool is_live = false;
-  std::uint16_t port = 0;  // of a live page; 0: a free one
+  std::uint16_t port = 0;   // of a live page; 0: a free one
+  std::string attached_to;  // a running `bipc serve`: SOCKET, PORT or PORT:TOKEN; empty: none
   graph::PictureOptions picture;
 };
 enum class TraceAction : std::uint8_t { Convert, Filter, Stats };

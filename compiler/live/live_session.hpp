@@ -22,7 +22,6 @@
 // A walk and a run are answered when they have ended.
 #pragma once
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -31,12 +30,13 @@
 #include <nlohmann/json.hpp>
 
 #include "compiler/debug/debug_model.hpp"
+#include "compiler/live/page_session.hpp"
 #include "compiler/view/run_record.hpp"
 #include "runtime/debug/session.hpp"
 
 namespace bip::live {
 
-class LiveSession {
+class LiveSession final : public PageSession {
  public:
   using Json = nlohmann::ordered_json;
   static constexpr std::uint64_t kMostSteps = 100'000;
@@ -46,23 +46,14 @@ class LiveSession {
   /// goes. All must outlive this.
   LiveSession(const System& system, rt::DebugSession& session, const debug::DebugModel& model, std::uint64_t seed);
 
-  /// Called with a message for one page or for all; set before the first request.
-  std::function<void(std::uint64_t page, const std::string& message)> send;
-  std::function<void(const std::string& message)> send_to_all;
-
   /// The run without steps, for a page that is made (view/page.hpp).
   [[nodiscard]] const Json& initial() const { return initial_; }
-  /// Tells a page that has come the run so far.
-  void greet(std::uint64_t page);
-  /// Answers a request. False: it is none; nothing was done.
-  [[nodiscard]] bool handle(std::uint64_t page, std::string_view message);
-  /// Whether a walk or a run goes on: then go_on() is called again and again.
-  [[nodiscard]] bool is_running() const { return running_.has_value(); }
-  void go_on();
-  /// A signal ended the process while the model moved.
-  [[nodiscard]] bool is_interrupted() const { return is_interrupted_; }
-  /// A page has gone: what it had begun ends.
-  void leave(std::uint64_t page);
+  void greet(std::uint64_t page) override;
+  [[nodiscard]] bool handle(std::uint64_t page, std::string_view message) override;
+  [[nodiscard]] bool is_running() const override { return running_.has_value(); }
+  void go_on() override;
+  [[nodiscard]] bool is_interrupted() const override { return is_interrupted_; }
+  void leave(std::uint64_t page) override;
 
  private:
   struct Request;

@@ -2,6 +2,11 @@
 // handler of a closed connection does nothing. A connection is removed when no operation on it is pending.
 #include "compiler/live/page_server.hpp"
 
+#include <unistd.h>
+
+// Before Boost.Asio 1.74, which uses it without including it.
+#include <utility>
+
 #include <algorithm>
 #include <array>
 #include <boost/asio.hpp>
@@ -27,6 +32,8 @@ namespace net = boost::asio;
 namespace websocket = beast::websocket;
 using Tcp = net::ip::tcp;
 using Failure = beast::error_code;
+// How often a session with another end is woken.
+constexpr std::chrono::milliseconds kTick{25};
 
 struct Connection {
   explicit Connection(Tcp::socket&& socket) : stream(std::in_place, std::move(socket)) {}
@@ -43,9 +50,9 @@ struct Connection {
 
 class PageServer {
  public:
-  PageServer(LiveSession& session, const PageServerOptions& options,
+  PageServer(PageSession& session, const PageServerOptions& options,
              const std::function<std::string(const std::string&)>& page)
-      : session_(session), options_(options), page_(page), acceptor_(io_), signals_(io_) {}
+      : session_(session), options_(options), page_(page), acceptor_(io_), signals_(io_), clock_(io_) {}
 
   // The page's address.
   Result<std::string> open() {
@@ -69,12 +76,34 @@ class PageServer {
       if (!why) io_.stop();
     });
     accept();
+    if (session_.descriptor() >= 0) {
+      model_.emplace(io_, ::dup(session_.descriptor()));
+      wait_for_model();
+      tick();
+    }
     return "http://" + hosts_[0] + "/" + token_ + "/";
   }
 
   void run() { io_.run(); }
 
  private:
+  // What the session is attached to has said something, or is gone.
+  void wait_for_model() {
+    model_->async_wait(net::posix::stream_descriptor::wait_read, [this](const Failure& failed) {
+      if (failed == net::error::operation_aborted) return;
+      if (failed || !session_.hear()) return io_.stop();
+      wait_for_model();
+    });
+  }
+  void tick() {
+    clock_.expires_after(kTick);
+    clock_.async_wait([this](const Failure& failed) {
+      if (failed) return;
+      if (!session_.tick()) return io_.stop();
+      tick();
+    });
+  }
+
   void accept() {
     acceptor_.async_accept([this](const Failure& failed, Tcp::socket socket) {
       if (failed == net::error::operation_aborted) return;
@@ -246,12 +275,14 @@ class PageServer {
     });
   }
 
-  LiveSession& session_;
+  PageSession& session_;
   const PageServerOptions options_;
   const std::function<std::string(const std::string&)>& page_;
   net::io_context io_{1};
   Tcp::acceptor acceptor_;
   net::signal_set signals_;
+  net::steady_timer clock_;
+  std::optional<net::posix::stream_descriptor> model_;
   std::string token_;
   std::array<std::string, 2> hosts_;
   std::map<std::string, std::string> pages_;  // by host
@@ -262,7 +293,7 @@ class PageServer {
 
 }  // namespace
 
-Result<bool> serve_page(LiveSession& session, const PageServerOptions& options,
+Result<bool> serve_page(PageSession& session, const PageServerOptions& options,
                         const std::function<std::string(const std::string& connects_to)>& page,
                         const std::function<void(const std::string& address)>& announce) {
   PageServer server(session, options, page);

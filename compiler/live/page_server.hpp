@@ -10,7 +10,7 @@
 #include <string>
 
 #include "compiler/base/result.hpp"
-#include "compiler/live/live_session.hpp"
+#include "compiler/live/page_session.hpp"
 
 namespace bip::live {
 
@@ -22,9 +22,10 @@ struct PageServerOptions {
   int silence = 10;                                        // seconds until a connection that asks for nothing is closed
 };
 
-/// Serves until SIGINT, SIGTERM or SIGHUP ends the process. `page` makes the page, and gets what its content
-/// security policy allows it to connect to; `announce` gets the page's address. A failure says why nothing was served.
-[[nodiscard]] Result<bool> serve_page(LiveSession& session, const PageServerOptions& options,
+/// Serves until SIGINT, SIGTERM or SIGHUP ends the process, or the session's other end is gone. `page` makes the page,
+/// and gets what its content security policy allows it to connect to; `announce` gets the page's address. A failure
+/// says why nothing was served.
+[[nodiscard]] Result<bool> serve_page(PageSession& session, const PageServerOptions& options,
                                       const std::function<std::string(const std::string& connects_to)>& page,
                                       const std::function<void(const std::string& address)>& announce);
 

@@ -357,6 +357,7 @@ void handle_line(Controller& controller, const std::string& line, Reply reply) {
   }
   if (what == "candidates") {
     return ask(controller, reply, id, [](Controller& c, Json& answer) {
+      answer["steps"] = c.system().steps();
       answer["count"] = c.system().candidate_count();
       answer["candidates"] = candidates_of(c.system());
       return std::string();
@@ -374,7 +375,13 @@ void handle_line(Controller& controller, const std::string& line, Reply reply) {
   }
   if (what == "fire") {
     if (!count_of(request, "candidate", ~0ull, count)) return refuse("`candidate` is a number that `candidates` gave");
-    return ask(controller, reply, id, [count](Controller& c, Json&) { return c.fire(count); });
+    std::uint64_t steps = 0;
+    if (!count_of(request, "steps", ~0ull, steps)) return refuse("`steps` is a number that `candidates` gave");
+    return ask(controller, reply, id, [count, steps](Controller& c, Json&) {
+      if (steps != ~0ull && steps != c.system().steps())
+        return "the model has taken " + std::to_string(c.system().steps()) + " steps, not " + std::to_string(steps);
+      return c.fire(count);
+    });
   }
   if (what == "back") {
     if (!count_of(request, "count", 1, count) || count == 0) return refuse("`count` is a whole number from 1 on");

@@ -62,7 +62,9 @@ std::string page(const System& system, const std::string& title, const graph::Pi
   const bool is_live = !more.connects_to.empty();
   Json data = model_json(system);
   data["title"] = title;
-  if (is_live) data["live"] = true;
+  const bool is_attached = !more.attached_role.empty();
+  if (is_attached) data["attached"] = more.attached_role;
+  else if (is_live) data["live"] = true;
   if (!more.proof.is_null()) data["proof"] = more.proof;
   data["run"] = run;
   std::string templates;
@@ -100,9 +102,10 @@ std::string page(const System& system, const std::string& title, const graph::Pi
   out += fmt::format("<style>\n{}{}</style>\n</head>\n<body>\n{}", graph::picture_styles(), k_page_css, k_page_html);
   out += templates;
   out += "<script id=\"data\" type=\"application/json\">" + script_json(data) + "</script>\n";
-  std::vector<std::string_view> scripts{k_run_js, k_picture_js, k_charts_js};
+  std::vector<std::string_view> scripts{k_run_js, k_picture_js, k_charts_js, k_steps_js};
   if (!more.proof.is_null()) scripts.push_back(k_proof_js);
-  if (is_live) scripts.push_back(k_live_js);
+  if (is_attached) scripts.push_back(k_attached_js);
+  else if (is_live) scripts.push_back(k_live_js);
   scripts.push_back(k_page_js);
   for (const std::string_view script : scripts) out += fmt::format("<script>\n{}</script>\n", script);
   return out + "</body>\n</html>\n";

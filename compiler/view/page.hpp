@@ -12,6 +12,7 @@ namespace bip::view {
 
 struct PageOptions {
   std::string connects_to;       // of a live page: the source that it connects to, `ws://127.0.0.1:1234`
+  std::string attached_role;     // of a page of a served model: what it may do (compiler/serve); empty: it is none
   nlohmann::ordered_json proof;  // of record_proof, or null
 };
 

@@ -8,7 +8,7 @@ import { pathToFileURL } from "node:url";
 const { chromium } = createRequire(pathToFileURL((process.env.NODE_PATH || "/usr/lib/node_modules").split(":")[0] + "/x.js"))("playwright-core");
 const [program, casesFile, screenshots] = process.argv.slice(2);
 const cases = JSON.parse(readFileSync(casesFile, "utf8"));
-const browser = await chromium.launch({ executablePath: program, args: ["--no-sandbox"] });
+const browser = await chromium.launch({ executablePath: program, args: ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"] });
 
 function expect(is, what) {
   if (!is) throw new Error(what);
@@ -113,6 +113,94 @@ const actions = {
     }
     const now = await page.evaluate(() => window.page.run.length);
     expect(now === here + 4, "the run does not go on: " + now + " steps instead of " + (here + 4));
+  },
+  /** A served model that is paused: into the deadlock, steps undone to the first wrong decision, another choice, and on. */
+  async attached(page) {
+    const steps = () => page.evaluate(() => window.page.live.model.steps);
+    const reach = (count) => page.waitForFunction((k) => window.page.live.model.steps === k && window.page.live.canFire && window.page.run.choices(window.page.position).isKnown, count);
+    const click = async (name) => {
+      const before = await steps();
+      await page.locator("#panel .row-link", { hasText: name }).first().click();
+      await reach(before + 1);
+    };
+    await reach(0);
+    expect((await text(page, "#model-status")).startsWith("operator · paused"), "the page does not say that the model is paused");
+    for (let k = 0; k < 5; ++k) await click("left[" + k + "]");
+    expect((await text(page, "#panel")).includes("Nothing is possible here"), "there is a choice in the deadlock");
+    await page.keyboard.press("w");
+    await page.waitForFunction(() => window.page.live.model.ended && window.page.run.end);
+    expect((await page.locator("#waits path.waits").count()) > 2, "the cycle is not drawn");
+    await page.keyboard.press("7");
+    expect((await text(page, "#panel")).includes("cycle: "), "the story of the deadlock is missing");
+    await page.keyboard.press("2");
+    for (const count of [4, 3]) {
+      await page.keyboard.press("b");
+      await reach(count);
+    }
+    expect((await page.locator("#waits path.waits").count()) === 0, "the cycle is still drawn");
+    await click("right[2]");
+    expect((await page.locator("#canvas .fired").count()) > 0, "the connector of the step is not marked");
+    expect((await page.locator("#canvas .acted").count()) === 2, "who took part is not marked");
+    for (let k = 0; k < 3; ++k) {
+      const before = await steps();
+      await page.keyboard.press("w");
+      await reach(before + 1);
+    }
+    // An earlier state is looked at, not changed.
+    await page.keyboard.press("Home");
+    expect((await page.locator("#panel .row-link:not(:disabled):not(.changed)").count()) === 0, "a candidate of an earlier state can be taken");
+    await page.keyboard.press("End");
+    await page.keyboard.press("8");
+    await page.focus("#why");
+    await page.keyboard.type("table.right[0]");
+    await page.keyboard.press("Enter");
+    await page.waitForFunction(() => document.querySelector("#why-text").textContent.includes("possible"));
+    await page.evaluate(() => document.activeElement.blur());
+  },
+  /** A served model that runs in real time: the page follows it; a pause stops it, and it goes on. */
+  async watched(page) {
+    await page.waitForFunction(() => window.page.run.length > 3 && window.page.position === window.page.run.length);
+    expect((await page.evaluate(() => window.page.run.instant(window.page.run.length))) > 0, "no time passes");
+    await page.keyboard.press("2");
+    await page.waitForFunction(() => document.querySelector("#panel").textContent.includes("The model went on"));
+    await page.click("#pause");
+    await page.waitForFunction(() => window.page.live.model.paused);
+    await page.click("#resume");
+    await page.waitForFunction(() => !window.page.live.model.paused);
+    await page.keyboard.press("Home");
+    await page.waitForFunction((k) => window.page.run.length > k + 1, await page.evaluate(() => window.page.run.length));
+    expect((await position(page)) === 0, "who looks at an earlier state is taken away from it");
+    await page.keyboard.press("End");
+  },
+  /** The list of steps: each position is shown, and none makes a row anew. */
+  async stepList(page) {
+    await page.keyboard.press("3");
+    await page.keyboard.press("Home");
+    const counted = await page.evaluate(async () => {
+      const p = window.page, panel = document.querySelector("#panel"), shown = [];
+      let made = 0;
+      const watcher = new MutationObserver((records) => (made += records.length));
+      watcher.observe(panel, { childList: true, subtree: true });
+      for (let k = 0; k <= 40; ++k) {
+        p.go(Math.round((p.run.length * k) / 40));
+        const now = panel.querySelectorAll(".now");
+        shown.push(now.length === 1 && (p.position === 0 || now[0].textContent.startsWith("#" + (p.position - 1) + p.step.text.replace(/\bROOT\./g, ""))));
+      }
+      await new Promise((done) => setTimeout(done));
+      watcher.disconnect();
+      return { made, rows: panel.querySelectorAll("[role=listitem]").length, wrong: shown.indexOf(false) };
+    });
+    expect(counted.made === 0, counted.made + " changes of the list's elements in 41 positions");
+    expect(counted.rows < 60, counted.rows + " rows are in the page");
+    expect(counted.wrong < 0, "the step of position " + counted.wrong + " of 40 is not the marked one");
+    await page.keyboard.press("Home");
+    const first = await text(page, "#panel [role=listitem] span");
+    await page.hover("#panel");
+    await page.mouse.wheel(0, 200);
+    await page.waitForFunction((before) => document.querySelector("#panel [role=listitem] span").textContent !== before, first);
+    expect((await position(page)) === 0, "the wheel takes a step");
+    await page.locator("#panel [role=listitem]:not([hidden]) .row-link").nth(2).click();
+    expect((await position(page)) === 12, "a click on the third row after ten goes to " + (await position(page)));
   },
   /** Keyboard only: a breakpoint, a run to it, a watched expression, a reason, back, a random step, a trace. */
   async drive(page) {
@@ -277,8 +365,9 @@ async function foreign(context, address) {
     const opened = await new Promise((done) => {
       socket.addEventListener("open", () => done(true));
       socket.addEventListener("error", () => done(false));
+      setTimeout(() => done(false), 5000);
     });
-    const read = await fetch(address).then((answer) => answer.text(), () => "");
+    const read = await fetch(address, { signal: AbortSignal.timeout(5000) }).then((answer) => answer.text(), () => "");
     return [opened, read];
   }, address);
   expect(!heard[0], "a page of another origin opens the socket");
@@ -296,13 +385,11 @@ for (const { name, file, address, dark, steps, most } of cases) {
   try {
     if (address) await foreign(context, address);
     await page.goto(address || pathToFileURL(file).href);
-    const paint = await page.evaluate(() => new Promise((done) => {
-      const wait = () => {
-        const paints = performance.getEntriesByName("first-contentful-paint");
-        paints.length > 0 && window.page ? done(paints[0].startTime) : setTimeout(wait, 20);
-      };
-      wait();
-    }));
+    // Bounded: a page whose script failed is never there.
+    await page.waitForFunction(() => performance.getEntriesByName("first-contentful-paint").length > 0 && window.page, null, { timeout: 30000 }).catch(() => {
+      throw new Error("the page does not come: " + complaints.join("; "));
+    });
+    const paint = await page.evaluate(() => performance.getEntriesByName("first-contentful-paint")[0].startTime);
     expect(paint < most, "the first paint takes " + Math.round(paint) + " ms");
     if (address) await page.waitForFunction(() => window.page.live.greeted);
     const said = [];

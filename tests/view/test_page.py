@@ -17,7 +17,7 @@ import sys
 import tempfile
 from html.parser import HTMLParser
 
-from web_client import Served
+from web_client import Model, Served
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
@@ -35,7 +35,7 @@ CASES = [
     ("clocks", ["view --steps 60 --seed 3 {models}/timed/train_gate.bip -o {page}"], [["clocks"], ["key", "6"]], 2000),
     ("proof", ["verify --certificate {dir}/proof.cert {models}/classic/gas_station.bip", "view --certificate {dir}/proof.cert --steps 100 {models}/classic/gas_station.bip -o {page}"],
      [["proof"]], 2000),
-    ("long_run", ["view --steps 100000 --seed 3 {models}/classic/philosophers_safe.bip -o {page}"], [["scrub", 1000], ["key", "5"]], 2000),
+    ("long_run", ["view --steps 100000 --seed 3 {models}/classic/philosophers_safe.bip -o {page}"], [["scrub", 1000], ["stepList"], ["key", "5"]], 2000),
     ("long_timed_run", ["view --steps 50000 --seed 3 {models}/timed/train_gate.bip -o {page}"], [["scrub", 1000], ["key", "6"]], 2000),
     ("train_gate_dark", ["view --steps 60 --seed 3 {models}/timed/train_gate.bip -o {page}"], [["walk"], ["key", "4"]], 2000),
     ("tutorial_compounds", ["view --steps 50 {models}/tutorial/factory.bip -o {page}"], [["walk"], ["search", "worker"], ["levels"], ["measure"], ["key", "1"]], 2000),
@@ -50,6 +50,13 @@ LIVE = [
      [["walk"], ["key", "End"], ["anotherChoice"], ["measure"], ["drive"], ["key", "8"]], 2000),
     ("live_train_gate", [], "{models}/timed/train_gate.bip", [["timed"], ["key", "5"]], 2000),
     ("live_dala", ["rules {rules}"], "{dir}/dala.bip", [["steps"], ["search", "ndd"], ["key", "2"]], 2000),
+]
+
+
+# Pages of served models: (name, model, options of `bipc serve`, what is done with it, ms)
+ATTACHED = [
+    ("attached_philosophers", "classic/philosophers.bip", ["--paused"], [["attached"], ["measure"], ["key", "2"]], 2000),
+    ("attached_train_gate", "timed/train_gate.bip", ["--speed", "10"], [["watched"], ["key", "5"]], 2000),
 ]
 
 
@@ -153,7 +160,7 @@ def main():
                     problems.append(f"bipc {' '.join(words)}: exit code {done.returncode}\n{done.stderr[-400:]}")
             if page.exists():
                 text = page.read_text(encoding="utf-8")
-                problems += Check(text, 5 + ("--certificate" in commands[-1])).problems
+                problems += Check(text, 6 + ("--certificate" in commands[-1])).problems
                 _, done = run(commands[-1], dir=folder, models=MODELS, page=page, rules=DALA)
                 if page.read_text(encoding="utf-8") != text:
                     problems.append("the same run gives another page")
@@ -177,6 +184,13 @@ def main():
                 run(command, dir=folder, models=MODELS, page=None, rules=DALA)
             served.append(Served(BIPC, *arguments.format(dir=folder, models=MODELS).split(" ")))
             cases.append({"name": name, "address": served[-1].address, "dark": False, "steps": steps, "most": most})
+        models = []
+        for name, model, options, steps, most in ATTACHED if program else []:
+            if wanted and not any(part in name for part in wanted):
+                continue
+            models.append(Model(BIPC, MODELS / model, *options))
+            served.append(Served(BIPC, "--attach", models[-1].where, MODELS / model))
+            cases.append({"name": name, "address": served[-1].address, "dark": False, "steps": steps, "most": most})
         if program is None:
             print(f"skipped: {environment}")
         elif cases and not failed:
@@ -190,6 +204,8 @@ def main():
         for one in served:
             one.__exit__()
             passed, failed = (passed + 1, failed) if one.code == 0 else (passed, failed + 1)
+        for model in models:
+            model.__exit__()
     print(f"view: {passed} passed, {failed} failed")
     return 1 if failed else 0
 

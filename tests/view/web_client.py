@@ -6,6 +6,7 @@ import re
 import socket
 import struct
 import subprocess
+import tempfile
 
 
 class Served:
@@ -45,6 +46,31 @@ class Served:
 
     def get(self, path, host=None, more="", method="GET"):
         return self.request(f"{method} {path} HTTP/1.1\r\nHost: {host or self.host}\r\n{more}\r\n")
+
+
+class Model:
+    """`bipc serve` of a model at a socket, or at a port with its three tokens."""
+
+    def __init__(self, bipc, model, *options, port=False):
+        self.folder = tempfile.TemporaryDirectory()
+        self.where = os.path.join(self.folder.name, "s")
+        self.process = subprocess.Popen([bipc, "serve", "--backend", "interp", *(["--port", "0"] if port else ["--socket", self.where]), *options, str(model)],
+                                        stderr=subprocess.PIPE, text=True)
+        line = self.process.stderr.readline()
+        assert "listening" in line, line + self.process.stderr.read()
+        self.tokens = []
+        if port:
+            self.where = re.search(r":(\d+)$", line.strip())[1]
+            self.tokens = [self.process.stderr.readline().split()[-1] for _ in range(3)]
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.terminate()
+        self.process.wait(20)
+        self.process.stderr.close()
+        self.folder.cleanup()
 
 
 class Page:

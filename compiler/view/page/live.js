@@ -29,7 +29,10 @@ class Live {
     if (this.isClosed) return;
     const id = this.next++;
     this.asked.set(id, then || (() => {}));
-    this.socket.send(JSON.stringify({ id, do: what, ...fields }));
+    const message = JSON.stringify({ id, do: what, ...fields });
+    // The page is shown, and may ask, before its socket is open.
+    if (this.socket.readyState === WebSocket.CONNECTING) this.socket.addEventListener("open", () => this.socket.send(message));
+    else this.socket.send(message);
   }
   /** A request that moves the model, from the position that this page shows. */
   move(what, fields) {

@@ -26,11 +26,11 @@ class Page {
       this.open = this.panels.length;
       this.panels.push(["Proof", (p) => this.proof.show(p)]);
     }
-    if (data.live) {
-      this.live = new Live(this);
+    if (data.live || data.attached) {
+      this.live = data.attached ? new Attached(this) : new Live(this);
       this.open = this.panels.findIndex(([name]) => name === "Choices");
       this.panels.push(["Drive", (p) => this.live.show(p)]);
-      document.querySelector("footer").append(" · w random step · r run · s stop");
+      document.querySelector("footer").append(data.attached ? " · w step · b undo · r resume · s pause" : " · w random step · r run · s stop");
     }
     this.makeTabs();
     this.makeLevels();
@@ -95,6 +95,7 @@ class Page {
       c: () => this.toChoice(), "/": () => $("search").focus(), "+": () => this.picture.zoom(1.3), "-": () => this.picture.zoom(1 / 1.3), 0: () => this.picture.fit(),
     };
     if (this.live) Object.assign(keys, { w: () => this.live.walk(1), r: () => this.live.runOn(), s: () => this.live.stop() });
+    if (this.live && this.live.undo) keys.b = () => this.live.undo();
     if (event.key === " " && event.target.tagName !== "BUTTON") keys[" "] = () => this.play();
     this.panels.forEach((panel, k) => (keys[k + 1] = () => this.openPanel(k)));
     if (!keys[event.key]) return;
@@ -238,17 +239,18 @@ class Page {
   }
   /** What is possible here; the one that the run takes leads on. */
   showChoices(panel) {
-    const { texts, count } = this.run.choices(this.position), next = this.run.steps[this.position];
-    const list = document.createElement("div");
-    if (count === 0) list.textContent = "Nothing is possible here" + (next ? ": " + next.text : ".");
+    const { texts, count, isKnown } = this.run.choices(this.position), next = this.run.steps[this.position];
+    const list = document.createElement("div"), canTake = this.live && (!this.data.attached || this.live.canFire);
+    if (!isKnown) list.textContent = "The model went on from this state: its candidates are asked for where it stands still.";
+    else if (count === 0) list.textContent = "Nothing is possible here" + (next ? ": " + next.text : ".");
     texts.forEach((text, k) => {
       const line = document.createElement("div"), button = document.createElement("button");
       button.className = "row-link";
       button.textContent = "[" + k + "] " + text.replace(/\bROOT\./g, "");
       const isTaken = next && next.text === text;
       if (isTaken) button.classList.add("changed");
-      button.disabled = !isTaken && !this.live;
-      button.title = isTaken ? "the run takes this one" : this.live ? "take this one; the steps after here are dropped" : "another run: bipc step --trace TRACE --at " + this.position + ", then `c " + k + "`";
+      button.disabled = !isTaken && !canTake;
+      button.title = isTaken ? "the run takes this one" : this.data.attached ? (canTake ? "take this one" : this.live.whyNot) : this.live ? "take this one; the steps after here are dropped" : "another run: bipc step --trace TRACE --at " + this.position + ", then `c " + k + "`";
       button.addEventListener("click", () => (isTaken ? this.go(this.position + 1) : this.live.take(k)));
       line.append(button);
       list.append(line);
@@ -258,24 +260,8 @@ class Page {
     if (this.live) this.live.showLater(list);
   }
   showSteps(panel) {
-    const around = 50, first = Math.max(0, this.position - around), last = Math.min(this.run.length, this.position + around);
-    const table = document.createElement("table"), body = table.createTBody();
-    const add = (position, text) => {
-      const row = body.insertRow(), link = document.createElement("button");
-      row.classList.toggle("now", position === this.position);
-      link.className = "row-link";
-      link.textContent = text.replace(/\bROOT\./g, "");
-      link.addEventListener("click", () => this.go(position));
-      row.insertCell().textContent = position === 0 ? "" : "#" + (position - 1);
-      row.insertCell().append(link);
-      row.insertCell().textContent = position > 0 && this.run.isTimed ? timeText(this.run.instant(position)) : "";
-      row.insertCell().textContent = position > 0 ? this.run.steps[position - 1].line : "";
-      row.cells[3].className = "soft";
-    };
-    if (first === 0) add(0, "initial state");
-    for (let k = first; k < last; ++k) add(k + 1, this.run.steps[k].text);
-    panel.replaceChildren(table);
-    panel.querySelector("tr.now")?.scrollIntoView({ block: "nearest" });
+    this.stepList ??= new StepList(this.run, (position) => this.go(position));
+    this.stepList.show(panel, this.position);
   }
   showEnd(panel) {
     const text = document.createElement("pre");

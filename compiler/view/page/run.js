@@ -62,6 +62,18 @@ class Run {
     this.version = (this.version || 0) + 1;
   }
 
+  /** The run begins anew, in another state (of a served model). */
+  begin({ places, data, candidates, names }) {
+    this.kept = [{ places, data, clocks: [] }];
+    this.steps.length = this.instants.length = 0;
+    this.sets.clear();
+    this.candidates = [candidates];
+    this.names = names;
+    this.end = null;
+    this.madeStays = null;
+    this.version = (this.version || 0) + 1;
+  }
+
   get length() {
     return this.steps.length;
   }
@@ -116,11 +128,11 @@ class Run {
   /** Texts of the state's candidates, and how many there are. */
   choices(position) {
     const entry = this.candidates[position] || { rows: [], count: 0 };
-    return { texts: entry.rows.map((row) => this.names[row]), count: entry.count };
+    return { texts: entry.rows.map((row) => this.names[row]), count: entry.count, isKnown: this.candidates[position] !== null };
   }
   /** The last state before here in which more than one thing could happen; -1: none. */
   lastChoice(position) {
-    for (let k = Math.min(position, this.candidates.length) - 1; k >= 0; --k) if (this.candidates[k].count > 1) return k;
+    for (let k = Math.min(position, this.candidates.length) - 1; k >= 0; --k) if (this.candidates[k] && this.candidates[k].count > 1) return k;
     return -1;
   }
   /** For each atom: [first position, places] of each stay; made once. */

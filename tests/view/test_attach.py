@@ -1,0 +1,196 @@
+#!/usr/bin/env python3
+"""Pages of a served model (`bipc view --attach`): what they show of it, what they may do, what is refused.
+
+    tests/view/test_attach.py
+
+The philosophers run into their deadlock under `bipc serve`, a page undoes steps to the first wrong decision, takes another
+choice, and the model goes on. Then roles, a model that runs freely, events, breakpoints, another client that moves the
+model, a model of another file, no server, no token. The same in a browser is test_page.py.
+"""
+import os
+import pathlib
+import subprocess
+import sys
+import time
+
+from web_client import Model, Page, Run, Served
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+sys.path.insert(0, str(ROOT / "tools/python/bipc"))
+from serve import Client  # noqa: E402
+
+BUILD = pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build")
+BIPC = os.environ.get("BIPC") or str(BUILD / "bipc")
+PHILOSOPHERS = ROOT / "models/classic/philosophers.bip"
+COUNTER = ROOT / "tests/serve/counter.bip"
+passed, failed = 0, 0
+
+
+def check(what, is_so, *shown):
+    global passed, failed
+    passed, failed = (passed + 1, failed) if is_so else (passed, failed + 1)
+    if not is_so:
+        print(f"FAILED {what}:", *(str(s)[:600] for s in shown))
+
+
+class Watched:
+    """The run and the model as a page has them."""
+
+    def __init__(self, served):
+        self.page, self.run, self.model, self.first, self.said = Page(served), Run(), {}, None, []
+
+    def take(self, note):
+        kind = note.get("note")
+        if kind == "begin":
+            self.first = note
+            self.run = Run()
+            self.run.candidates = [note["candidates"]]
+            self.run.names = note["names"]
+        elif kind == "model":
+            self.model = note
+        elif kind == "said":
+            self.said.append(note["text"])
+        else:
+            self.run.follow([note])
+
+    def until(self, what, holds):
+        """Reads notes until it holds."""
+        end = time.monotonic() + 20
+        while not holds():
+            if time.monotonic() > end:
+                check(what, False, self.model, self.run.texts()[-5:], self.run.candidates[-1:])
+                return False
+            self.take(self.page.message())
+        check(what, True)
+        return True
+
+    def ask(self, verb, **fields):
+        answer = self.page.ask(verb, **fields)
+        for note in self.page.notes:
+            self.take(note)
+        self.page.notes.clear()
+        return answer
+
+    def choices(self):
+        last = self.run.candidates[-1]
+        return None if last is None else [self.run.names[row].replace("ROOT.", "") for row in last["rows"]]
+
+    def places(self):
+        """Of the last state, by atom."""
+        places = list(self.first["places"])
+        for step in self.run.steps:
+            for atom, place, _ in step[3]:
+                places[atom] = places[atom] if place is None else place
+        return places
+
+
+def fire(w, name):
+    before = w.model["steps"]
+    choices = w.choices()
+    k = next((k for k, text in enumerate(choices or []) if text.split(" ")[0] == name), None)
+    if k is None:
+        return check(f"{name} is a candidate", False, choices)
+    answer = w.ask("fire", candidate=k, steps=before)
+    check(f"{name} is taken", answer["ok"], answer)
+    w.until(f"the step of {name} is seen", lambda: w.model["steps"] == before + 1 and w.run.steps and w.run.texts()[-1].startswith(name + " ") and (w.choices() is not None))
+
+
+def deadlock():
+    with Model(BIPC, PHILOSOPHERS, "--paused") as model, Served(BIPC, "--attach", model.where, PHILOSOPHERS) as served:
+        w = Watched(served)
+        w.until("the candidates of the initial state come", lambda: w.model and w.choices())
+        check("five candidates, with their ports", w.choices()[0] == "table.left[0]  table.phil[0].take_left table.fork[0].take" and len(w.choices()) == 5, w.choices())
+        check("it is paused", w.model["paused"] and not w.model["ended"], w.model)
+        first = w.places()
+        seen = [first]
+        for k in range(5):
+            fire(w, f"table.left[{k}]")
+            seen.append(w.places())
+        check("each philosopher has one fork", sorted(w.places()) == ["HAS_LEFT"] * 5 + ["USED"] * 5, w.places())
+        check("a step names who took part", len(w.run.steps[0][2]) == 2 and w.run.steps[0][0] >= 0, w.run.steps[0])
+        check("nothing is possible", w.choices() == [], w.choices())
+        check("the end is found by a step", w.ask("step", count=1)["ok"])
+        w.until("the deadlock is told", lambda: w.model["ended"] and w.run.end and len(w.run.end["cycle"]) > 2)
+        check("its story is there", "cycle: " in w.run.end["story"], w.run.end)
+        # The first wrong decision is the fourth fork: after it nothing but the deadlock is possible.
+        for count in (4, 3):
+            check("a step is undone", w.ask("back", count=1)["ok"])
+            w.until("and seen", lambda count=count: w.model["steps"] == count and w.run.steps[-1][1] == f"back to the state after {count} steps" and w.choices())
+            check("the state is the one before", w.places() == seen[count], w.places(), seen[count])
+        check("no end any more", w.run.end is None and not w.model["ended"])
+        fire(w, "table.right[2]")
+        for _ in range(3):
+            before = w.model["steps"]
+            check("a step of the policy", w.ask("step", count=1)["ok"])
+            w.until("the run goes on", lambda before=before: w.model["steps"] == before + 1 and w.model["paused"])
+        why = w.ask("why", path="table.right[0]")
+        check("why not", why["ok"] and why["text"].startswith("table.right[0] is ") and "possible" in why["text"], why)
+        check("why: an unknown name", not w.ask("why", path="nobody")["ok"])
+        check("fire: the model is elsewhere", "has taken" in w.ask("fire", candidate=0, steps=0)["error"])
+        check("break: an unknown name", w.ask("break", path="nobody")["error"] == "there is no interaction and no port `nobody`")
+
+        # A second page has the whole run; another client moves the model, and both see it.
+        other = Watched(served)
+        other.until("a second page has the run", lambda: other.model == w.model and len(other.run.steps) == len(w.run.steps))
+        check("and its names", other.run.names == w.run.names and other.run.steps == w.run.steps)
+        with Client(model.where, 20) as client:
+            before = w.model["steps"]
+            check("another client steps", client.ask("step", count=1)["ok"])
+            for page in (w, other):
+                page.until("a page sees it", lambda page=page: page.model["steps"] == before + 1)
+        for message in (b"x", b"{}", b'{"id":1,"do":"shutdown"}', b'{"id":1,"do":"fire","candidate":0}', b'{"id":1,"do":"step","count":-1}', b'{"id":1,"do":"why","path":' + b"[" * 90):
+            bad = Page(served)
+            check(f"{message[:40]} ends the connection", bad.is_closed_after(message))
+            bad.close()
+        w.page.close()
+        other.page.close()
+    check("the page's server ends well", served.code == 0, served.code)
+
+
+def roles():
+    with Model(BIPC, PHILOSOPHERS, "--paused", port=True) as model:
+        for token, role, may_fire in zip(model.tokens, ("operator", "requester", "observer"), (True, False, False)):
+            with Served(BIPC, "--attach", f"{model.where}:{token}", PHILOSOPHERS) as served:
+                check(f"the page of {role}s says so", f'"attached":"{role}"' in served.get(f"/{served.token}/"))
+                check("the token is not in the page", token not in served.get(f"/{served.token}/"))
+                w = Watched(served)
+                w.until("the candidates come", lambda: w.model and w.choices())
+                answer = w.ask("fire", candidate=0, steps=w.model["steps"])
+                check(f"fire, of {role}s", answer["ok"] == may_fire and (may_fire or "takes the role of an operator" in answer["error"]), answer)
+                w.page.close()
+        done = subprocess.run([BIPC, "view", "--attach", model.where, str(PHILOSOPHERS)], capture_output=True, text=True, env={**os.environ, "BIPC_TOKEN": "0" * 32})
+        check("a wrong token", done.returncode == 1 and "error[B5090]" in done.stderr and "token" in done.stderr, done)
+        done = subprocess.run([BIPC, "view", "--attach", f"{model.where}:{model.tokens[0]}", str(COUNTER)], capture_output=True, text=True)
+        check("another model", done.returncode == 1 and "another model runs there" in done.stderr and model.tokens[0] not in done.stderr, done)
+
+
+def running():
+    """A model that runs freely, and that events move."""
+    with Model(BIPC, COUNTER) as model, Served(BIPC, "--attach", model.where, COUNTER) as served:
+        w = Watched(served)
+        w.until("the model is seen", lambda: w.model and w.first)
+        check("it is not paused", not w.model["paused"], w.model)
+        for n in (7, 8):
+            before = w.model["steps"]
+            answer = w.ask("post", port="c.add", values="7" if n == 7 else "8 9")
+            check("an event is posted", answer["ok"] == (n == 7), answer)
+            if n == 7:
+                w.until("its step is seen, with its data", lambda: w.model["steps"] > before and w.run.steps and any(value == "7" for step in w.run.steps for _, _, values in step[3] for _, value in values))
+        check("no candidates of a model that goes on", w.run.candidates[-1] is None, w.run.candidates[-1])
+        check("fire: it is not paused", w.ask("fire", candidate=0, steps=w.model["steps"])["error"] == "the model is not paused")
+        check("pause", w.ask("pause")["ok"])
+        w.until("it is paused", lambda: w.model["paused"])
+        check("resume", w.ask("resume")["ok"])
+        w.until("it runs again", lambda: not w.model["paused"])
+        w.page.close()
+        # The model ends, and with it the page's server.
+        with Client(model.where, 20) as client:
+            client.ask("shutdown")
+        check("the page's server ends with the model", served.process.wait(20) == 0, served.process.returncode)
+
+
+deadlock()
+roles()
+running()
+print(f"view attach: {passed} passed, {failed} failed")
+sys.exit(1 if failed else 0)
