@@ -12,6 +12,7 @@ import csv
 import json
 import os
 import pathlib
+import random
 import subprocess
 import sys
 import tempfile
@@ -151,6 +152,37 @@ def check_converted(run, folder, steps, end):
     return len(known)
 
 
+def check_read_back(run, folder):
+    """MCAP, plain and compressed, and Perfetto of the run become its JSON lines again; what is mutilated is refused or passed over, never more."""
+    model, options = str(ROOT / run[0]), run[1:]
+    lines, rng = (folder / "json").read_bytes(), random.Random(7)
+
+    def bipc(*arguments):
+        return subprocess.run([BIPC, "trace", *arguments[:1], model, *arguments[1:], *options], capture_output=True, timeout=60)
+
+    for form, more in (("mcap", []), ("mcap", ["--compress"]), ("perfetto", [])):
+        out, back = folder / "exported", folder / "back"
+        done = bipc("convert", str(folder / "json"), "-o", str(out), "--format", form, *more)
+        if more and b"libzstd" in done.stderr:
+            continue
+        assert done.returncode == 0, done.stderr
+        done = bipc("convert", str(out), "-o", str(back), "--format", "json")
+        assert done.returncode == 0, done.stderr
+        assert back.read_bytes() == lines, form + ": another run comes back"
+        whole = bytearray(out.read_bytes())
+        for _ in range(6):
+            bad = bytearray(whole)
+            for _ in range(rng.randrange(1, 4)):
+                at = rng.randrange(len(bad))
+                if rng.random() < 0.3:
+                    del bad[at:at + rng.randrange(1, 200)]
+                else:
+                    bad[at] = rng.randrange(256)
+            (folder / "bad").write_bytes(bad)
+            done = bipc("stats", str(folder / "bad"))
+            assert done.returncode in (0, 1), (form, done.returncode, done.stderr[-500:])
+
+
 def waves(text):
     """What a VCD says: the last place of each component, and (instant, interaction) of each event."""
     names, scopes, now, places, events = {}, [], 0, {}, []
@@ -197,6 +229,7 @@ def main():
             chunks, channels = check_mcap(trace(run, steps, "mcap", folder), lines[1:-1], lines[-1])
             tracks = check_perfetto(trace(run, steps, "perfetto", folder), exact[1:-1], exact[-1])
             check_converted(run, folder, lines[1:-1], lines[-1])
+            check_read_back(run, folder)
             most_chunks = max(most_chunks, chunks)
             print(f"traces: {run[0]}: {len(lines) - 2} steps, {chunks} chunks, {channels} channels, {tracks} tracks")
             refused = subprocess.run([BIPC, "run", "--trace-format", "mcap", str(ROOT / run[0]), *run[1:]], capture_output=True, text=True)
