@@ -21,7 +21,8 @@ function refreshLenses() {
 
 async function start() {
   const settings = vscode.workspace.getConfiguration("bip");
-  const command = settings.get("server.path", "bipc-lsp");
+  const packaged = path.join(__dirname, "..", "server", "bipc-lsp");
+  const command = settings.get("server.path") || (fs.existsSync(packaged) ? packaged : "bipc-lsp");
   client = new LanguageClient(
     "bip",
     "BIP",
