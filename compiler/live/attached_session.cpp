@@ -117,6 +117,9 @@ std::string AttachedSession::begin() {
   const Json state = ask_now({{"do", "state"}});
   if (!flag_in(state, "ok")) return "the model does not say its state";
   if (const std::string other = read_state(state); !other.empty()) return other;
+  // Steps that were told of before are in this state.
+  steps_.clear();
+  moved_.clear();
   first_ = Json{{"places", places_}, {"data", data_}};
   initial_ = first_;
   initial_["timed"] = system::is_timed(system_);
@@ -296,7 +299,6 @@ void AttachedSession::see(const Json& answer) {
   Json changed = changes(*found(answer, "atoms"));
   const bool is_still = flag_in(answer, "paused") || is_ended;
   const bool was_still = flag_in(model_, "paused") || was_ended;
-  const std::size_t rows = rows_.size();
   const auto row = [&](std::int64_t connector, const std::string& text, Json parts, Json what, std::int64_t at,
                        const std::string& values) {
     add_row(text_of({connector, text, std::move(parts), std::move(what), at, values}));
@@ -323,7 +325,8 @@ void AttachedSession::see(const Json& answer) {
   end_ = !is_ended ? "null"
                    : text_of({{"story", story_.empty() ? std::string("The run has ended.") : story_},
                               {"cycle", cycle_in(story_, atoms_)}});
-  if (is_still && (!was_still || rows_.size() != rows || was_ended != is_ended || first_candidates_ == "null")) {
+  const bool is_unknown = (rows_.empty() ? first_candidates_ : rows_.back().candidates) == "null";
+  if (is_still && (is_unknown || !was_still || was_ended != is_ended)) {
     // Its candidates are those of this state, if nobody moves it meanwhile.
     (void)ask({{"do", "candidates"}}, [this, now](const Json& given) {
       if (number_in(given, "steps") == now && number_in(model_, "steps") == now) see_candidates(given);
@@ -396,30 +399,37 @@ Json AttachedSession::begin_note() const {
   return note;
 }
 
-std::string AttachedSession::run_note(std::size_t from, std::size_t to) const {
+std::string AttachedSession::run_note(std::size_t from, std::size_t to, std::size_t names_from) const {
   std::string out = fmt::format("{{\"note\":\"run\",\"from\":{},\"steps\":[", from);
   for (std::size_t k = from; k < to; ++k) out += (k > from ? "," : "") + rows_[k].step;
   out += "],\"candidates\":[";
   for (std::size_t k = from; k < to; ++k) out += (k > from ? "," : "") + rows_[k].candidates;
-  out += fmt::format("],\"names_from\":0,\"names\":{},\"end\":{},\"by\":0,\"position\":{},\"halt\":\"\"}}",
-                     text_of(Json(names_)), to == rows_.size() ? end_ : "null", to);
+  Json names = Json::array();
+  for (std::size_t k = names_from; k < names_.size(); ++k) names.push_back(names_[k]);
+  out += fmt::format("],\"names_from\":{},\"names\":{},\"end\":{},\"by\":0,\"position\":{},\"halt\":\"\"}}", names_from,
+                     text_of(names), to == rows_.size() ? end_ : "null", to);
   return out;
 }
 
 void AttachedSession::tell() {
-  if (send_to_all) send_to_all(run_note(told_, rows_.size()));
+  if (told_ == rows_.size() && told_names_ == names_.size() && told_end_ == end_) return;
+  if (send_to_all) send_to_all(run_note(told_, rows_.size(), told_names_));
   told_ = rows_.size();
+  told_names_ = names_.size();
+  told_end_ = end_;
 }
 
 void AttachedSession::greet(std::uint64_t page) {
   constexpr std::size_t kRowsOfNote = 5000;
   send(page, text_of(begin_note()));
+  // Names that begin_note() has had.
+  const std::size_t names = names_.size();
   for (std::size_t at = 0; at < rows_.size();) {
     const std::size_t to = std::min(at + kRowsOfNote, rows_.size());
-    send(page, run_note(at, to));
+    send(page, run_note(at, to, names));
     at = to;
   }
-  if (rows_.empty()) send(page, run_note(0, 0));
+  if (rows_.empty()) send(page, run_note(0, 0, names));
   send(page, text_of(model_));
 }
 

@@ -93,7 +93,7 @@ class AttachedSession final : public PageSession {
   [[nodiscard]] std::size_t name_row(const std::string& name);
   [[nodiscard]] std::string read_state(const Json& answer);
   [[nodiscard]] Json begin_note() const;
-  [[nodiscard]] std::string run_note(std::size_t from, std::size_t to) const;
+  [[nodiscard]] std::string run_note(std::size_t from, std::size_t to, std::size_t names_from) const;
   void find_port(const std::string& port, std::int64_t& atom, std::int64_t& row) const;
 
   const System& system_;
@@ -112,7 +112,9 @@ class AttachedSession final : public PageSession {
   std::map<std::string, std::size_t> name_rows_;
   std::vector<std::string> names_;
   std::string end_ = "null", story_;
-  std::size_t told_ = 0;  // rows that the pages have
+  // What the pages have.
+  std::size_t told_ = 0, told_names_ = 0;
+  std::string told_end_ = "null";
   // What is to be looked at.
   std::vector<Told> steps_;
   std::set<std::size_t> moved_;

@@ -79,6 +79,9 @@ with Served(ROOT / "models/classic/philosophers.bip", "--paused") as model:
     check("more back than there is", model.ask("back", count=99).get("error") == "only 4 steps can be undone", model.ask("back", count=99))
     check("back by no steps", not model.ask("back", count=0)["ok"])
     check("back by four", model.ask("back", count=4)["ok"] and state(model) == states[0], state(model))
+    check("candidates of another state", model.ask("fire", candidate=0, steps=1).get("error") == "the model has taken 0 steps, not 1", model.ask("fire", candidate=0, steps=1))
+    check("candidates say of which state they are", model.ask("candidates")["steps"] == 0)
+    check("steps is a number", not model.ask("fire", candidate=0, steps="0")["ok"])
     check("no such candidate", model.ask("fire", candidate=5).get("error") == "there is no candidate 5: there are 5", model.ask("fire", candidate=5))
     check("a candidate is a number", not model.ask("fire", candidate="left")["ok"])
 

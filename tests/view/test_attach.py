@@ -7,8 +7,10 @@ The philosophers run into their deadlock under `bipc serve`, a page undoes steps
 choice, and the model goes on. Then roles, a model that runs freely, events, breakpoints, another client that moves the
 model, a model of another file, no server, no token. The same in a browser is test_page.py.
 """
+import json
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import time
@@ -22,6 +24,7 @@ from serve import Client  # noqa: E402
 BUILD = pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build")
 BIPC = os.environ.get("BIPC") or str(BUILD / "bipc")
 PHILOSOPHERS = ROOT / "models/classic/philosophers.bip"
+SAFE = ROOT / "models/classic/philosophers_safe.bip"
 COUNTER = ROOT / "tests/serve/counter.bip"
 passed, failed = 0, 0
 
@@ -189,8 +192,40 @@ def running():
         check("the page's server ends with the model", served.process.wait(20) == 0, served.process.returncode)
 
 
+def large():
+    """A model of which only the components that moved are asked for: what the page has is the model's state, after steps, undone steps and a burst."""
+    with Model(BIPC, SAFE, "--paused", "--root", "Table(60)") as model, Served(BIPC, "--attach", model.where, "--root", "Table(60)", SAFE) as served, Client(model.where, 20) as client:
+        w = Watched(served)
+        w.until("the model is seen", lambda: w.model and w.choices())
+        paths = [path for path, _ in json.loads(re.search(r'type="application/json">(.*?)</script>', served.get(f"/{served.token}/"))[1])["atoms"]]
+        check("it has more than sixty-four components", len(paths) > 64, len(paths))
+
+        def agrees():
+            """Waits until the page has the state of a model that stands still."""
+            state = client.ask("state")
+            wanted = [state["atoms"][path]["place"] for path in paths]
+            return w.until("the page has the model's state", lambda: w.model["steps"] == state["steps"] and w.model["paused"] and w.choices() is not None and w.places() == wanted)
+
+        for count in (1, 30, 200):
+            before = w.model["steps"]
+            check("steps are taken", w.ask("step", count=count)["ok"])
+            w.until("and seen", lambda before=before, count=count: w.model["steps"] == before + count and w.model["paused"])
+            agrees()
+        check("many steps are one row", len(w.run.steps) < 231, len(w.run.steps))
+        check("steps are undone", w.ask("back", count=25)["ok"])
+        w.until("and seen", lambda: w.model["steps"] == 206)
+        agrees()
+        check("it runs freely", w.ask("resume")["ok"])
+        w.until("and is followed", lambda: w.model["steps"] > 1000 and not w.model["paused"])
+        check("pause", w.ask("pause")["ok"])
+        w.until("it stands still", lambda: w.model["paused"])
+        agrees()
+        w.page.close()
+
+
 deadlock()
 roles()
 running()
+large()
 print(f"view attach: {passed} passed, {failed} failed")
 sys.exit(1 if failed else 0)
