@@ -570,7 +570,6 @@ def test_semantic_tokens_of_a_range():
 
 def test_outline_of_a_large_file_is_linear():
     """Twice the text is not four times the work: what the server does for 8,000 atom types is measured beside 4,000."""
-    import time
     took = []
     for count in (2000, 8000):
         text = "package m\n  port type Signal()\n" + "".join(f"  atom type A{k}()\n    export port Signal p()\n    place S\n    initial to S\n    on p from S to S\n  end\n" for k in range(count)) + "end\n"
@@ -578,12 +577,12 @@ def test_outline_of_a_large_file_is_linear():
         c.diagnostics(URI)
         best = float("inf")
         for _ in range(4):
-            begin = time.monotonic()
+            begin = c.processor_seconds()
             answer = c.result("textDocument/documentSymbol", document())
-            best = min(best, time.monotonic() - begin)
+            best = min(best, c.processor_seconds() - begin)
         took.append(best)
         equal(len(answer[0]["children"]), count + 1)
-    # Quadratic would be 16; the clock is noisy.
+    # Quadratic would be 16. The processor's time of the server: other processes are not in it, their caches are.
     assert took[1] < 10 * took[0] + 0.2, took
 
 
@@ -610,3 +609,38 @@ def test_no_request_reads_the_document_again():
         ask(c, "hover", where)
         c.result("textDocument/formatting", {**document(), "options": {}})
     equal(checks(), 2)
+
+
+def test_completion_of_a_large_file_does_not_wait_for_its_check():
+    """A key and the completion after it: the answer comes before the diagnostics of the new text, with its words; every other request waits for them."""
+    text = "package m\n  port type Signal()\n" + "".join(f"  atom type A{k}()\n    export port Signal p()\n    place S\n    initial to S\n    on p from S to S\n  end\n" for k in range(4000)) + "end\n"
+    c = started(text)
+    c.diagnostics(URI)
+    line = 2 + 6 * 3000 + 3
+    begin = {"line": line, "character": len("    initial to ")}
+
+    def frame(message):
+        body = json.dumps({"jsonrpc": "2.0", **message}).encode()
+        return b"Content-Length: %d\r\n\r\n" % len(body) + body
+
+    def edit(version, then):
+        """Both in one write, so that the server has the request when it has read the change."""
+        c.next_id += 1
+        c.raw(frame({"method": "textDocument/didChange", "params": {"textDocument": {"uri": URI, "version": version}, "contentChanges": [{"range": {"start": begin, "end": begin}, "text": "x"}]}})
+              + frame({"id": c.next_id, "method": "textDocument/" + then, "params": {**document(), "position": {"line": line, "character": begin["character"] + 1}}}))
+        order = []
+        while len(order) < 2:
+            message = c.receive()
+            if message.get("id") == c.next_id:
+                order.append("answer")
+                answer = message["result"]
+            elif message.get("method") == "textDocument/publishDiagnostics" and message["params"].get("version") == version:
+                order.append("diagnostics")
+        return order, answer
+
+    order, answer = edit(2, "completion")
+    equal(order, ["answer", "diagnostics"])
+    equal([i["label"] for i in answer["items"]], ["S"])
+    order, _ = edit(3, "hover")
+    equal(order, ["diagnostics", "answer"])
+    equal(c.stop(), 0)

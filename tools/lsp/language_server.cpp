@@ -68,9 +68,20 @@ void Server::handle(std::string_view body, Queue queue) {
   if (message.is_discarded()) return fail(nullptr, ErrorCode::ParseError, "the message is not JSON");
   const std::string* method = string_member(message, "method");
   // Answers come after the diagnostics of all changes before them.
-  if (method == nullptr || *method != "textDocument/didChange") check_changed();
+  const bool is_change = method != nullptr && *method == "textDocument/didChange";
+  const bool takes_old_names = method != nullptr && *method == "textDocument/completion" && can_wait();
+  if (!is_change && !takes_old_names) check_changed();
   dispatch(message);
-  if (queue == Queue::Empty) check_changed();
+  if (queue == Queue::Empty && !can_wait()) check_changed();
+}
+
+// A check of a large document takes longer than a person needs for a key.
+bool Server::can_wait() {
+  constexpr std::size_t kLarge = std::size_t{256} << 10;
+  return std::any_of(changed_.begin(), changed_.end(), [this](const std::string& path) {
+    const Document* const d = workspace_.find_path(path);
+    return d != nullptr && d->text.str().size() > kLarge;
+  });
 }
 
 void Server::check_later(const std::string& path) {

@@ -24,6 +24,10 @@ class Server {
   enum class Queue : std::uint8_t { Empty, HasMore };
   void handle(std::string_view body, Queue queue = Queue::Empty);
   void handle(const Framing::Frame& frame, Queue queue = Queue::Empty);
+  /// Whether a change of a large document is not checked yet, as more may come: it is at once before every request but
+  /// completion, which takes the names of the last check. Else catch_up() does it after a pause.
+  [[nodiscard]] bool is_behind() const { return !changed_.empty(); }
+  void catch_up() { check_changed(); }
   [[nodiscard]] bool is_finished() const { return state_ == State::Finished; }
   /// 0 after an orderly shutdown, 1 if `exit` came without.
   [[nodiscard]] int exit_code() const { return exit_code_; }
@@ -48,6 +52,7 @@ class Server {
   void check(const std::string& path);
   void check_later(const std::string& path);
   void check_changed();
+  [[nodiscard]] bool can_wait();
   void log(const std::string& text);
   void fail(const Json& id, ErrorCode code, const std::string& message);
   void notify(const char* method, Json params);

@@ -28,9 +28,12 @@ bool write_all(std::string_view bytes) {
   return true;
 }
 
-bool has_input() {
+// Between two keys of a person who goes on typing.
+constexpr int kPauseMs = 300;
+
+bool has_input(int ms) {
   pollfd input{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
-  return ::poll(&input, 1, 0) > 0 && (input.revents & POLLIN) != 0;
+  return ::poll(&input, 1, ms) > 0 && (input.revents & POLLIN) != 0;
 }
 
 int serve() {
@@ -42,9 +45,10 @@ int serve() {
   std::string chunk;
   while (is_heard) {
     while (auto frame = framing.next()) {
-      server.handle(*frame, framing.has_more() || has_input() ? Queue::HasMore : Queue::Empty);
+      server.handle(*frame, framing.has_more() || has_input(0) ? Queue::HasMore : Queue::Empty);
       if (server.is_finished()) return server.exit_code();
     }
+    if (server.is_behind() && !has_input(kPauseMs)) server.catch_up();
     chunk.resize(std::clamp<std::size_t>(framing.missing(), 4096, kMostAtOnce));
     const ssize_t got = ::read(STDIN_FILENO, chunk.data(), chunk.size());
     if (got < 0 && errno == EINTR) continue;
