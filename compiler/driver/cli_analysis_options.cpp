@@ -317,7 +317,7 @@ void add_view(CLI::App& app, ViewArguments& a) {
   attach->excludes(output)->type_name("WHERE");
   CLI::Option* trace =
       command->add_option("--trace", a.trace_path,
-                          "show the run in TRACE: a trace in JSON lines, binary or bip2, a "
+                          "show the run in TRACE: a trace in JSON lines, binary, bip2, MCAP or Perfetto, a "
                           "counterexample of `bipc verify --trace`, or a record of `bipc run --record`");
   trace->excludes(attach)->type_name("TRACE");
   command->add_option("--steps", a.steps, "show a run of at most N steps (default: 200)")

@@ -142,8 +142,8 @@ void add_step(CLI::App& app, StepArguments& a) {
       "step", "step through a model, forward and back, with breakpoints: commands are read from the terminal");
   add_model(*command, a.file);
   CLI::Option* trace = command->add_option("--trace", a.trace_path,
-                                           "begin at the end of the run in TRACE: a trace in JSON lines, binary or "
-                                           "bip2, or a record of `bipc run --record`");
+                                           "begin at the end of the run in TRACE: a trace in JSON lines, binary, "
+                                           "bip2, MCAP or Perfetto, or a record of `bipc run --record`");
   trace->type_name("TRACE");
   command
       ->add_option_function<std::uint64_t>(

@@ -39,10 +39,10 @@ void add_trace(CLI::App& app, TraceArguments& a) {
       ->required()
       ->type_name("");
   command->add_option("MODEL", a.file, "the model of the run")->required()->type_name("");
-  CLI::Option* trace = command->add_option(
-      "TRACE", a.trace_path,
-      "the run: a trace in JSON lines, binary or bip2, a counterexample of `bipc verify --trace`, or a record of `bipc "
-      "run --record`");
+  CLI::Option* trace = command->add_option("TRACE", a.trace_path,
+                                           "the run: a trace in JSON lines, binary, bip2, MCAP or Perfetto, a "
+                                           "counterexample of `bipc verify --trace`, or a record of `bipc "
+                                           "run --record`");
   trace->required()->type_name("");
   command->add_option("-o,--output", a.output, "write to FILE (default: standard output); its suffix says the format")
       ->type_name("FILE");
