@@ -11,8 +11,11 @@ import json
 import os
 import pathlib
 import re
+import socket
 import subprocess
 import sys
+import tempfile
+import threading
 import time
 
 from web_client import Model, Page, Run, Served
@@ -223,8 +226,67 @@ def large():
         w.page.close()
 
 
+class Odd:
+    """A server that is none, or a bad one: answers each request by a function, and then sends lines of its own."""
+
+    def __init__(self, answer, then=()):
+        self.folder = tempfile.TemporaryDirectory()
+        self.where = os.path.join(self.folder.name, "s")
+        self.listener = socket.socket(socket.AF_UNIX)
+        self.listener.bind(self.where)
+        self.listener.listen(1)
+        self.answer, self.then = answer, then
+        threading.Thread(target=self.serve, daemon=True).start()
+
+    def serve(self):
+        connection, _ = self.listener.accept()
+        with connection, connection.makefile("rw", encoding="utf-8") as lines:
+            for line in lines:
+                request = json.loads(line)
+                answer = self.answer(request)
+                if answer is None:
+                    return
+                answer = answer if isinstance(answer, str) else json.dumps({**({"id": request["id"]} if "id" in request else {}), **answer})
+                try:
+                    lines.write(answer + "\n" + "".join(one + "\n" for one in (self.then if request["do"] == "state" else ())))
+                    lines.flush()
+                except OSError:
+                    return
+
+
+def odd_servers():
+    hello = {"ok": True, "format": "bipc-serve", "version": 1, "role": "operator"}
+    atoms = {"ROOT.c": {"place": "P", "data": {"n": 0, "count": 0}}, "ROOT.l": {"place": "OFF", "data": {"n": 0}}}
+    state = {"ok": True, "time": 0, "steps": 0, "late": 0, "paused": True, "ended": False, "atoms": atoms}
+
+    def answers(**more):
+        return lambda request: {"hello": hello, "subscribe": {"ok": True}, "state": state, **more}.get(request["do"], {"ok": True})
+
+    for what, answer, wanted in (("closes", lambda _: None, "nobody answers"), ("refuses", lambda _: {"ok": False, "error": "no"}, ": no"), ("another protocol", lambda _: {"ok": True}, "no `bipc serve`"),
+                                 ("a later version", answers(hello={**hello, "version": 2}), "version 1"), ("no state", answers(state={"ok": False}), "does not say its state"), ("no atoms", answers(state={"ok": True, "atoms": 7}), "does not say its state"),
+                                 ("an atom is missing", answers(state={**state, "atoms": {"ROOT.c": atoms["ROOT.c"]}}), "no component `ROOT.l`"), ("another atom", answers(state={**state, "atoms": {**atoms, "ROOT.x": {}}}), "a component `ROOT.x`"),
+                                 ("another place", answers(state={**state, "atoms": {**atoms, "ROOT.l": {"place": "ODD"}}}), "is at `ODD`")):
+        server = Odd(answer)
+        done = subprocess.run([BIPC, "view", "--attach", server.where, str(COUNTER)], capture_output=True, text=True, timeout=60)
+        check(what, done.returncode == 1 and "error[B5090]" in done.stderr and wanted in done.stderr, done)
+    # What comes later may be anything; the page goes on.
+    notes = ["", "x", "[]", "7", "null", '{"note":7}', '{"note":"step"}', '{"note":"step","step":-1,"time":"x","interaction":[],"ports":{}}', '{"note":"step","step":1e300,"ports":[1,null,"","x","ROOT.c.add","ROOT.c.","..",{}],"values":[]}',
+             '{"note":"end","text":"cycle: -> ROOT.c -> nobody -> "}', '{"note":"dropped","count":-5}', '{"note":"break"}', '{"id":99,"ok":true}', '{"id":"x"}', '{"id":-1}', '{"note":"late","text":"\\ud800"}', "[" * 5000]
+    odd_state = answers(candidates={"ok": True, "steps": 0, "count": -1, "candidates": [7, None, {"interaction": 3, "ports": [1]}, {"interaction": "a", "ports": "b"}]},
+                        why={"ok": 3}, fire={"ok": True, "error": 9})
+    server = Odd(odd_state, notes)
+    with Served(BIPC, "--attach", server.where, COUNTER) as served:
+        w = Watched(served)
+        w.until("the page of an odd server comes", lambda: w.model and w.first)
+        for verb, fields in (("why", {"path": "c.add"}), ("fire", {"candidate": 0, "steps": 0}), ("step", {"count": 1}), ("post", {"port": "c.add", "values": "7"})):
+            check(f"{verb} is answered", "ok" in w.ask(verb, **fields))
+        w.page.close()
+    check("the page's server ends well", served.code == 0, served.code)
+
+
 deadlock()
 roles()
+odd_servers()
 running()
 large()
 print(f"view attach: {passed} passed, {failed} failed")

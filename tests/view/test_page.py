@@ -3,8 +3,8 @@
 
     tests/view/test_page.py [part of a case's name ...]
 
-Needs a built bipc ($BIPC or build/bipc), chromium (Debian), node, and playwright-core of npm (`npm install
-playwright-core`; $NODE_PATH, else the global folder, has it). Without them the pages are only made, and the line
+Needs a built bipc ($BIPC or build/bipc), chromium (Debian), node, and playwright-core of npm ($NODE_PATH, else the
+global folder, has it): `tools/setup --browser` installs them. Without them the pages are only made, and the line
 `skipped: ...` says what is missing. Screenshots are left in the build folder, in `pages/`.
 """
 import json
@@ -131,12 +131,12 @@ def browser():
     """(chromium, environment), or the reason why there is none."""
     program = next((p for p in map(shutil.which, ("chromium", "chromium-browser", "google-chrome")) if p), None)
     if program is None:
-        return None, "no chromium: pages are not opened (Debian: chromium)"
+        return None, "no chromium: pages are not opened (tools/setup --browser)"
     if shutil.which("node") is None:
         return None, "no node: pages are not opened"
     folder = os.environ.get("NODE_PATH") or subprocess.run(["npm", "root", "-g"], capture_output=True, text=True).stdout.strip()
     if not (pathlib.Path(folder.split(":")[0] or "/nowhere") / "playwright-core").exists():
-        return None, "no playwright-core: pages are not opened (npm install playwright-core, and NODE_PATH)"
+        return None, "no playwright-core: pages are not opened (tools/setup --browser)"
     return program, {**os.environ, "NODE_PATH": folder}
 
 
