@@ -239,6 +239,12 @@ class Odd:
         threading.Thread(target=self.serve, daemon=True).start()
 
     def serve(self):
+        try:
+            self.answer_all()
+        except OSError:
+            pass  # the client has gone
+
+    def answer_all(self):
         connection, _ = self.listener.accept()
         with connection, connection.makefile("rw", encoding="utf-8") as lines:
             for line in lines:
@@ -247,11 +253,8 @@ class Odd:
                 if answer is None:
                     return
                 answer = answer if isinstance(answer, str) else json.dumps({**({"id": request["id"]} if "id" in request else {}), **answer})
-                try:
-                    lines.write(answer + "\n" + "".join(one + "\n" for one in (self.then if request["do"] == "state" else ())))
-                    lines.flush()
-                except OSError:
-                    return
+                lines.write(answer + "\n" + "".join(one + "\n" for one in (self.then if request["do"] == "state" else ())))
+                lines.flush()
 
 
 def odd_servers():
