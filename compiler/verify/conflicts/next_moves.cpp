@@ -14,7 +14,7 @@ namespace bip::verify {
 
 namespace {
 
-constexpr double kComponentSeconds = 0.5;
+constexpr double kConflictComponentSeconds = 0.5;
 
 using AtomRows = std::vector<u32>;  // sorted
 
@@ -97,7 +97,7 @@ class NextMoveProof {
       std::size_t added = add_all(traps_.find(marked));
       if (added == 0) added = add_all(sums_.find(marked));
       if (added == 0 && !sums_.satisfies_all())
-        added = add_all(one_tokens_.find(marked, kComponentBatch, cancellation_.within(kComponentSeconds)));
+        added = add_all(one_tokens_.find(marked, kComponentBatch, cancellation_.within(kConflictComponentSeconds)));
       if (added == 0) return false;
     }
   }

@@ -90,7 +90,7 @@ std::string at_random(int n, unsigned seed) {
   return shuffled(components, connectors, seed);
 }
 
-bool never_stopped() { return false; }
+bool goes_on_for_ever() { return false; }
 
 struct Ending {
   rt::u64 steps = 0;
@@ -108,7 +108,7 @@ Ending run(const rt::Image& image, std::initializer_list<rt::u64> parts) {
   Ending ending{0, {}, {}, rt::Prng(7), {}};
   for (const rt::u64 part : parts) {
     bool sound = true;
-    const rt::u64 done = core.steps().run(ending.prng, part, never_stopped, sound);
+    const rt::u64 done = core.steps().run(ending.prng, part, goes_on_for_ever, sound);
     REQUIRE(sound);
     ending.steps += done;
     const std::vector<rt::u32> recent = core.history().recent(std::min<rt::u64>(done, rt::Core::kHistory));

@@ -103,7 +103,7 @@ const char* const kClerk = R"(package clerk
 end
 )";
 
-struct Tally {
+struct HistoryTally {
   int with_rows = 0, with_excluded = 0, finer = 0;
 };
 
@@ -140,7 +140,7 @@ void check_state(rt::Core& core, const rt::ConflictSets& sets, const Visited& at
   }
 }
 
-void compare_moves(const gen::Compiled& c, Tally& tally) {
+void compare_moves(const gen::Compiled& c, HistoryTally& tally) {
   if (!c.problem.empty() || !c.system->code.functions.empty() || !c.system->code.ffi_types.empty() ||
       rt::has_time(c.lowered->image))
     return;
@@ -201,7 +201,7 @@ TEST_CASE("next moves: a fork is given back by who took it, and by modes some do
     const verify::NextMoves known = verify::find_next_moves(*c.system, verify::within_seconds(20));
     CHECK_FALSE(known.excluded.empty());
     CHECK(known.invariants > 0);
-    Tally tally;
+    HistoryTally tally;
     compare_moves(c, tally);
     CHECK(tally.finer == 1);
     const rt::Core core(c.lowered->image);
@@ -217,13 +217,13 @@ TEST_CASE("next moves: what is offered together is one conflict") {
   const gen::Compiled c = gen::compile_texts({kClerk});
   INFO(c.problem);
   REQUIRE(c.problem.empty());
-  Tally tally;
+  HistoryTally tally;
   compare_moves(c, tally);
   CHECK(tally.with_rows == 1);
 }
 
 TEST_CASE("next moves: nothing else happens, in random systems") {
-  Tally nets, locks, models;
+  HistoryTally nets, locks, models;
   for (std::uint64_t seed = 1; seed <= 60; ++seed)
     compare_moves(gen::compile_texts({verify::test::lock_net(seed)}), locks);
   for (std::uint64_t seed = 1; seed <= 150; ++seed)
