@@ -199,9 +199,11 @@ RuntimeLocation find_runtime() {
 Result<TemporaryDirectory> TemporaryDirectory::make() {
   std::error_code error;
   std::string name = (fs::temp_directory_path(error) / "bipc-XXXXXX").string();
+  TemporaryDirectory made(std::make_unique<rt::EndingSignals>(bip_forward_signal));
   if (error || ::mkdtemp(name.data()) == nullptr)
     return Failure{"no temporary directory: " + std::string(std::strerror(errno))};
-  return TemporaryDirectory(std::move(name));
+  made.path_ = std::move(name);
+  return made;
 }
 
 TemporaryDirectory::~TemporaryDirectory() {

@@ -1,10 +1,12 @@
 // The C++ compiler of the host, for `bipc build`.
 #pragma once
 #include <optional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "compiler/base/result.hpp"
+#include "runtime/engine/interrupt.hpp"
 
 namespace bip::pipeline {
 
@@ -31,17 +33,22 @@ struct RuntimeLocation {
 /// The running program's file, through links; empty if the system does not say.
 [[nodiscard]] std::string program_path();
 
-/// A directory that disappears with the object.
+/// A directory that disappears with the object. A signal that asks the process to end while it is there is kept for
+/// signal_during_program(), so the directory is removed then, too.
 class TemporaryDirectory {
  public:
   [[nodiscard]] static Result<TemporaryDirectory> make();
-  TemporaryDirectory(TemporaryDirectory&& other) noexcept : path_(std::move(other.path_)) { other.path_.clear(); }
+  TemporaryDirectory(TemporaryDirectory&& other) noexcept
+      : signals_(std::move(other.signals_)), path_(std::move(other.path_)) {
+    other.path_.clear();
+  }
   TemporaryDirectory& operator=(TemporaryDirectory&&) = delete;
   ~TemporaryDirectory();
   [[nodiscard]] const std::string& path() const { return path_; }
 
  private:
-  explicit TemporaryDirectory(std::string path) : path_(std::move(path)) {}
+  explicit TemporaryDirectory(std::unique_ptr<rt::EndingSignals> signals) : signals_(std::move(signals)) {}
+  std::unique_ptr<rt::EndingSignals> signals_;
   std::string path_;
 };
 

@@ -414,6 +414,19 @@ def kill():
             jobs.append(lambda r=reference, how=how, after=rng.random() * spent: killed(r, how, after))
     side_by_side(jobs)
     compiler_ends()
+    side_by_side([lambda k=k: ends_before_compiler(0.01 + 0.002 * k) for k in range(100 if options.all else 40)])
+
+
+def ends_before_compiler(after):
+    """A signal between the making of the temporary folder and the start of the compiler leaves no folder."""
+    place = Place()
+    child = subprocess.Popen([BIPC, "build", "-O0", "-o", "out", "m.bip"], cwd=place.files, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                             stderr=subprocess.DEVNULL, env=place.environment)
+    time.sleep(after)
+    child.send_signal(signal.SIGHUP)
+    child.wait(timeout=TIMEOUT)
+    good(f"kill before the compiler after {after:.3f}", not list(place.tmp.iterdir()), str(place.litter()))
+    shutil.rmtree(place.path)
 
 
 def compiler_ends():
