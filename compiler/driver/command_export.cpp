@@ -3,6 +3,7 @@
 #include <cctype>
 #include <cstdio>
 #include <optional>
+#include <unordered_set>
 
 #include <fmt/format.h>
 
@@ -92,6 +93,7 @@ Result<std::string> prism(Compilation& c, const ExportArguments& arguments) {
   Executor executor;
   if (!executor.prepare(c, Backend::Interp, Optimisation::O0)) return Failure{"its code cannot be executed"};
   std::vector<std::string> names;
+  std::unordered_set<std::string> taken;
   std::vector<std::function<bool(const rt::Core&)>> conditions;
   for (std::uint32_t row = 0; row < c.system->atoms.size(); ++row) {
     const Atom& atom = c.system->atoms[AtomId(row)];
@@ -102,7 +104,7 @@ Result<std::string> prism(Compilation& c, const ExportArguments& arguments) {
         if (std::isalnum(static_cast<unsigned char>(sign)) == 0) sign = '_';
       }
       // Two paths may differ in signs alone.
-      if (std::find(names.begin(), names.end(), name) != names.end()) name += fmt::format("_{}", names.size());
+      if (!taken.insert(name).second) taken.insert(name += fmt::format("_{}", names.size()));
       names.push_back(std::move(name));
       conditions.emplace_back([row, place](const rt::Core& core) { return core.is_marked(row, place); });
     }

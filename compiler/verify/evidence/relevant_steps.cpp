@@ -5,7 +5,6 @@
 #include <unordered_map>
 #include <utility>
 
-#include "runtime/core/final_state.hpp"
 #include "runtime/include/bip/assert.hpp"
 #include "runtime/trace/trace.hpp"
 
@@ -17,10 +16,6 @@ constexpr std::uint64_t kReplayedSteps = 1'000'000;
 constexpr std::size_t kAvoidingStates = 20'000;
 // Of the states that a search for a way out stores, and of those of a run whose loops are cut out.
 constexpr std::size_t kStoredBytes = std::size_t{256} << 20;
-
-bool is_goal_state(const rt::Core& core, const SearchGoal& goal) {
-  return (goal.stuck && rt::is_deadlock(core)) || (goal.state && goal.state(core));
-}
 
 // A step by who takes part, whatever else is possible.
 struct StepLabel {

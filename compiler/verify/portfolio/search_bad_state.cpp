@@ -265,9 +265,7 @@ class Search {
     result_.end = SearchEnd::Exhausted;
   }
 
-  [[nodiscard]] bool is_goal() const {
-    return (goal_.stuck && rt::is_deadlock(core_)) || (goal_.state && goal_.state(core_));
-  }
+  [[nodiscard]] bool is_goal() const { return is_goal_state(core_, goal_); }
   // From the initial state, by a core of its own.
   bool confirmed() {
     if (!reaches(image_, goal_, result_.choices)) return false;
@@ -301,6 +299,10 @@ SearchResult search(const Net& net, const rt::Image& image, const SearchGoal& go
   return Search(net, image, goal, candidate, limits).run();
 }
 
+bool is_goal_state(const rt::Core& core, const SearchGoal& goal) {
+  return (goal.stuck && rt::is_deadlock(core)) || (goal.state && goal.state(core));
+}
+
 bool reaches(const rt::Image& image, const SearchGoal& goal, const std::vector<std::uint64_t>& choices) {
   rt::Core core(image);
   if (!core.initialize()) return goal.faults && choices.empty();
@@ -308,7 +310,7 @@ bool reaches(const rt::Image& image, const SearchGoal& goal, const std::vector<s
     if (choices[step] >= core.candidate_count()) return false;
     if (!core.fire(choices[step])) return goal.faults && step + 1 == choices.size();
   }
-  return (goal.stuck && rt::is_deadlock(core)) || (goal.state && goal.state(core));
+  return is_goal_state(core, goal);
 }
 
 std::string fault_of(const rt::Image& image, const std::vector<std::uint64_t>& choices) {

@@ -17,6 +17,8 @@ struct SearchGoal {
   bool stuck = false, faults = false;
   std::function<bool(const rt::Core&)> state;
 };
+/// Is the core's state a bad one? A step that ends in an error shows when it is taken.
+[[nodiscard]] bool is_goal_state(const rt::Core& core, const SearchGoal& goal);
 struct SearchResult {
   SearchEnd end = SearchEnd::Limit;
   /// Found: the numbers of the candidates taken; the last one ends in the error, if that is the goal.
