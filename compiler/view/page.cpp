@@ -104,6 +104,7 @@ std::string page(const System& system, const std::string& title, const graph::Pi
   out += "<script id=\"data\" type=\"application/json\">" + script_json(data) + "</script>\n";
   std::vector<std::string_view> scripts{k_run_js, k_picture_js, k_charts_js, k_steps_js};
   if (!more.proof.is_null()) scripts.push_back(k_proof_js);
+  if (is_live || is_attached) scripts.push_back(k_connection_js);
   if (is_attached) scripts.push_back(k_attached_js);
   else if (is_live) scripts.push_back(k_live_js);
   scripts.push_back(k_page_js);

@@ -4,7 +4,7 @@
 
 namespace bip::view {
 
-extern const std::string_view k_page_html, k_page_css, k_run_js, k_picture_js, k_charts_js, k_steps_js, k_live_js,
-    k_attached_js, k_proof_js, k_page_js;
+extern const std::string_view k_page_html, k_page_css, k_run_js, k_picture_js, k_charts_js, k_steps_js, k_connection_js,
+    k_live_js, k_attached_js, k_proof_js, k_page_js;
 
 }  // namespace bip::view

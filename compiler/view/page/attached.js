@@ -1,23 +1,14 @@
 // The page of a model that `bipc serve` runs (`bipc view --attach`): it is watched, and steered if its role allows that.
 "use strict";
 
-class Attached {
+class Attached extends Connection {
   constructor(page) {
-    this.page = page;
+    super(page, "The session has ended: the model or bipc is gone. What was seen can still be looked at.");
     this.role = page.data.attached;
     this.mayPost = this.role !== "observer";
     this.maySteer = this.role === "operator";
-    this.asked = new Map(); // by number: what is done with the answer
-    this.next = 1;
     this.model = { paused: false, ended: false, time: 0, steps: 0, late: 0 };
     this.panel = this.makePanel();
-    this.socket = new WebSocket(location.href.replace(/^http/, "ws").replace(/[?#].*$/, "") + "live");
-    this.socket.addEventListener("message", (event) => this.hear(JSON.parse(event.data)));
-    this.socket.addEventListener("close", () => {
-      this.isClosed = true;
-      this.say("The session has ended: the model or bipc is gone. What was seen can still be looked at.");
-      this.page.render();
-    });
     this.status = element("output", { id: "model-status", "aria-live": "off" });
     $("scrubber").before(this.status);
     this.buttons = [["pause", "pause", "the model's time stands still (s)", () => this.stop()], ["resume", "resume", "the model goes on (r)", () => this.runOn()],
@@ -29,15 +20,6 @@ class Attached {
 
   // -- Messages --
 
-  ask(what, fields, then) {
-    if (this.isClosed) return;
-    const id = this.next++;
-    this.asked.set(id, then || (() => {}));
-    const message = JSON.stringify({ id, do: what, ...fields });
-    // The page is shown, and may ask, before its socket is open.
-    if (this.socket.readyState === WebSocket.CONNECTING) this.socket.addEventListener("open", () => this.socket.send(message));
-    else this.socket.send(message);
-  }
   steer(what, fields) {
     if (!this.maySteer) return this.say("`" + what + "` takes the role of an operator: this page is of a" + (this.role === "observer" ? "n " : " ") + this.role);
     this.say("");
@@ -64,14 +46,8 @@ class Attached {
       this.page.render();
     } else if (message.note === "said") this.say(message.text.replace(/\bROOT\./g, ""));
     else {
-      const then = this.asked.get(message.id);
-      this.asked.delete(message.id);
-      if (then) then(message);
+      this.answer(message);
     }
-  }
-  say(text) {
-    this.said.textContent = text;
-    this.said.hidden = text === "";
   }
   showModel() {
     const m = this.model, stands = m.paused || m.ended;
@@ -119,9 +95,6 @@ class Attached {
     const field = (label, attributes) => element("input", { type: "text", size: 24, "aria-label": label, placeholder: label, spellcheck: "false", ...attributes });
     const form = (act, ...children) => element("form", { onsubmit: (event) => (event.preventDefault(), act()) }, ...children);
     const button = (name, may) => element("button", may ? {} : { disabled: "", title: "this page is of a" + (this.role === "observer" ? "n " : " ") + this.role }, name);
-    this.said = element("pre", { id: "said", class: "said", role: "status" });
-    this.said.hidden = true;
-    $("lower").insertBefore(this.said, $("panel"));
     this.count = field("steps", { type: "number", min: 1, max: 100000, value: 10, style: "width:6em" });
     this.breakpointText = field("pause after: table.left[0], table.phil[0].take_left (empty: nowhere)", { id: "breakpoint", size: 56 });
     this.port = field("port for events", { id: "port" });

@@ -1,22 +1,13 @@
 // The page of a session that runs (`bipc view --port`): what is possible is taken, over a WebSocket.
 "use strict";
 
-class Live {
+class Live extends Connection {
   constructor(page) {
-    this.page = page;
-    this.asked = new Map(); // by number: what is done with the answer
-    this.next = 1;
+    super(page, "The session has ended: bipc is gone. The run can still be looked at.");
     this.watches = [];
     this.breakpoints = [];
     this.isMoving = false;
     this.panel = this.makePanel();
-    this.socket = new WebSocket(location.href.replace(/^http/, "ws").replace(/[?#].*$/, "") + "live");
-    this.socket.addEventListener("message", (event) => this.hear(JSON.parse(event.data)));
-    this.socket.addEventListener("close", () => {
-      this.isClosed = true;
-      this.say("The session has ended: bipc is gone. The run can still be looked at.");
-      this.page.render();
-    });
     for (const [id, name, title, act] of [["walk-one", "random step", "a step that the policy chooses, from here (w)", () => this.walk(1)], ["run-on", "run", "run on to a breakpoint or the end (r)", () => this.runOn()], ["stop", "stop", "stop the run (s)", () => this.stop()]]) {
       const button = element("button", { id, title, onclick: act }, name);
       $("scrubber").before(button);
@@ -25,15 +16,6 @@ class Live {
 
   // -- Messages --
 
-  ask(what, fields, then) {
-    if (this.isClosed) return;
-    const id = this.next++;
-    this.asked.set(id, then || (() => {}));
-    const message = JSON.stringify({ id, do: what, ...fields });
-    // The page is shown, and may ask, before its socket is open.
-    if (this.socket.readyState === WebSocket.CONNECTING) this.socket.addEventListener("open", () => this.socket.send(message));
-    else this.socket.send(message);
-  }
   /** A request that moves the model, from the position that this page shows. */
   move(what, fields) {
     // A key that comes before the answer is not lost; of several the last one counts.
@@ -65,14 +47,8 @@ class Live {
       this.breakpoints = message.texts;
       this.showBreakpoints();
     } else {
-      const then = this.asked.get(message.id);
-      this.asked.delete(message.id);
-      if (then) then(message);
+      this.answer(message);
     }
-  }
-  say(text) {
-    this.said.textContent = text;
-    this.said.hidden = text === "";
   }
 
   // -- What a person does --
@@ -115,9 +91,6 @@ class Live {
     const field = (label, attributes) => element("input", { type: "text", size: 24, "aria-label": label, placeholder: label, spellcheck: "false", ...attributes });
     const form = (act, ...children) => element("form", { onsubmit: (event) => (event.preventDefault(), act()) }, ...children);
     const button = (name) => element("button", {}, name);
-    this.said = element("pre", { id: "said", class: "said", role: "status" });
-    this.said.hidden = true;
-    $("lower").insertBefore(this.said, $("panel"));
     this.count = field("steps", { type: "number", min: 1, max: 100000, value: 10, style: "width:6em" });
     this.until = field("run until: phil[0]@EATS, x > 3, @1s (empty: the end)", { id: "until", size: 44 });
     this.time = field("+20us, or an instant: 1s500ms", {});
