@@ -11,10 +11,10 @@
 #include "runtime/core/final_state.hpp"
 #include "runtime/core/text.hpp"
 #include "runtime/core/why_not.hpp"
+#include "runtime/engine/collect_strings.hpp"
 #include "runtime/engine/output.hpp"
 #include "runtime/engine/timed_scheduler.hpp"
 #include "runtime/trace/trace.hpp"
-#include "runtime/engine/collect_strings.hpp"
 #include "runtime/trace/trace_formats.hpp"
 
 namespace bip {

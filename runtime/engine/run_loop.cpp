@@ -233,11 +233,16 @@ Due RunLoop::wait() {
 
 void RunLoop::take_steps() {
   BIP_ASSERT(core_.candidate_count() != 0, "a step is due in a state without candidates");
-  if (batch_ && batch_->is_on())
-    result_.steps += batch_->advance(result_.steps, options_.limit - result_.steps, is_sound_);
+  if (batch_ && batch_->is_on()) take_batch();
   else if (is_compiled_) take_compiled_steps();
   else if (is_quiet_) take_quiet_steps();
   else take_one_step();
+}
+
+void RunLoop::take_batch() {
+  const u64 most = steps_before_collection(core_, options_.limit - result_.steps);
+  result_.steps += batch_->advance(result_.steps, most, is_sound_);
+  if (is_sound_) collect_strings(core_);
 }
 
 void RunLoop::take_compiled_steps() {
@@ -248,10 +253,12 @@ void RunLoop::take_compiled_steps() {
   }
   if (writes_) most = std::min<u64>(most, Core::kHistory);
   if (options_.on_progress) most = std::min(most, kStepsPerProgress);
+  most = steps_before_collection(core_, most);
   BIP_ASSERT(can_be_compiled(), "steps of this run are taken one by one");
   const u64 done = scheduler_.run_steps(core_, most, is_interrupted, is_sound_, options_.profile);
   BIP_ASSERT(done <= most, "{} steps of {}", done, most);
   is_step_faulty_ = !is_sound_;
+  if (is_sound_) collect_strings(core_);
   result_.steps += done;
   if (options_.on_progress) options_.on_progress(result_.steps);
   if (writes_) output_.record(core_.history().recent(done + (is_sound_ ? 0 : 1)));
@@ -260,12 +267,15 @@ void RunLoop::take_compiled_steps() {
 // The same steps as one by one; what else a turn of the loop does would be a tenth of the work.
 void RunLoop::take_quiet_steps() {
   BIP_ASSERT(can_be_quiet() && result_.steps < options_.limit, "{} steps of {}", result_.steps, options_.limit);
+  const bool makes_strings = image_.ffi != nullptr;
   do {
+    if (options_.stats) enabled_sizes_.add(core_.candidate_count());
     const EnabledSet::Position at = scheduler_.choose(core_);
     is_sound_ = core_.take(at);
     scheduler_.fired(at.interaction);
     is_step_faulty_ = !is_sound_;
     if (!is_sound_) return;
+    if (makes_strings) collect_strings(core_);
     ++result_.steps;
     if (options_.on_progress && result_.steps % kQuietStepsPerProgress == 0) options_.on_progress(result_.steps);
   } while (result_.steps < options_.limit && core_.candidate_count() != 0 && !is_interrupted() && !is_new_code_ready());
@@ -450,8 +460,7 @@ void RunLoop::print_node_statistics() {
 }
 
 bool RunLoop::can_be_quiet() const {
-  return !writes_ && !options_.interactive && !options_.stats && options_.profile == nullptr && !recorded_.has_end &&
-         !core_.is_timed();
+  return !writes_ && !options_.interactive && options_.profile == nullptr && !recorded_.has_end && !core_.is_timed();
 }
 
 bool RunLoop::is_new_code_ready() const {

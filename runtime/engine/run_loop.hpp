@@ -71,6 +71,7 @@ class RunLoop {
   [[nodiscard]] bool take_new_code();
   [[nodiscard]] Due wait();
   void take_steps();
+  void take_batch();
   void take_compiled_steps();
   void take_quiet_steps();
   void take_one_step();

@@ -137,11 +137,12 @@ class Simulator {
   SimulatedEnd go_compiled(std::uint64_t& steps) {
     bool is_sound = true;
     while (steps < options_.limit) {
-      const std::uint64_t wanted = std::min(options_.limit - steps, kStepsPerPiece);
+      const std::uint64_t wanted = steps_before_collection(core_, std::min(options_.limit - steps, kStepsPerPiece));
       const std::uint64_t taken = scheduler_.untimed().run_steps(
           core_, wanted, [] { return is_interrupted(); }, is_sound);
       steps_ = steps += taken;
       if (!is_sound) return SimulatedEnd::Fault;
+      collect_strings(core_);
       if (must_stop(options_)) return SimulatedEnd::NotRun;
       if (taken < wanted) return end_without_candidates();
     }

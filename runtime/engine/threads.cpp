@@ -12,6 +12,7 @@
 #include "bip/assert.hpp"
 #include "runtime/core/final_state.hpp"
 #include "runtime/core/start_thread.hpp"
+#include "runtime/engine/collect_strings.hpp"
 #include "runtime/engine/flights.hpp"
 #include "runtime/engine/interrupt.hpp"
 
@@ -83,6 +84,8 @@ class ThreadedRun {
   }
 
   bool start() {
+    // Atoms at work have strings that no cell refers to.
+    if (core_.partial().state()->busy == 0) collect_strings(core_);
     EnabledSet::Position at{};
     if (stopping_ || steps_ == options_.limit || is_interrupted() || !scheduler_.choose_decided(core_, at))
       return false;
