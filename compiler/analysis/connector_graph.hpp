@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::analysis {

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "compiler/model/code_uses.hpp"
+#include "compiler/system/system.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::analysis {

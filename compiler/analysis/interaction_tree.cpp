@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <string>
 
+#include "compiler/system/system.hpp"
+
 namespace bip::analysis {
 
 namespace {

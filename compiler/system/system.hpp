@@ -9,13 +9,9 @@
 #include <vector>
 
 #include "compiler/model/types.hpp"
+#include "compiler/system/system_ids.hpp"
 
 namespace bip {
-
-using AtomId = Id<struct AtomTag>;
-using ConnectorId = Id<struct ConnectorTag>;
-using CompoundId = Id<struct CompoundTag>;
-using PriorityId = Id<struct PriorityTag>;
 
 /// A compound instance: only its name and place in the hierarchy are left after flattening.
 struct Compound {

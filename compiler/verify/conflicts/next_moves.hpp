@@ -15,7 +15,7 @@
 #pragma once
 #include <vector>
 
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 #include "compiler/verify/conflicts/split_by_history.hpp"
 #include "compiler/verify/solver/cancellation.hpp"
 #include "runtime/distributed/distribution.hpp"

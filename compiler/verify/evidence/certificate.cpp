@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 
+#include "compiler/system/system.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {

@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "compiler/system/system.hpp"
 #include "compiler/verify/invariants/token_invariant_checker.hpp"
 #include "runtime/include/bip/assert.hpp"
 

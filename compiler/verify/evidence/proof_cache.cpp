@@ -6,6 +6,7 @@
 #include <set>
 
 #include "compiler/base/content_hash.hpp"
+#include "compiler/system/system.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "compiler/system/inner_priorities.hpp"
+#include "compiler/system/system.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 #include "runtime/core/state/state.hpp"
 
 namespace bip::verify {

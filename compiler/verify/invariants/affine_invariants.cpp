@@ -6,6 +6,7 @@
 #include <set>
 #include <span>
 
+#include "compiler/system/system.hpp"
 #include "compiler/verify/invariants/affine_bounds.hpp"
 #include "compiler/verify/invariants/affine_code.hpp"
 #include "compiler/verify/invariants/step_equations.hpp"

@@ -7,6 +7,7 @@
 #include <functional>
 #include <set>
 
+#include "compiler/system/system.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {

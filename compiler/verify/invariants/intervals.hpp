@@ -9,7 +9,7 @@
 #include <limits>
 #include <vector>
 
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 #include "runtime/include/bip/image.hpp"
 
 namespace bip::verify {

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "compiler/system/system.hpp"
+
 namespace bip::verify {
 
 std::vector<std::vector<std::uint8_t>> find_live_variables(const System& system, AtomTypeId id,

@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 
+#include "compiler/system/system.hpp"
 #include "compiler/verify/net/live_variables.hpp"
 
 namespace bip::verify {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 #include "compiler/verify/net/abstract_code.hpp"
 #include "compiler/analysis/data_access.hpp"
 #include "compiler/verify/net/port_uses.hpp"

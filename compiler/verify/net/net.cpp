@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <map>
 
+#include "compiler/system/system.hpp"
+
 namespace bip::verify {
 
 namespace {
@@ -83,6 +85,18 @@ class NetBuilder {
 
 Net build_net(const System& system) { return NetBuilder(system).build(); }
 Net build_net(const Net& plain, const PortUses& uses, UsesAs as) { return NetBuilder(plain, uses, as).build(); }
+
+u32 Net::leaf_of(ConnectorId connector, std::size_t param) const {
+  const PortRef& ref = system->connectors[connector].ports[param];
+  const bool has_uses = !uses.of_param.empty() && !uses.of_param[connector.value].empty();
+  const u32 use = has_uses ? uses.of_param[connector.value][param] : 0;
+  return use == 0 ? ref.port : static_cast<u32>(class_at(ref.atom.value).is_sure.size()) + use - 1;
+}
+
+u32 Net::port_node(ConnectorId connector, std::size_t param) const {
+  const PortRef& ref = system->connectors[connector].ports[param];
+  return graph.port_base[ref.atom.value] + leaf_of(connector, param);
+}
 
 std::string Net::mode_name(u32 mode) const {
   const u32 atom = atom_of_mode[mode];

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "compiler/analysis/connector_graph.hpp"
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 #include "compiler/verify/net/modes.hpp"
 
 namespace bip::verify {
@@ -49,17 +49,9 @@ struct Net {
     return class_at(atom).in[mode - mode_base[atom]];
   }
   /// Leaf of a parameter that is bound to an atom's port, counted from the atom's first.
-  [[nodiscard]] u32 leaf_of(ConnectorId connector, std::size_t param) const {
-    const PortRef& ref = system->connectors[connector].ports[param];
-    const bool has_uses = !uses.of_param.empty() && !uses.of_param[connector.value].empty();
-    const u32 use = has_uses ? uses.of_param[connector.value][param] : 0;
-    return use == 0 ? ref.port : static_cast<u32>(class_at(ref.atom.value).is_sure.size()) + use - 1;
-  }
+  [[nodiscard]] u32 leaf_of(ConnectorId connector, std::size_t param) const;
   /// Node of a parameter that is bound to an atom's port.
-  [[nodiscard]] u32 port_node(ConnectorId connector, std::size_t param) const {
-    const PortRef& ref = system->connectors[connector].ports[param];
-    return graph.port_base[ref.atom.value] + leaf_of(connector, param);
-  }
+  [[nodiscard]] u32 port_node(ConnectorId connector, std::size_t param) const;
   /// "phil[0]@EATS"
   [[nodiscard]] std::string mode_name(u32 mode) const;
 };

@@ -2,6 +2,7 @@
 #include "compiler/verify/net/net_content.hpp"
 
 #include "compiler/base/content_hash.hpp"
+#include "compiler/system/system.hpp"
 
 namespace bip::verify {
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "compiler/system/system.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "compiler/system/system.hpp"
 #include "compiler/verify/invariants/weighted_sum.hpp"
 
 namespace bip::verify {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <set>
 
+#include "compiler/system/system.hpp"
 #include "compiler/verify/net/net.hpp"
 
 namespace bip::verify {

@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 #include "compiler/verify/net/abstract_code.hpp"
 
 namespace bip::verify {

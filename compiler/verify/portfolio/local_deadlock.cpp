@@ -1,6 +1,7 @@
 // See local_deadlock.hpp.
 #include "compiler/verify/portfolio/local_deadlock.hpp"
 
+#include "compiler/system/system.hpp"
 #include "runtime/core/final_state.hpp"
 #include "runtime/include/bip/assert.hpp"
 

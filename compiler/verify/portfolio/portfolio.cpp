@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "compiler/system/system.hpp"
 #include "compiler/verify/portfolio/cached_proof_engine.hpp"
 #include "compiler/verify/portfolio/check_evidence.hpp"
 #include "compiler/verify/portfolio/induction_engines.hpp"

@@ -2,6 +2,7 @@
 #include "compiler/verify/portfolio/proof_context.hpp"
 
 #include "compiler/system/inner_priorities.hpp"
+#include "compiler/system/system.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {

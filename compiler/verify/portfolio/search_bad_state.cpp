@@ -8,6 +8,7 @@
 #include <queue>
 #include <unordered_map>
 
+#include "compiler/system/system.hpp"
 #include "runtime/core/final_state.hpp"
 #include "runtime/include/bip/assert.hpp"
 

@@ -7,6 +7,7 @@
 
 #include "compiler/base/ascii.hpp"
 #include "compiler/model/operators.hpp"
+#include "compiler/system/system.hpp"
 #include "compiler/verify/property/expression.hpp"
 #include "compiler/verify/property/make_formula.hpp"
 #include "runtime/core/text.hpp"

@@ -1,4 +1,5 @@
 // Evaluates a property in a state of the core, encodes it as a circuit, and prints it for certificates.
+#include "compiler/system/system.hpp"
 #include "compiler/verify/property/expression.hpp"
 
 #include <algorithm>

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "compiler/base/result.hpp"
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 #include "compiler/verify/symbolic/transition_system.hpp"
 #include "runtime/core/core.hpp"
 

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "compiler/system/system.hpp"
 #include "compiler/system/uses_time.hpp"
 #include "runtime/include/bip/assert.hpp"
 

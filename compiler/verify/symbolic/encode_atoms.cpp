@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "compiler/system/system.hpp"
 #include "compiler/verify/symbolic/transition_system_builder.hpp"
 #include "runtime/include/bip/assert.hpp"
 

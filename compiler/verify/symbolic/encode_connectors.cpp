@@ -2,6 +2,7 @@
 // `down`s top down, ports in parameter order.
 #include <algorithm>
 
+#include "compiler/system/system.hpp"
 #include "compiler/verify/net/abstract_code.hpp"
 #include "compiler/verify/symbolic/transition_system_builder.hpp"
 #include "runtime/include/bip/assert.hpp"

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "compiler/system/inner_priorities.hpp"
+#include "compiler/system/system.hpp"
 #include "compiler/verify/symbolic/transition_system_builder.hpp"
 
 namespace bip::verify {

@@ -1,6 +1,7 @@
 // See mode_signals.hpp.
 #include "compiler/verify/symbolic/mode_signals.hpp"
 
+#include "compiler/system/system.hpp"
 #include "compiler/verify/symbolic/cnf.hpp"
 #include "compiler/verify/invariants/weighted_sum.hpp"
 #include "runtime/include/bip/assert.hpp"

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <optional>
 
+#include "compiler/system/system.hpp"
+
 namespace bip::verify {
 
 namespace {

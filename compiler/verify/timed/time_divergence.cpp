@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "compiler/system/system.hpp"
 #include "runtime/core/time/clock_constraints.hpp"
 
 namespace bip::verify {
