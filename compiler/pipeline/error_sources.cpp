@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <set>
 #include <utility>
+#include <vector>
 
+#include "compiler/analysis/graph_algorithms.hpp"
 #include "compiler/lower/code_facts.hpp"
 
 namespace bip::pipeline {
@@ -26,10 +28,46 @@ bool can_fault(const System& system, const AtomType& type) {
   return false;
 }
 
+using Successors = std::vector<std::vector<std::uint32_t>>;
+
+bool has_cycle(const Successors& graph) {
+  const auto enter = [](std::uint32_t) { return std::size_t{0}; };
+  const auto next = [&graph](std::uint32_t node, std::size_t& at) {
+    return at == graph[node].size() ? kNoSuccessor : graph[node][at++];
+  };
+  const auto follow_all = [](std::uint32_t, std::uint32_t) { return true; };
+  return !find_cycle(static_cast<std::uint32_t>(graph.size()), enter, next, follow_all).empty();
+}
+
+// Connectors whose interactions contain a connector's: those that bind it, and itself.
+void add_edges_to_users(const System& system, const PortRef& bound, std::uint32_t user, Successors& users) {
+  if (bound.kind == PortRef::Kind::Connector) users[bound.connector.value].push_back(user);
+  if (bound.kind != PortRef::Kind::Choice) return;
+  for (const PortRef& port : system.choices[bound.choice].ports) add_edges_to_users(system, port, user, users);
+}
+
+// Can priorities between interactions close a cycle? Not if no connector comes after itself, where a connector comes
+// after those that lose against it or against what contains it: larger interactions of one connector close none.
+bool can_close_a_cycle(const System& system) {
+  if (system.priorities.empty()) return false;
+  Successors users(system.connectors.size());
+  for (std::size_t row = 0; row < system.connectors.size(); ++row) {
+    for (const PortRef& bound : system.connectors[ConnectorId(row)].ports)
+      add_edges_to_users(system, bound, static_cast<std::uint32_t>(row), users);
+  }
+  // A cycle through users stays one if containing and losing are edges alike.
+  Successors after = std::move(users);
+  for (const Priority& rule : system.priorities) {
+    if (rule.low.any_connector || rule.high.any_connector) return true;
+    after[rule.low.connector.value].push_back(rule.high.connector.value);
+  }
+  return has_cycle(after);
+}
+
 }  // namespace
 
 bool can_end_in_error(const System& system) {
-  if (!system.priorities.empty()) return true;
+  if (can_close_a_cycle(system)) return true;
   std::set<AtomTypeId> atom_types;
   for (const Atom& atom : system.atoms) atom_types.insert(atom.type);
   if (std::any_of(atom_types.begin(), atom_types.end(),

@@ -5,8 +5,8 @@
 namespace bip::pipeline {
 
 /// Returns false only if no run can end in an error: nothing divides, calls C++, has invariants, internal transitions,
-/// priorities or places that hold several tokens, and no port has two transitions from one place. Cost: linear in the
-/// types and their code.
+/// priorities between ports or places that hold several tokens, no port has two transitions from one place, and no
+/// connector comes after itself by priorities. Cost: linear in the types, their code, connectors and priorities.
 [[nodiscard]] bool can_end_in_error(const System& system);
 
 }  // namespace bip::pipeline

@@ -2,6 +2,7 @@
 #include "compiler/verify/evidence/relevant_steps.hpp"
 
 #include <algorithm>
+#include <queue>
 #include <unordered_map>
 #include <utility>
 
@@ -124,49 +125,46 @@ std::vector<StepLabel> leave_out(Replayer& replayer, std::vector<StepLabel> labe
   }
 }
 
-bool shares_atom(const StepLabel& a, const StepLabel& b) {
-  auto x = a.ports.begin(), y = b.ports.begin();
-  while (x != a.ports.end() && y != b.ports.end()) {
-    if (x->first == y->first) return true;
-    if (x->first < y->first) ++x;
-    else ++y;
-  }
-  return false;
-}
-
 // An order of the steps in which those of each atom keep theirs: next comes a step that depends on the one placed last,
-// else on the one before that, …, else the first one that is left.
+// else on the one before that, …, else the first one that is left. A step depends on the step before it of each of its
+// atoms. Cost: n log n.
 std::vector<StepLabel> order_by_cause(const std::vector<StepLabel>& labels) {
-  constexpr std::size_t kMostSteps = 2000;
-  if (labels.size() > kMostSteps) return labels;
-  std::vector<std::vector<std::size_t>> causes(labels.size());
+  struct Step {
+    std::vector<std::size_t> dependents;
+    std::size_t missing = 0;     // steps that it depends on and that are not placed
+    std::size_t last_cause = 0;  // place of the last one of those, from 1 on; 0: none
+  };
+  std::vector<Step> steps(labels.size());
+  std::unordered_map<u32, std::size_t> last_of_atom;
   for (std::size_t k = 0; k < labels.size(); ++k) {
-    for (std::size_t before = 0; before < k; ++before)
-      if (shares_atom(labels[before], labels[k])) causes[k].push_back(before);
-  }
-  std::vector<bool> is_placed(labels.size());
-  std::vector<std::size_t> placed;
-  const auto is_ready = [&](std::size_t k) {
-    return !is_placed[k] &&
-           std::all_of(causes[k].begin(), causes[k].end(), [&](std::size_t c) { return is_placed[c]; });
-  };
-  const auto depends_on = [&](std::size_t k, std::size_t cause) {
-    return std::binary_search(causes[k].begin(), causes[k].end(), cause);
-  };
-  while (placed.size() < labels.size()) {
-    std::size_t next = labels.size();
-    for (auto last = placed.rbegin(); last != placed.rend() && next == labels.size(); ++last) {
-      for (std::size_t k = *last + 1; k < labels.size() && next == labels.size(); ++k)
-        if (is_ready(k) && depends_on(k, *last)) next = k;
+    for (const auto& [atom, port] : labels[k].ports) {
+      const auto [before, is_first] = last_of_atom.try_emplace(atom, k);
+      if (is_first || before->second == k) continue;
+      steps[before->second].dependents.push_back(k);
+      ++steps[k].missing;
+      before->second = k;
     }
-    for (std::size_t k = 0; next == labels.size(); ++k)
-      if (is_ready(k)) next = k;
-    is_placed[next] = true;
-    placed.push_back(next);
+  }
+  // Of the steps that can be placed, the one with the latest cause, of several the first.
+  const auto comes_later = [&steps](std::size_t a, std::size_t b) {
+    return steps[a].last_cause != steps[b].last_cause ? steps[a].last_cause < steps[b].last_cause : a > b;
+  };
+  std::priority_queue<std::size_t, std::vector<std::size_t>, decltype(comes_later)> ready(comes_later);
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    if (steps[k].missing == 0) ready.push(k);
   }
   std::vector<StepLabel> ordered;
-  ordered.reserve(placed.size());
-  for (const std::size_t k : placed) ordered.push_back(labels[k]);
+  ordered.reserve(labels.size());
+  while (!ready.empty()) {
+    const std::size_t next = ready.top();
+    ready.pop();
+    ordered.push_back(labels[next]);
+    for (const std::size_t k : steps[next].dependents) {
+      steps[k].last_cause = ordered.size();
+      if (--steps[k].missing == 0) ready.push(k);
+    }
+  }
+  BIP_ASSERT(ordered.size() == labels.size(), "{} of {} steps", ordered.size(), labels.size());
   return ordered;
 }
 

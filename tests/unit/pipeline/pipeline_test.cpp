@@ -9,6 +9,7 @@
 #include "compiler/base/write_file.hpp"
 #include "compiler/pipeline/host_compiler.hpp"
 #include "compiler/pipeline/roots.hpp"
+#include "tests/unit/pipeline/model_file.hpp"
 
 using namespace bip;
 using namespace bip::pipeline;
@@ -37,18 +38,6 @@ constexpr const char* kPipelineModel = R"(package m
   end
 end
 )";
-
-// A model in a directory that disappears with the test.
-class ModelFile {
- public:
-  explicit ModelFile(const std::string& text) : directory_(std::move(*TemporaryDirectory::make())) {
-    std::ofstream(path(), std::ios::binary) << text;
-  }
-  [[nodiscard]] std::string path() const { return directory_.path() + "/m.bip"; }
-
- private:
-  TemporaryDirectory directory_;
-};
 
 }  // namespace
 
