@@ -93,29 +93,30 @@ std::vector<std::string> with_whole_options(const CLI::App& app, int argc, char*
 }
 
 int dispatch(const CLI::App& app, const Arguments& arguments) {
-  if (app.got_subcommand("check")) return command_check(arguments.check);
-  if (app.got_subcommand("run")) return command_run(arguments.run);
-  if (app.got_subcommand("deploy")) return command_deploy(arguments.deploy);
-  if (app.got_subcommand("node")) return command_node(arguments.node);
-  if (app.got_subcommand("verify")) return command_verify(arguments.verify);
-  if (app.got_subcommand("explore")) return command_explore(arguments.explore);
-  if (app.got_subcommand("simulate")) return command_simulate(arguments.simulate);
-  if (app.got_subcommand("step")) return command_step(arguments.step);
-  if (app.got_subcommand("view")) return command_view(arguments.view);
-  if (app.got_subcommand("trace")) return command_trace(arguments.trace);
-  if (app.got_subcommand("dap")) return command_dap();
-  if (app.got_subcommand("serve")) return command_serve(arguments.serve);
-  if (app.got_subcommand("build")) return command_build(arguments.build);
-  if (app.got_subcommand("emit")) return command_emit(arguments.emit);
-  if (app.got_subcommand("graph")) return command_graph(arguments.graph);
-  if (app.got_subcommand("export")) return command_export(arguments.exported);
-  if (app.got_subcommand("replay")) return command_replay(arguments.replay);
-  if (app.got_subcommand("genom")) return command_genom(arguments.genom);
-  if (app.got_subcommand("rules")) return command_rules(arguments.rules);
-  if (app.got_subcommand("migrate")) return command_migrate(arguments.migrate);
-  if (app.got_subcommand("fmt")) return command_fmt(arguments.fmt);
-  if (app.got_subcommand("explain")) return command_explain(arguments.explain_code, arguments.explain_color);
-  if (app.got_subcommand("completion")) return command_completion(app, arguments.shell);
+  const std::string& command = app.get_subcommands().front()->get_name();
+  if (command == "check") return command_check(arguments.check);
+  if (command == "run") return command_run(arguments.run);
+  if (command == "deploy") return command_deploy(arguments.deploy);
+  if (command == "node") return command_node(arguments.node);
+  if (command == "verify") return command_verify(arguments.verify);
+  if (command == "explore") return command_explore(arguments.explore);
+  if (command == "simulate") return command_simulate(arguments.simulate);
+  if (command == "step") return command_step(arguments.step);
+  if (command == "view") return command_view(arguments.view);
+  if (command == "trace") return command_trace(arguments.trace);
+  if (command == "dap") return command_dap();
+  if (command == "serve") return command_serve(arguments.serve);
+  if (command == "build") return command_build(arguments.build);
+  if (command == "emit") return command_emit(arguments.emit);
+  if (command == "graph") return command_graph(arguments.graph);
+  if (command == "export") return command_export(arguments.exported);
+  if (command == "replay") return command_replay(arguments.replay);
+  if (command == "genom") return command_genom(arguments.genom);
+  if (command == "rules") return command_rules(arguments.rules);
+  if (command == "migrate") return command_migrate(arguments.migrate);
+  if (command == "fmt") return command_fmt(arguments.fmt);
+  if (command == "explain") return command_explain(arguments.explain_code, arguments.explain_color);
+  if (command == "completion") return command_completion(app, arguments.shell);
   return command_version(arguments.version);
 }
 
@@ -139,9 +140,10 @@ int run_command_line(int argc, char** argv, const char* commit) {
   app.footer(
       "Example:\n  bipc run model.bip\n`bipc help COMMAND` prints the help of a command; FILE may be `-`, standard "
       "input.");
+  const std::string_view first = argc > 1 ? argv[1] : "";
   Arguments arguments;
   arguments.version.commit = commit;
-  add_commands(app, arguments);
+  add_commands(app, arguments, first);
   hide_rare_options(app);
   for (CLI::App* command : app.get_subcommands(nullptr)) {
     // Options of -O and --color kind may be repeated: the last one counts, as compilers do.
@@ -151,7 +153,6 @@ int run_command_line(int argc, char** argv, const char* commit) {
       option->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
     }
   }
-  const std::string_view first = argc > 1 ? argv[1] : "";
   if (first == "help") return print_help(app, argc, argv);
   if (argc > 1 && argv[1][0] != '-' && !is_command(app, argv[1])) return unknown_command(app, argv[1]);
   if (first == "--version" || first == "-V") return command_version({});
@@ -183,8 +184,7 @@ int run_command_line(int argc, char** argv, const char* commit) {
     std::fputs(app.help().c_str(), stdout);
     return argc > 1 ? kUsage : kOk;
   }
-  if (app.got_subcommand("replay") && arguments.replay.published_trace.empty() &&
-      arguments.replay.recorded_trace.empty()) {
+  if (first == "replay" && arguments.replay.published_trace.empty() && arguments.replay.recorded_trace.empty()) {
     return usage_error("a trace is needed: --published or --recorded", help_of(app, argc, argv));
   }
   return end_by_signal(dispatch(app, arguments));

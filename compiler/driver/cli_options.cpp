@@ -2,6 +2,9 @@
 // cli_analysis_options.cpp, those about robot modules in cli_genom_options.cpp.
 #include "compiler/driver/cli_options.hpp"
 
+#include <algorithm>
+#include <iterator>
+
 #include "compiler/driver/option_groups.hpp"
 #include "runtime/engine/event_file.hpp"
 
@@ -401,34 +404,46 @@ void add_migrate(CLI::App& app, MigrateArguments& a) {
   command->footer("Layout and comments are kept.\nExample:\n  bipc migrate -i model.bip");
 }
 
+// In the order of the help.
+constexpr struct {
+  std::string_view name;
+  void (*add)(CLI::App& app, Arguments& arguments);
+} kCommands[] = {
+    {"check", [](CLI::App& app, Arguments& arguments) { add_check(app, arguments.check); }},
+    {"run", [](CLI::App& app, Arguments& arguments) { add_run(app, arguments.run); }},
+    {"verify", [](CLI::App& app, Arguments& arguments) { add_verify(app, arguments.verify); }},
+    {"explore", [](CLI::App& app, Arguments& arguments) { add_explore(app, arguments.explore); }},
+    {"simulate", [](CLI::App& app, Arguments& arguments) { add_simulate(app, arguments.simulate); }},
+    {"step", [](CLI::App& app, Arguments& arguments) { add_step(app, arguments.step); }},
+    {"view", [](CLI::App& app, Arguments& arguments) { add_view(app, arguments.view); }},
+    {"trace", [](CLI::App& app, Arguments& arguments) { add_trace(app, arguments.trace); }},
+    {"dap", [](CLI::App& app, Arguments&) { add_dap(app); }},
+    {"serve", [](CLI::App& app, Arguments& arguments) { add_serve(app, arguments.serve); }},
+    {"deploy", [](CLI::App& app, Arguments& arguments) { add_deploy(app, arguments.deploy); }},
+    {"node", [](CLI::App& app, Arguments& arguments) { add_node(app, arguments.node); }},
+    {"build", [](CLI::App& app, Arguments& arguments) { add_build(app, arguments.build); }},
+    {"emit", [](CLI::App& app, Arguments& arguments) { add_emit(app, arguments.emit); }},
+    {"graph", [](CLI::App& app, Arguments& arguments) { add_graph(app, arguments.graph); }},
+    {"export", [](CLI::App& app, Arguments& arguments) { add_export(app, arguments.exported); }},
+    {"replay", [](CLI::App& app, Arguments& arguments) { add_replay(app, arguments.replay); }},
+    {"fmt", [](CLI::App& app, Arguments& arguments) { add_fmt(app, arguments.fmt); }},
+    {"migrate", [](CLI::App& app, Arguments& arguments) { add_migrate(app, arguments.migrate); }},
+    {"genom", [](CLI::App& app, Arguments& arguments) { add_genom(app, arguments.genom); }},
+    {"rules", [](CLI::App& app, Arguments& arguments) { add_rules(app, arguments.rules); }},
+    {"explain", [](CLI::App& app, Arguments& arguments) { add_explain(app, arguments); }},
+    {"completion", [](CLI::App& app, Arguments& arguments) { add_completion(app, arguments.shell); }},
+    {"version", [](CLI::App& app, Arguments& arguments) { add_version(app, arguments.version); }},
+};
+
 }  // namespace
 
-void add_commands(CLI::App& app, Arguments& arguments) {
+void add_commands(CLI::App& app, Arguments& arguments, std::string_view first) {
+  // Completion lists all of them.
+  const auto named = std::find_if(std::begin(kCommands), std::end(kCommands),
+                                  [first](const auto& row) { return row.name == first && first != "completion"; });
+  if (named != std::end(kCommands)) return named->add(app, arguments);
   add_published(app, arguments.published);
-  add_check(app, arguments.check);
-  add_run(app, arguments.run);
-  add_verify(app, arguments.verify);
-  add_explore(app, arguments.explore);
-  add_simulate(app, arguments.simulate);
-  add_step(app, arguments.step);
-  add_view(app, arguments.view);
-  add_trace(app, arguments.trace);
-  add_dap(app);
-  add_serve(app, arguments.serve);
-  add_deploy(app, arguments.deploy);
-  add_node(app, arguments.node);
-  add_build(app, arguments.build);
-  add_emit(app, arguments.emit);
-  add_graph(app, arguments.graph);
-  add_export(app, arguments.exported);
-  add_replay(app, arguments.replay);
-  add_fmt(app, arguments.fmt);
-  add_migrate(app, arguments.migrate);
-  add_genom(app, arguments.genom);
-  add_rules(app, arguments.rules);
-  add_explain(app, arguments);
-  add_completion(app, arguments.shell);
-  add_version(app, arguments.version);
+  for (const auto& row : kCommands) row.add(app, arguments);
 }
 
 }  // namespace bip::driver

@@ -1,5 +1,7 @@
 // The options of each command, bound to its arguments. compiler/docs/cli.md is generated from the help texts.
 #pragma once
+#include <string_view>
+
 #include <CLI/CLI.hpp>
 
 #include "compiler/driver/options.hpp"
@@ -34,8 +36,9 @@ struct Arguments {
   ColorChoice explain_color = ColorChoice::Auto;
 };
 
-/// Adds all commands to `app`, in the order of the help.
-void add_commands(CLI::App& app, Arguments& arguments);
+/// Adds the command that `first`, the first argument, names; all commands, in the order of the help, if it names none
+/// or the command prints all. Most of what `bipc` does before it works is to add options.
+void add_commands(CLI::App& app, Arguments& arguments, std::string_view first);
 
 // Parts of it, in other files than the rest.
 void add_genom(CLI::App& app, GenomArguments& a);
