@@ -308,7 +308,7 @@ void add_view(CLI::App& app, ViewArguments& a) {
         a.is_live = true;
       },
       "write no page but serve a live one at port N of 127.0.0.1 (0: a free one), in which a person chooses the steps; "
-      "prints its address, which nobody else knows");
+      "prints its address, which holds a secret token");
   port->check(is_number())->excludes(output)->type_name("N");
   CLI::Option* attach = command->add_option(
       "--attach", a.attached_to,

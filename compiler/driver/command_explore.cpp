@@ -38,7 +38,7 @@ std::string reduction_text(const rt::ExploreReport& found, rt::StateReduction re
   if (reduction == rt::StateReduction::Por)
     return "partial-order reduction: all deadlocks are found; not all states, steps and run-time errors are seen\n";
   if (reduction == rt::StateReduction::None) return "";
-  std::string text = "symmetry reduction: states that differ only in who is who count once; interchangeable are";
+  std::string text = "symmetry reduction: states that differ only by a permutation count once; interchangeable are";
   for (const std::string& group : found.groups) text += (&group == &found.groups.front() ? " " : ", ") + group;
   return text + "\n";
 }

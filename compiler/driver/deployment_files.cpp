@@ -76,7 +76,7 @@ Copy this folder there, so that only the user who runs it can read `key`.
       the same as a unit of systemd, for a folder in {1} and a user `bipc`:
       cp {0}/bipc-{0}.service /etc/systemd/system/ && systemctl enable --now bipc-{0}
 
-It listens at {5}; open that port in the host's firewall. Who has none of the keys in `node` is not heard.
+It listens at {5}; open that port in the host's firewall. Messages of senders without one of the keys in `node` are dropped.
 Nodes start in any order and wait for each other. `{6}` begins the run; its folder has `launcher.key` as well.
 After a change of the model or the placement: deploy again, and copy all folders.
 )";
@@ -237,7 +237,8 @@ Result<bool> write_deployment(Compilation& c, const rt::Placement& placement, co
       model = system::print(*c.system);
     }
     const std::string about = fmt::format(
-        "# Made by `bipc deploy`. Only who has one of these keys is heard; where the nodes are says {}.\nnode {}\n",
+        "# Made by `bipc deploy`. Only senders with one of these keys are heard; where the nodes are says {}.\nnode "
+        "{}\n",
         kPlacementFile, name);
     const std::string& address = placement.addresses[node];
     const std::string readme =

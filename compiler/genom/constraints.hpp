@@ -1,5 +1,6 @@
-// The constraints of rules on a functional level, as the generator reads them: who may be admitted, who is stopped and
-// when, who waits for whom. compiler/rules fills them from a .rules file; nothing in them refers to text.
+// The constraints of rules on a functional level, as the generator reads them: which requests are admitted, which
+// activities are stopped and when, which wait for others. compiler/rules fills them from a .rules file; nothing in them
+// refers to text.
 #pragma once
 #include <compare>
 #include <cstdint>

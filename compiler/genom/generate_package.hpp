@@ -12,7 +12,8 @@ namespace bip::genom {
 /// What a codel has to itself while it runs: all data of its module, or the data that it uses.
 enum class LockGranularity : std::uint8_t { ByGeneration, Module, Codel };
 
-/// Who asks for services, and hears of replies: anybody for anything; C++ functions; clients of `bipc serve`.
+/// The decisional level, which requests services and gets replies: any request at any time; C++ functions; clients of
+/// `bipc serve`.
 enum class Executive : std::uint8_t { Anybody, Cpp, Served };
 
 struct GenerateOptions {
@@ -30,7 +31,7 @@ struct GenerateOptions {
   std::int64_t oldest = 100;        // where PosterAge stops
 };
 
-/// A tick in microseconds if nobody says how long one is: the greatest unit that divides all periods; 10 ms if there
+/// A tick in microseconds if no option gives it: the greatest unit that divides all periods; 10 ms if there
 /// are none. GenoM 2 counts in its own clock.
 [[nodiscard]] std::int64_t tick_of(const std::vector<Module>& modules);
 

@@ -9,7 +9,7 @@
 
 namespace bip::genom {
 
-/// A parameter of a request, as clients are told of it.
+/// A parameter of a request, as clients see it.
 struct AskedParameter {
   std::string name;
   bool is_text = false;

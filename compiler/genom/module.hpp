@@ -38,7 +38,7 @@ struct DataUse {
   bool writes = false;
 };
 
-/// A function that somebody writes in C or C++.
+/// A function that the user writes in C or C++.
 struct Codel {
   Name name;
   std::vector<DataUse> uses;

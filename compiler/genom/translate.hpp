@@ -37,7 +37,7 @@ enum class Types : std::uint8_t { Skipped, Read };
 [[nodiscard]] std::optional<std::vector<Module>> read_modules(SourceMap& sources, const std::vector<Description>& files,
                                                               std::vector<SideLine> side,
                                                               const TranslateOptions& options, Diagnostics& diags);
-/// The package's name if nobody gives one.
+/// The package's name if no option gives one.
 [[nodiscard]] std::string package_of(const std::vector<Module>& modules);
 /// Modules that `read_modules` gave, as one functional level.
 [[nodiscard]] Translation write_package(const std::vector<Module>& modules, const GenerateOptions& options);

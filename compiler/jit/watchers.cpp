@@ -71,7 +71,7 @@ class PerfMap : public ObjectLinkingLayer::Plugin {
 llvm::Error let_watch(llvm::orc::LLJIT& engine, std::map<std::string, std::string> labels) {
   auto* const linking = llvm::dyn_cast<ObjectLinkingLayer>(&engine.getObjLinkingLayer());
   if (linking == nullptr)
-    return llvm::createStringError(llvm::inconvertibleErrorCode(), "this machine's linker tells nobody of its code");
+    return llvm::createStringError(llvm::inconvertibleErrorCode(), "this machine's linker does not announce its code");
   llvm::orc::ExecutionSession& session = engine.getExecutionSession();
   // The function is in libLLVM, whose names the process does not see: so it gets the address.
   auto registrar = std::make_unique<llvm::orc::EPCDebugObjectRegistrar>(

@@ -36,7 +36,7 @@ std::string error_remark(const Compilation& c, const verify::Question& question,
                          verify::Portfolio& portfolio, const verify::PortfolioLimits& limits) {
   const bool asked_else =
       question.what == verify::QuestionKind::DeadlockFreedom || question.what == verify::QuestionKind::State;
-  // Who visited all states has met the errors.
+  // A visit of all states has met the errors.
   if (!asked_else || decision.outcome != verify::Outcome::Holds || verify::is_exhaustive(decision.evidence) ||
       !decision.fault.empty() || !can_end_in_error(*c.system))
     return {};

@@ -108,7 +108,7 @@ std::string AttachedSession::begin() {
   Json hello{{"do", "hello"}};
   if (!connection_->token().empty()) hello["token"] = connection_->token();
   const Json greeted = ask_now(hello);
-  if (greeted.is_null()) return "nobody answers there";
+  if (greeted.is_null()) return "no server answers there";
   if (!flag_in(greeted, "ok")) return text_in(greeted, "error");
   if (text_in(greeted, "format") != "bipc-serve" || number_in(greeted, "version") != 1)
     return "what answers there is no `bipc serve` of version 1";

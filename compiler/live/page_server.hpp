@@ -1,6 +1,6 @@
 // HTTP and WebSocket on 127.0.0.1 for one live session. The only interface to Boost.Beast.
 //
-// Who does not know the token, which is in the path of the page's address, gets nothing. A page of another origin
+// Requests without the token, which is in the path of the page's address, get no answer. A page of another origin
 // cannot drive the session: the `Host` of a request and the `Origin` of a WebSocket must be the server's own (a name
 // that is resolved to 127.0.0.1 is none), and no answer allows another origin to read it. The first request that is not
 // one of those that the page makes ends its connection. One thread serves all, and the session moves on the same one.

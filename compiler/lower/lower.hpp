@@ -34,7 +34,7 @@ struct LoweredSystem {
   std::vector<rt::Code> codes;              // one a unit
   std::vector<std::uint32_t> site_of_expr;  // by ExprId: row of Image::sites, or rt::kNone if it cannot fault
   rt::Image image;                          // image.codes points to `codes`
-  // The FFI. Whoever compiles it fills `functions` (one a row of CodeTable::functions) and `ffi_types`.
+  // The FFI. The code that compiles it fills `functions` (one a row of CodeTable::functions) and `ffi_types`.
   std::vector<rt::FfiFunction> functions;
   void* library = nullptr;  // of the C++ that the model calls, as dlopen() gave it
   std::vector<rt::FfiType> ffi_types;

@@ -2,10 +2,10 @@
 // (compiler/docs/language_meaning.md, section 7).
 //
 // Executors of code know nothing of clocks. A clock owns three hidden variables of its atom, and an assignment to it is
-// two stores: the value, in the clock's unit, and that there is one; whoever ran the action looks there and zeroes them
-// again. A bound compares a clock, or the difference of two, with a limit: a constant in ticks of 1 ns, or a hidden
-// variable into which `measure`, a body of stores, puts the limit in the clock's unit. Conditions on data stay what
-// they were: guards.
+// two stores: the value, in the clock's unit, and that there is one; the caller of the action looks there and zeroes
+// them again. A bound compares a clock, or the difference of two, with a limit: a constant in ticks of 1 ns, or a
+// hidden variable into which `measure`, a body of stores, puts the limit in the clock's unit. Conditions on data stay
+// what they were: guards.
 #pragma once
 #include <cmath>
 #include <cstdint>

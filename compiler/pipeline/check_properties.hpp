@@ -1,4 +1,4 @@
-// Properties that compounds state are read when the system is there, not only when somebody asks for them.
+// Properties that compounds state are read when the system is built, also if no command decides them.
 #pragma once
 #include "compiler/diag/diagnostics.hpp"
 #include "compiler/system/system.hpp"

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "compiler/analysis/graph_algorithms.hpp"
 #include "compiler/lower/code_facts.hpp"
+#include "runtime/core/graph_algorithms.hpp"
 
 namespace bip::pipeline {
 

@@ -64,7 +64,7 @@ struct Compilation {
 [[nodiscard]] bool compile(Compilation& c, const std::string& path, Stage last);
 
 /// As `compile` up to System, but a file of types without a root is fine: `bipc check`. Every parameterless compound
-/// that nobody instantiates is instantiated.
+/// that nothing instantiates is instantiated.
 [[nodiscard]] bool check(Compilation& c, const std::string& path);
 
 }  // namespace bip::pipeline

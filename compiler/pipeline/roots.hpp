@@ -7,7 +7,7 @@
 
 namespace bip::pipeline {
 
-/// The parameterless compounds that nobody in the file instantiates, in source order.
+/// The parameterless compounds that nothing in the file instantiates, in source order.
 [[nodiscard]] std::vector<std::string> root_candidates(const Model& model);
 
 /// "Ring(10)": the type with the arguments as written; "Ring()" without.

@@ -18,7 +18,7 @@ namespace bip::pipeline {
 
 class Tiers {
  public:
-  /// `lowered` has code already and must outlive this; nobody else may change it. options.goes_on is ours.
+  /// `lowered` has code already and must outlive this; no other code may change it. options.goes_on is ours.
   Tiers(lower::LoweredSystem& lowered, jit::JitOptions options, unsigned patience_ms);
   /// Ends the compilation after the module at hand. After the run.
   ~Tiers();

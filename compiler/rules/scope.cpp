@@ -326,7 +326,7 @@ Type NameScope::combine(const Expr& e, genom::ServiceRef subject, Moment moment,
                            "a comparison of constants");
     if (is_equality && types[0] == Type::Text)
       d.help(
-          "a word that is nobody's value is a text: `request.PARAMETER`, `SERVICE.PARAMETER`, or declare `value NAME "
+          "a word that is no value is a text: `request.PARAMETER`, `SERVICE.PARAMETER`, or declare `value NAME "
           "of POSTER: VALUES;`");
     return Type::None;
   }

@@ -71,7 +71,7 @@ std::string SocketPath::claim(const std::string& path) {
   if (::lstat(path.c_str(), &found) != 0) return errno == ENOENT ? std::string() : std::strerror(errno);
   if (!S_ISSOCK(found.st_mode)) return "there is a file that is no socket";
   if (found.st_uid != ::geteuid()) return "there is a socket of another user";
-  if (!is_dead_socket(path)) return "somebody listens there already";
+  if (!is_dead_socket(path)) return "another process listens there already";
   return ::unlink(path.c_str()) == 0 ? std::string() : std::strerror(errno);
 }
 

@@ -1,4 +1,4 @@
-// Who may reach a served model: tokens of TCP connections, the path and the peers of a Unix socket.
+// Access to a served model: tokens of TCP connections, the path and the peers of a Unix socket.
 #pragma once
 #include <string>
 #include <string_view>

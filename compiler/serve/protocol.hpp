@@ -45,7 +45,7 @@ struct Reply {
 enum class LineKind : std::uint8_t { Object, NoObject };
 [[nodiscard]] LineKind kind_of_line(const std::string& line);
 
-/// Does the line post an event, or ask for a service? Then who sent it is part of the decisional level.
+/// Does the line post an event, or ask for a service? Then its sender is part of the decisional level.
 [[nodiscard]] bool is_asking(const std::string& line);
 
 /// Returns the token of a line that is a sound `hello`; empty: it is none, or has none.

@@ -21,7 +21,7 @@ struct UnfoldingLimits {
 inline constexpr std::size_t kMostInstances = 1'000'000'000;
 inline constexpr std::size_t kMaxDepth = 200;
 
-/// `root_type` empty: the one parameterless compound that nobody instantiates. `args` are constant expressions, one a
+/// `root_type` empty: the one parameterless compound that nothing instantiates. `args` are constant expressions, one a
 /// parameter; `root_range` is where problems of the root itself are reported.
 [[nodiscard]] std::optional<System> instantiate(Model& model, const std::string& root_type,
                                                 const std::vector<const syntax::Expr*>& args, Diagnostics& diags,

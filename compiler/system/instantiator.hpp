@@ -42,7 +42,7 @@ struct Instance {
   std::vector<PendingPriority> priorities;
 };
 
-/// Nobody reads more; a loop may repeat one without end.
+/// Limits the diagnostics: a loop may repeat one without end.
 inline constexpr std::size_t kEnoughErrors = 50;
 
 struct Instantiator {

@@ -107,7 +107,7 @@ class Core {
   /// Of images with time.
   [[nodiscard]] Clocks& time() { return parts_.clocks; }
   [[nodiscard]] const Clocks& time() const { return parts_.clocks; }
-  /// Conditions on clocks apart from the instant, for who explores all instants at once.
+  /// Conditions on clocks apart from the instant, for searches of all instants at once.
   [[nodiscard]] ClockConstraints& clock_constraints() { return parts_.clock_constraints; }
   /// Weights of candidates.
   [[nodiscard]] CandidateWeights& weights() { return parts_.weights; }

@@ -1,7 +1,7 @@
 // The parts of a core, and what concerns all of them: the initial state, settling after a step, snapshot and restore.
 //
 // Each part owns its own state and reaches the others through the CoreParts that holds them; plain data that all of
-// them read and write (tables, memory, fault) stand here. Who uses a core includes core.hpp.
+// them read and write (tables, memory, fault) stand here. Users of a core include core.hpp.
 #pragma once
 #include <vector>
 

@@ -1,4 +1,4 @@
-// Why a state is a deadlock, told to a person: who waits for whom, the shortest cycle if there is one.
+// Why a state is a deadlock, as text: the wait-for graph, and its shortest cycle if there is one.
 #pragma once
 #include <string>
 #include <vector>

@@ -1,4 +1,4 @@
-// Who does what in a distributed run: the node at which each atom is at home, and the node that coordinates each
+// The roles of nodes in a distributed run: the node at which each atom is at home, and the node that coordinates each
 // interaction.
 //
 // Interactions that can compete for an atom form a *conflict set*, and one node coordinates all of a set, so that

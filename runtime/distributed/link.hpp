@@ -1,5 +1,5 @@
 // One node's end of the link to another node: every message arrives once and in order, whatever the frames that carry
-// it suffer. A state machine: who calls it sends, receives and knows when it is time to send again.
+// it suffer. A state machine: the caller sends, receives and knows when it is time to send again.
 //
 // Frames have numbers; a frame that arrives says up to which number all came, and what is not said to have come is sent
 // again. O(1) a frame, but for what arrives early.

@@ -1,5 +1,5 @@
 // A node of a distributed run, as a state machine: messages come in, messages go out, and in between it says which
-// steps it may begin and which actions wait to be run. No input or output, no clock, no thread; who calls it decides
+// steps it may begin and which actions wait to be run. No input or output, no clock, no thread; the caller decides
 // when.
 //
 // It has a core of the whole image. Atoms at home here have their data in it. What it coordinates it begins as the core
@@ -58,9 +58,9 @@ class Node {
   /// Runs one of them and lets it take effect.
   void run(std::size_t k);
 
-  /// What it has to say, in this order; who sends it empties it.
+  /// Messages to send, in this order; the sender empties it.
   [[nodiscard]] std::vector<Outgoing>& outbox() { return outbox_; }
-  /// Steps of which an atom came to rest here; who reads it empties it.
+  /// Steps of which an atom came to rest here; the reader empties it.
   [[nodiscard]] std::vector<u64>& landed() { return landed_; }
   /// A fault was met, here or elsewhere: it begins nothing more.
   [[nodiscard]] bool is_stopped() const { return is_stopped_; }

@@ -32,7 +32,7 @@ class Checkpoints {
   [[nodiscard]] i64 due() const;
   /// Is one due or asked for? Then it is not due any more.
   [[nodiscard]] bool take_due(i64 now);
-  /// Writes it in place of the one before. A problem is told on standard error.
+  /// Writes it in place of the one before. A problem is reported on standard error.
   void write(const Core& core, Checkpoint checkpoint);
   [[nodiscard]] u64 count() const { return count_; }
   /// Of the last one: steps, with those before this run.

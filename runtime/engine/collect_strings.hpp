@@ -8,7 +8,7 @@ namespace bip::rt {
 
 /// Frees strings if enough were made since the last time. Conservative: every number in a cell or in a queue of events
 /// that could be the row of a string keeps it. Requires that no step and no evaluation is under way. Copies of states
-/// do not count: whoever makes one pins the strings (FfiContext::pin). Cost: a comparison; amortised constant per
+/// do not count: code that makes one pins the strings (FfiContext::pin). Cost: a comparison; amortised constant per
 /// string.
 void collect_strings(Core& core);
 

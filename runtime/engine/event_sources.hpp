@@ -1,7 +1,7 @@
 // The objects of C++ classes behind `extern port … as "Class"`: one a port of an atom, asked for events one at a time.
 //
-// Lives on the thread that runs the model; only notify() and now() are called from others. What throws is told as a
-// fault by whoever asks.
+// Lives on the thread that runs the model; only notify() and now() are called from others. An exception is a
+// fault, which the next query reports.
 #pragma once
 #include <deque>
 #include <memory>

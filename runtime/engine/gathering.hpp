@@ -1,6 +1,6 @@
 // The launcher's side of what is said around a run of nodes on several hosts (runtime/distributed/greeting.hpp): it
 // knocks until all are there, in whatever order they start, and welcomes each until it is in the run. What a person
-// must know is told on standard error, once.
+// must know is printed on standard error, once.
 #pragma once
 #include <string>
 #include <vector>

@@ -21,7 +21,7 @@ struct DistributedResult : SimulatedResult {
   i64 started = 0;             // ns until all nodes were there
 };
 
-/// Of an initialized core without time. Leaves the core in the last state; core.fault() tells of a fault.
+/// Of an initialized core without time. Leaves the core in the last state; core.fault() has the fault, if there is one.
 [[nodiscard]] DistributedResult run_distributed(Core& core, const Distribution& distribution, const RunOptions& options,
                                                 u64 seed, Output& output, u64 resumed = 0);
 

@@ -2,8 +2,8 @@
 // one thread, by a seed. The same seed gives the same run, whatever goes wrong in it.
 //
 // Each node takes turns: it begins a step that it coordinates, or runs an action of an atom that is at home there. The
-// steps, in the order in which they begin, are a run of the sequential semantics: who begins a step has heard of all
-// that it depends on. Lines and trace have that order, and end where a sequential run would meet a fault.
+// steps, in the order in which they begin, are a run of the sequential semantics: the coordinator of a step has heard
+// of all that it depends on. Lines and trace have that order, and end where a sequential run would meet a fault.
 #pragma once
 #include <string>
 
@@ -31,7 +31,7 @@ struct SimulatedResult {
 };
 
 /// Of an initialized core without time, `resumed` steps after the initial state. Leaves the core in the last state;
-/// core.fault() tells of a fault.
+/// core.fault() has the fault, if there is one.
 [[nodiscard]] SimulatedResult run_simulated(Core& core, const Distribution& distribution, const NetworkFaults& faults,
                                             const RunOptions& options, u64 seed, Output& output, u64 resumed = 0,
                                             const NodeObserver& observer = {});

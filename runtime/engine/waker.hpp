@@ -18,7 +18,7 @@ class Waker {
 
   /// Any thread, or a signal handler.
   void wake() noexcept;
-  /// Who sleeps calls it before he looks whether there is work: what is made known from now on wakes him.
+  /// The sleeper calls it before it looks for work: what is made known from now on wakes it.
   void prepare() noexcept { sleeps_.store(1, std::memory_order_seq_cst); }
   /// There is work.
   void stay_awake() noexcept { sleeps_.store(0, std::memory_order_relaxed); }

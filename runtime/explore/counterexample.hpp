@@ -39,7 +39,7 @@ struct FoundPath {
 
 struct CounterexampleText {
   std::string names;  // of the candidates taken, "ROOT.a, ROOT.b"
-  std::string steps;  // a line a step; Deadlock: then who waits for whom
+  std::string steps;  // one line per step; Deadlock: then the wait-for cycle
   std::string error;  // Error, TimeLock: the run-time error
 };
 /// Replays a path from the initial state and returns its text, with at most max_lines steps. O(steps).

@@ -25,7 +25,7 @@ struct InteractionShape {
   InteractionForm form = InteractionForm::Table;
   bool is_rendezvous = true;  // all leaves take part: one that is not ready disables it
   Slice atoms;                // rows of Shapes::atoms, sorted: what it depends on
-  Slice leaves;               // rows of Shapes::leaves: who may take part
+  Slice leaves;               // rows of Shapes::leaves: the possible participants
 };
 struct Shapes {
   std::vector<InteractionShape> interactions;

@@ -1,9 +1,9 @@
-// Components that may change places: states that differ only in who is who count as one.
+// Components that may change places: states that differ only by such a permutation count as one.
 //
 // A family is a component array, `c[0] … c[n-1]` (or several arrays of one compound that go together). Two of its
 // members are interchangeable if exchanging them, with all that is inside, maps every connector onto a connector: same
 // type, same ports, same arguments of the atoms. That is checked for each pair that is used, so the permutations of a
-// group are automorphisms of the system and its quotient has the same deadlocks and errors up to who is who (Ip, Dill
+// group are automorphisms of the system and its quotient has the same deadlocks and errors up to permutation (Ip, Dill
 // 1996; Clarke, Emerson, Jha, Sistla 1998). The representative of a state has the members of each group in ascending
 // order.
 #pragma once

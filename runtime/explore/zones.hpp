@@ -1,7 +1,7 @@
 // All behaviours of a timed image at all instants: its zone graph (Daws, Tripakis 1998; Bengtsson, Yi 2004), breadth
 // first.
 //
-// A state of the graph is a *location* (markings, data, who is busy) with a zone of clock values. Time is the core's:
+// A state of the graph is a *location* (markings, data, busy atoms) with a zone of clock values. Time is the core's:
 // whole ticks, so zones are exact, and what is enabled in a part of a zone in which no condition changes its truth is
 // asked of a core at one point of it. Deadlock: no candidate now, and none however long time passes. Time lock: no
 // candidate, and time may not pass. A lazy step may be missed; a state in which it was counts. Not exact, and then

@@ -56,7 +56,7 @@ class Bip2Writer final : public TraceSink {
             std::uint64_t k) override;
   /// Images with time: notes the state's candidates now and later, before time passes.
   void foresee(Core& core) override;
-  /// The state alone, with the intervals; for who only looks at it.
+  /// The state alone, with the intervals; for readers that take no step.
   void future_state(std::string& out, std::uint64_t number) const;
   [[nodiscard]] bool has_future() const { return !future_.empty(); }
   /// After a fault first `ERROR: invariant ROOT.a.i violated!`, if the published engine knows such a fault.

@@ -12,7 +12,7 @@ static std::string read_file(const char* path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-// A verdict that nobody can read is none.
+// A verdict that cannot be written is none.
 static int finish(int code) {
   const bool is_written = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
   return is_written ? code : (std::perror("certcheck: cannot write standard output"), 74);

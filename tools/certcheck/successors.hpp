@@ -19,7 +19,7 @@ class System {
   System(const Model& model, const Terms& terms)
       : m_(model), t_(terms), state_fault_(terms.truth(false)), guard_fault_(state_fault_) {}
 
-  /// The state that all else is said of: who may step, and, if wanted, what priorities hide.
+  /// The state that all else is said of: the enabled interactions, and, if wanted, what priorities hide.
   void look_at(const State& now, bool with_priorities) {
     now_ = now;
     offers_.clear();

@@ -48,7 +48,7 @@ using Local = std::vector<expr>;
 struct Offer {
   Local transitions, ports;
 };
-/// What code reads and writes, terms that somebody keeps; `about` is for claims (at …), (can …).
+/// What code reads and writes, terms that the caller keeps; `about` is for claims (at …), (can …).
 struct Scope {
   std::span<expr> self;
   std::vector<expr*> bind;
@@ -125,7 +125,7 @@ class Terms {
   [[nodiscard]] expr constant(Text type, int value) const {
     return type == "bool" ? truth(value != 0) : z_.bv_val(value, 32);
   }
-  /// From variable `first` on, the values that are told.
+  /// From variable `first` on, the given values.
   [[nodiscard]] expr has(const Local& local, const Values& values, std::size_t first = 0) const {
     expr result = truth(true);
     for (std::size_t k = first; k < local.size(); ++k)

@@ -24,7 +24,7 @@ struct AbstractValue {
 [[nodiscard]] AbstractValue evaluate(const CodeTable& code, ExprId expr, std::span<const AbstractValue> self,
                                      std::span<const AbstractValue> bind);
 
-/// Runs the body over Self. What is stored into Bind is nobody's business here.
+/// Runs the body over Self. What is stored into Bind is ignored.
 void execute(const CodeTable& code, StmtId body, std::vector<AbstractValue>& self);
 /// Over both: a transfer.
 void execute(const CodeTable& code, StmtId body, std::vector<AbstractValue>& self, std::vector<AbstractValue>& bind);

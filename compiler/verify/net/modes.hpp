@@ -18,7 +18,7 @@ namespace bip::verify {
 
 inline constexpr std::size_t kMaxModesWithData = 512;
 inline constexpr std::size_t kMaxMarkings = 4096;
-// Where uses of ports are told apart: modes, and tries of a move.
+// Where uses of ports are distinguished: modes, and tries of a move.
 inline constexpr std::size_t kMaxModesWithUses = 20000, kMaxTries = 20'000'000;
 
 struct Mode {

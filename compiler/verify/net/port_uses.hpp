@@ -2,7 +2,7 @@
 // of customer 7 puts 3 into `order`; SwitchOn of pump 3 wants `order` to be 3": so an atom's modes can tell values that
 // come from outside.
 //
-// A use is told apart only where what others contribute never changes: then it is a port of its own in the network
+// A use is distinguished only where what others contribute never changes: then it is a port of its own in the network
 // (Net), with fewer moves than the port has in general. Looked at are rendezvous of atoms with at most one clause and
 // no `up`. Cost: linear in the connectors.
 #pragma once
@@ -31,7 +31,7 @@ struct PortUse {
   std::vector<UseSource> bind;                                  // of the guard
   friend auto operator<=>(const PortUse&, const PortUse&) = default;
 };
-/// Of an atom: the uses that are told apart, sorted; and which ports are used in other ways, too.
+/// Of an atom: the distinguished uses, sorted; and which ports are used in other ways, too.
 struct AtomUses {
   std::vector<PortUse> uses;
   std::vector<std::uint8_t> is_plain;  // by port; empty: all

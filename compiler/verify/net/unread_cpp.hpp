@@ -1,5 +1,5 @@
-// C++ on which no state depends: calls whose result nobody uses, as those of `printf`, and assignments from C++ to data
-// that nobody reads.
+// C++ on which no state depends: calls whose result is not used, as those of `printf`, and assignments from C++ to data
+// that are never read.
 //
 // Without it a model has the same states and steps, and they can be visited. C++ is taken to return, without an
 // exception, and to change nothing but what it gets by reference. Linear in the code, times the longest chain of

@@ -1,6 +1,6 @@
-// Data that nobody reads: no guard, no limit of a clock, no connector, and no assignment to data that is read. Without
-// it a system has the same behaviour in time, only fewer states: counters that are there for people would make local
-// state spaces infinite.
+// Data that are never read: by no guard, no limit of a clock, no connector, and no assignment to data that is read.
+// Without it a system has the same behaviour in time, only fewer states: counters that are there for people would make
+// local state spaces infinite.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -10,7 +10,7 @@
 
 namespace bip::verify {
 
-/// Which assignments count as readers although nobody reads what they assign: those that may end in a run-time error,
+/// Which assignments count as readers although their results are never read: those that may end in a run-time error,
 /// those that divide, none.
 enum class FaultyAssignments : std::uint8_t { Read, DivisionsRead, Ignored };
 /// By atom type, by variable: is it read? Hidden variables of time are, and those that are `asked` for. Linear in the
@@ -18,8 +18,8 @@ enum class FaultyAssignments : std::uint8_t { Read, DivisionsRead, Ignored };
 [[nodiscard]] std::vector<std::vector<std::uint8_t>> find_read_data(
     const System& system, const std::vector<DataRef>& asked = {},
     FaultyAssignments faulty = FaultyAssignments::Ignored);
-/// Rows of the cells of numbers that nobody reads, ascending: whatever they hold, the same steps are possible, now and
-/// later, and the same run-time errors. Strings and C++ objects are not among them.
+/// Rows of the cells of numbers that are never read, ascending: whatever they hold, the same steps are possible, now
+/// and later, and the same run-time errors. Strings and C++ objects are not among them.
 [[nodiscard]] std::vector<std::uint32_t> find_unread_cells(const System& system, const rt::Image& image,
                                                            const std::vector<DataRef>& asked = {});
 /// The same system without assignments to data that is not read. Faults that they would have ended in do not occur.

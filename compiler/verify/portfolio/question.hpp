@@ -23,7 +23,7 @@ struct Question {
 enum class Outcome : std::uint8_t { Holds, Violated, Unknown };
 
 struct PortfolioLimits {
-  CancellationToken cancellation;  // ends everything: cancelled by whoever asks, or the time is over
+  CancellationToken cancellation;  // ends everything: cancelled by the asker, or the time is over
   std::size_t megabytes = 2048;
   bool wants_minimal_proof = false;  // reduce a proof's invariants to those that it needs
   bool wants_certificate = false;    // follow an exhaustive search by a proof, or list the states that it reached

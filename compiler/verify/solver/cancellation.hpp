@@ -1,7 +1,7 @@
 // When a proof must stop: the clock that limits are measured with, and the token that each question passes down to
 // solvers, searches and invariant generators.
 //
-// A `CancellationSource` belongs to whoever asks a question: the command line (Ctrl-C cancels its source), a language
+// A `CancellationSource` belongs to the asker of a question: the command line (Ctrl-C cancels its source), a language
 // server (an edit cancels a proof of the text before it), a test. A `CancellationToken` refers to one source and has a
 // deadline of its own, so that proofs in one process stop independently of each other. Nothing here is global.
 //

@@ -8,11 +8,11 @@
 //
 // A connector whose components are all members is copied. Of any other one the member ports are left, as lazy
 // (non-urgent) steps that may be taken whenever these ports are enabled: a rendezvous of all of them, or, where
-// triggers, merged ports or other connectors decide who takes part, each subset. The guard of a rendezvous is weakened
-// to the conjuncts that members and constant data of others decide (localize_guard.hpp). Priorities only hide steps and
-// are left out, together with the urgency of what they might hide. A connector that writes data that is read, or lets
-// members resume together, cannot be localized: its components are reported as required members. Names and places in
-// the source are left out, so that equal local systems have equal texts.
+// triggers, merged ports or other connectors decide which components take part, each subset. The guard of a rendezvous
+// is weakened to the conjuncts that members and constant data of others decide (localize_guard.hpp). Priorities only
+// hide steps and are left out, together with the urgency of what they might hide. A connector that writes data that is
+// read, or lets members resume together, cannot be localized: its components are reported as required members. Names
+// and places in the source are left out, so that equal local systems have equal texts.
 #pragma once
 #include <cstdint>
 #include <functional>

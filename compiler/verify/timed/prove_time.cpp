@@ -75,7 +75,7 @@ class TimeProver {
     if (std::none_of(about.begin(), about.end(), has_clock)) {
       u32 first = 0;
       while (first < simple_.atoms.size() && !has_clock(first)) ++first;
-      if (first == simple_.atoms.size()) return fail("nobody has a clock");
+      if (first == simple_.atoms.size()) return fail("no component has a clock");
       about.push_back(first);
     }
     proof_.neighbourhoods = 1;
@@ -289,7 +289,7 @@ class TimeProver {
         return found.is_complete;
       }
       if (!add_neighbour(part, found.open, joined)) {
-        proof_.reason = about + ", and nobody else is there to look at";
+        proof_.reason = about + ", and no other component is left to look at";
         return false;
       }
     }

@@ -3,7 +3,7 @@
 // to a bound.
 //
 // One thread begins and takes jobs, the pool's threads run them; on_done is called on those. A job that is dropped runs
-// to its end unseen, for nobody can stop a C++ function. Cost: a lock and a wake-up a job.
+// to its end unseen, for a C++ function cannot be stopped. Cost: a lock and a wake-up a job.
 #pragma once
 #include <condition_variable>
 #include <deque>
@@ -44,7 +44,7 @@ class ActionPool {
   std::uint64_t begin(ActionJob job);
   /// The job as it ended; waits for that. Once.
   [[nodiscard]] ActionJob take(std::uint64_t job);
-  /// Nobody will take any of the jobs begun so far.
+  /// Forgets the jobs begun so far: none of them will be taken.
   void drop();
 
  private:

@@ -2,8 +2,8 @@
 // the atom is then at work, and offers nothing, until the action's result takes effect: all at once, at one instant.
 //
 // In logical time that is when the budget ends, and the action runs there (without a budget it is no different from
-// others). In real time it is when the action returns from a thread of the pool; a replayed run is told. Cost: a job,
-// and one look at the atom each way.
+// others). In real time it is when the action returns from a thread of the pool; a replayed run takes it from the
+// record. Cost: a job, and one look at the atom each way.
 #pragma once
 #include <vector>
 
@@ -54,7 +54,7 @@ class AsyncActions {
   bool finish_action(u32 atom);
   /// After a restored state: what runs belongs to another one.
   void restart_jobs();
-  /// Appends who is at work, and at what; reads the same, and returns what follows.
+  /// Appends the atoms at work with their actions; reads the same, and returns what follows.
   void save(std::vector<i64>& out) const;
   const i64* load(const i64* in);
   /// Of all rows.
@@ -66,7 +66,7 @@ class AsyncActions {
   CoreParts& core_;
   std::vector<AtWork> at_work_;     // by atom; empty: no type has such actions
   std::vector<u32> working_;        // those at work, in the order in which they began
-  bool waits_for_returns_ = false;  // real time, replay: somebody says when an action returns
+  bool waits_for_returns_ = false;  // real time, replay: returns come from outside
   ActionPool* pool_ = nullptr;      // where actions run; null: where they return
 };
 

@@ -1,4 +1,5 @@
-// Events from outside in the core: what waits at a port, who may take it, what happens to what nobody can take.
+// Events from outside in the core: what waits at a port, which atoms may take it, what happens to events that none can
+// take.
 //
 // A port for events is enabled while a transition of it is and an event waits; the step that takes the event writes its
 // values into the port's variables, then fires. In a state in which no transition of the port is enabled, events that

@@ -3,7 +3,7 @@
 // move, what takes part offers nothing any more) and each of its atoms is *finished* later, when its action has run
 // somewhere else.
 //
-// Begun in this order, the steps are a run of the sequential semantics: who takes part is in the state that the
+// Begun in this order, the steps are a run of the sequential semantics: each participant is in the state that the
 // completed steps before left it in, and what else the step depends on must be at rest. That is said in *groups* of
 // atoms:
 // - of a connector that is no plain rendezvous (a larger interaction might come, or its guard or `up` may fault), all
@@ -11,11 +11,11 @@
 //   below it;
 // - of priorities that chain, the atoms of all high sides and of all guards.
 // A step may begin if no atom of the groups it depends on is at work. A group with guards, or of what may fault, is
-// strict: whoever touches one of its atoms depends on it, so that every state of the group is looked at and its faults
-// are the sequential ones.
+// strict: an interaction that touches one of its atoms depends on it, so that every state of the group is looked at and
+// its faults are the sequential ones.
 //
 // Several cores may share a system: each atom's data and actions are in one of them, its home, and it is offered in at
-// most one at a time. In all others it is *away*, which is the same as being at work: whoever depends on it waits. What
+// most one at a time. In all others it is *away*, which is the same as being at work: what depends on it waits. What
 // begins a step in one core, runs in another and is offered in a third is three calls here; who makes them is said in
 // runtime/distributed.
 #pragma once
@@ -28,7 +28,7 @@
 
 namespace bip::rt {
 
-/// An atom at work: its action runs next. Between begin and finish nobody else looks at the atom's data.
+/// An atom at work: its action runs next. Between begin and finish no other code reads the atom's data.
 struct Work {
   u32 atom = kNone;
   const LinkedTransition* transition = nullptr;

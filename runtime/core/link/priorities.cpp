@@ -1,4 +1,4 @@
-// Linking priorities: who can hide whom, and the graph of rules that chain. See priorities.hpp.
+// Linking priorities: which interaction can hide which, and the graph of rules that chain. See priorities.hpp.
 //
 // Rule r chains into s if an interaction that `define` allows (it need not be enabled) matches r's high side and s's
 // low side. With explicit patterns that is: the largest interaction within s's parameters has all of r's.

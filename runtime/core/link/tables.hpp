@@ -1,5 +1,5 @@
 // What the core derives from an image once, before the first step: flat numbers for port instances, transitions by
-// place, the availability network (one counter a group of a connector's `define` tree) and who watches what.
+// place, the availability network (one counter a group of a connector's `define` tree) and what watches what.
 //
 // Cost: linear in the image, plus one plan (an expanded tree) for each connector that is not a flat rendezvous.
 // Constant afterwards; every Core of the same image could share it.

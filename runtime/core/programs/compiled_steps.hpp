@@ -58,7 +58,7 @@ struct RunRows {
 class CompiledSteps {
  public:
   explicit CompiledSteps(CoreParts& core) : core_(core) {}
-  /// Finds the runs. An interaction without one is fired by the core; if somebody might look at rules then, all
+  /// Finds the runs. An interaction without one is fired by the core; if a rule might be evaluated then, all
   /// interactions that can fire have one (derive_steps). Again after take_new_code.
   void link();
   /// Has the image step functions for this system? To run them the list must be kept.

@@ -1,6 +1,6 @@
 // A fixed team of threads that works in phases: run(job) calls job(0) … job(n-1), each on its own thread, and returns
 // when all are done. Jobs do not wait for each other. Everything that happened before run is seen by the jobs, and what
-// they did by whoever called run.
+// they did by the caller of run.
 //
 // Where the system has fewer threads to give, the caller does the jobs of those that are missing. A phase costs two
 // wake-ups, some 10 µs: for work of less than that, call the jobs one after the other.

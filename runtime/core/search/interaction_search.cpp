@@ -506,7 +506,8 @@ bool InteractionSearch::search_links(const Plan& plan) {
 }
 
 // Which rules of the group hide: those with a true guard from which a chain of such rules leads to an interaction that
-// a member of the group offers. A chain that closes is told when the rules' guards are settled (priority_state.hpp).
+// a member of the group offers. A chain that closes is reported when the rules' guards are settled
+// (priority_state.hpp).
 bool InteractionSearch::decide_inner_rules(const Plan& plan, u32 first_witness) {
   const Image& image = *core_.tables.image;
   const u32 group = plan.witnesses[first_witness].group;

@@ -92,7 +92,7 @@ class EnabledSet {
   /// Lists keep the order of their members from now on.
   void keep_order() { ordered_ = true; }
   [[nodiscard]] bool keeps_order() const { return ordered_; }
-  /// Requires a list that was started after keep_order. Who changes the open list marks what enters.
+  /// Requires a list that was started after keep_order. Code that changes the open list marks what enters.
   [[nodiscard]] MemberOrder& order() {
     BIP_ASSERT(listed_ && ordered_, "a list without order");
     return order_;
@@ -398,7 +398,7 @@ class EnabledSet {
   bool ordered_ = false;
   std::uint32_t listed_count_ = 0;
   std::vector<std::uint32_t>
-      members_;  // the first listed_count_; one more than interactions, for who writes before it looks
+      members_;  // the first listed_count_; one more than interactions, for code that writes before it looks
   std::vector<std::uint32_t> position_;  // by interaction, in members_
   std::vector<std::uint8_t> pending_;    // by interaction: in or out, contrary to the list
   std::vector<std::uint32_t> changed_;   // those, and others

@@ -1,4 +1,4 @@
-// What a core is asked with and what it answers in: options, candidates, who takes part, whole states.
+// What a core is asked with and what it answers in: options, candidates, participants, whole states.
 #pragma once
 #include "runtime/core/state/ffi_data.hpp"
 #include "runtime/core/time/interval.hpp"
@@ -20,7 +20,7 @@ struct Candidate {
   u32 atom = kNone, port = kNone;  // internal port
   u32 config = 0;                  // row among the interaction's configurations
 };
-/// Who takes part: an atom's port, or (direct participants only) the exported port of a connector.
+/// A participant: an atom's port, or (direct participants only) the exported port of a connector.
 struct Participant {
   u32 param = 0;
   u32 atom = kNone, port = kNone;

@@ -3,7 +3,7 @@
 //
 // A tournament (Knuth, The Art of Computer Programming 3, 5.4.1): a complete tree whose leaves are the rows, each node
 // the row that wins below it. A new key walks from its leaf to the root, without branches that depend on keys, and
-// stops where the winner is who it was and somebody else: O(log n), and O(1) for most keys that are later than others.
+// stops where the winner is as before and another entry: O(log n), and O(1) for most keys that are later than others.
 // A heap does a third more comparisons to take its first out.
 #pragma once
 #include <bit>

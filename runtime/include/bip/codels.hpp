@@ -1,6 +1,6 @@
 // What `bipc genom` puts around codels in C++: an exception ends its own activity, and nothing else. Header only.
 //
-// The text of an exception is kept until the reply that tells of it (compiler/serve asks for it), so at most one a
+// The text of an exception is kept until the reply with it (compiler/serve asks for it), so at most one a
 // service.
 #pragma once
 #include <cstdio>

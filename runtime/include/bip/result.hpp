@@ -5,7 +5,7 @@
 #include <utility>
 #include <variant>
 
-#include "assert.hpp"  // beside this file: who builds without the runtime has no other path to it
+#include "assert.hpp"  // beside this file: a build without the runtime has no other path to it
 
 namespace bip {
 

@@ -1,7 +1,7 @@
 // How tables stand in an image: spans of rows; and of instances, rows that follow from those before.
 //
-// Arrays of components and connectors are told once: rows whose numbers grow evenly are a first one and a slope, so a
-// model of 100,000 equal parts takes a page, names and places included. Whoever asks for a row gets it by value: O(log
+// Arrays of components and connectors are stored once: rows whose numbers grow evenly are a first one and a slope, so a
+// model of 100,000 equal parts takes a page, names and places included. A row is returned by value: O(log
 // repeats), a load without any.
 #pragma once
 #include <algorithm>

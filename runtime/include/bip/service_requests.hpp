@@ -54,7 +54,7 @@ struct ParameterText {
   std::string_view name;
   bool is_word = false;  // else it is a number
 };
-/// A service, as a mailbox tells of it: "NDD.Stop control overtakes stops=NDD.GoTo", "Battery.Use activity
+/// A service, as a mailbox describes it: "NDD.Stop control overtakes stops=NDD.GoTo", "Battery.Use activity
 /// power:number".
 struct ServiceText {
   std::string_view name;

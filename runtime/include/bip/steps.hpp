@@ -102,8 +102,8 @@ inline void set_interaction(StepState& s, std::uint32_t interaction, bool on) {
   else interaction_leaves(s, interaction);
 }
 
-/// Puts the interaction in or takes it out, as its value says, without branches: nobody can predict them. Writes beyond
-/// the list's end.
+/// Puts the interaction in or takes it out, as its value says, without branches: they are not predictable. Writes
+/// beyond the list's end.
 inline void settle_interaction(StepState& s, std::uint32_t interaction) {
   const std::uint32_t count = s.count, position = s.position[interaction];
   // All ones if so: it is not available, it is in the list, it leaves.
