@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <deque>
 #include <exception>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -23,6 +24,8 @@ namespace bip::rt {
 class FfiContext {
  public:
   FfiContext() = default;
+  /// The first row of a string that is made at run time, unless the image's are as many: tests begin near the last row.
+  explicit FfiContext(std::int32_t first) : next_(first) {}
   FfiContext(const FfiContext&) = delete;
   FfiContext& operator=(const FfiContext&) = delete;
 
@@ -31,15 +34,16 @@ class FfiContext {
     if (is_attached_) return;
     is_attached_ = true;
     for (const char* text : strings) {
-      texts_.emplace_back(text);
-      rows_.try_emplace(texts_.back(), next_++);
+      const auto row = static_cast<std::int32_t>(texts_.size());
+      rows_.try_emplace(texts_.emplace_back(text), row);
     }
+    next_ = std::max(next_, static_cast<std::int32_t>(texts_.size()));
   }
   [[nodiscard]] const char* text(std::int32_t row) const {
     const std::lock_guard guard(lock_);
     if (row < static_cast<std::int32_t>(texts_.size())) return texts_[static_cast<std::size_t>(row)].c_str();
     const auto it = made_.find(row);
-    return it != made_.end() ? it->second.c_str() : "";
+    return it != made_.end() ? it->second.text.c_str() : "";
   }
   [[nodiscard]] std::int32_t intern(std::string_view text) {
     const std::lock_guard guard(lock_);
@@ -53,24 +57,25 @@ class FfiContext {
     const std::lock_guard guard(lock_);
     return made_.size() >= enough_;
   }
-  /// Frees the strings made at run time whose rows are not in `live`, which is sorted. Rows are never used again, so
-  /// that what compares old rows with new ones finds no false equality. Requires that no row exists outside of `live`.
+  /// Frees the strings made at run time whose rows are not in `live`, which is sorted. A row is used again only when
+  /// all rows behind it have been used, so that what compares old rows with new ones finds no false equality. Requires
+  /// that no row exists outside of `live`.
   void keep_only(const std::vector<std::int32_t>& live) {
     const std::lock_guard guard(lock_);
     for (auto it = made_.begin(); it != made_.end();) {
-      if (it->first < pinned_ || std::binary_search(live.begin(), live.end(), it->first)) {
+      if (it->second.is_pinned || std::binary_search(live.begin(), live.end(), it->first)) {
         ++it;
         continue;
       }
-      rows_.erase(it->second);
+      rows_.erase(it->second.text);
       it = made_.erase(it);
     }
     enough_ = std::max(kFewStrings, 2 * made_.size());
   }
-  /// Keeps the strings of now for ever: copies of states refer to them.
+  /// Keeps the strings of now for ever: copies of states refer to them. Cost: linear in the strings made.
   void pin() {
     const std::lock_guard guard(lock_);
-    pinned_ = next_;
+    for (auto& [row, made] : made_) made.is_pinned = true;
   }
   /// What the exception that ended the last call said.
   [[nodiscard]] std::string message() const {
@@ -86,18 +91,29 @@ class FfiContext {
  private:
   static constexpr std::size_t kFewStrings = 4096;
 
+  struct Made {
+    std::string text;
+    bool is_pinned = false;
+  };
+
+  // Requires fewer than 2^31 strings at a time, which memory does not hold.
   std::int32_t make(std::string_view text) {
-    const std::int32_t row = next_++;
-    const auto made = made_.emplace(row, text).first;
-    rows_.try_emplace(made->second, row);
+    while (made_.count(next_) != 0) advance();
+    const std::int32_t row = next_;
+    advance();
+    const auto made = made_.try_emplace(row, Made{std::string(text)}).first;
+    rows_.try_emplace(made->second.text, row);
     return row;
+  }
+  void advance() {
+    const bool is_last = next_ == std::numeric_limits<std::int32_t>::max();
+    next_ = is_last ? static_cast<std::int32_t>(texts_.size()) : next_ + 1;
   }
 
   bool is_attached_ = false;
-  std::deque<std::string> texts_;                       // of the image; never moves
-  std::unordered_map<std::int32_t, std::string> made_;  // at run time, by row; nodes never move
-  std::int32_t next_ = 0;                               // the next row
-  std::int32_t pinned_ = 0;                             // rows below stay
+  std::deque<std::string> texts_;                // of the image; never moves
+  std::unordered_map<std::int32_t, Made> made_;  // at run time, by row; nodes never move
+  std::int32_t next_ = 0;                        // the next row, if it is free
   std::size_t enough_ = kFewStrings;
   std::unordered_map<std::string_view, std::int32_t> rows_;
   std::unordered_map<std::thread::id, std::string> messages_;

@@ -1,6 +1,7 @@
 // Objects of FFI types: made with the core, put to their default, saved and loaded as deep copies.
 #include <catch2/catch.hpp>
 
+#include <limits>
 #include <vector>
 
 #include "bip/ffi.hpp"
@@ -77,4 +78,24 @@ TEST_CASE("strings made at run time stand above those of the image, each once") 
   CHECK(row == 2);
   CHECK(ffi.intern("two") == row);
   CHECK(std::string(ffi.text(row)) == "two");
+}
+
+TEST_CASE("after the last row the rows of freed strings come again, and no row of a kept one") {
+  constexpr std::int32_t kLast = std::numeric_limits<std::int32_t>::max();
+  FfiContext ffi(kLast - 1);
+  ffi.attach({kTexts, 2});
+  CHECK(ffi.intern("one") == 1);
+  CHECK(ffi.intern("a") == kLast - 1);
+  CHECK(ffi.intern("b") == kLast);
+  CHECK(ffi.intern("c") == 2);
+  ffi.pin();
+  CHECK(ffi.intern("d") == 3);
+  CHECK(ffi.intern("e") == 4);
+  ffi.keep_only({4});
+  CHECK(std::string(ffi.text(kLast)) == "b");
+  CHECK(std::string(ffi.text(2)) == "c");
+  CHECK(std::string(ffi.text(3)).empty());
+  CHECK(std::string(ffi.text(4)) == "e");
+  CHECK(ffi.intern("e") == 4);
+  CHECK(ffi.intern("a") == kLast - 1);
 }
