@@ -66,6 +66,10 @@ Result<std::string> ltl_text(const verify::Formula& formula, const ConditionName
       case FormulaKind::Not: text = fmt::format("(! {})", left()); break;
       case FormulaKind::And: text = fmt::format("({} && {})", left(), right()); break;
       case FormulaKind::Or: text = fmt::format("({} || {})", left(), right()); break;
+      case FormulaKind::Previously:
+      case FormulaKind::Since:
+        wrong = "`previously`, `once`, `historically` and `since`: its formulas look ahead";
+        break;
       case FormulaKind::Next: wrong = "`next`, which its partial order reduction does not keep"; break;
       case FormulaKind::Until:
         text = left() == "true" ? fmt::format("(<> {})", right()) : fmt::format("({} U {})", left(), right());

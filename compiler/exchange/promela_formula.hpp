@@ -18,7 +18,7 @@ struct ConditionNames {
 };
 
 /// Returns the formula over macros `c0`, `c1`, …, whose definitions are added to `macros`. Failure: `happens`, `next`,
-/// and data that Promela lacks.
+/// what looks back, and data that Promela lacks.
 [[nodiscard]] Result<std::string> ltl_text(const verify::Formula& formula, const ConditionNames& names,
                                            std::string& macros);
 

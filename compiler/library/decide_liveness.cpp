@@ -1,5 +1,6 @@
 // Verdicts about properties of runs: see decide.hpp. What the graph of states cannot treat is refused by name or
 // unknown with the reason.
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,6 +13,7 @@
 #include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/pipeline/limits.hpp"
 #include "compiler/system/uses_time.hpp"
+#include "compiler/verify/evidence/counterexample_text.hpp"
 #include "compiler/verify/liveness/liveness.hpp"
 #include "compiler/verify/net/unread_data.hpp"
 #include "runtime/explore/counterexample.hpp"
@@ -73,13 +75,35 @@ std::string steps_text(const rt::Image& image, const verify::LivenessResult& fou
     is_sound = core.fire(found.choices[at]);
   }
   if (hidden != 0) text += "… and " + rt::counted(hidden, "more step") + '\n';
-  if (found.cycle == size) text += "no step is possible any more: the last state repeats for ever\n";
+  if (found.cycle == size && (!found.is_prefix || found.has_ended))
+    text += "no step is possible any more: the last state repeats for ever\n";
   return text;
+}
+
+// What the property reads of the state in which the run violates it.
+std::string last_state_text(const rt::Image& image, const verify::Question& question,
+                            const verify::LivenessResult& found) {
+  rt::Core core(image);
+  bool is_sound = core.initialize();
+  for (std::size_t at = 0; at < found.choices.size() && is_sound; ++at) is_sound = core.fire(found.choices[at]);
+  std::vector<std::uint32_t> atoms;
+  for (const verify::Property& condition : question.formula.states) {
+    const std::vector<std::uint32_t> own = verify::atoms_of(condition);
+    atoms.insert(atoms.end(), own.begin(), own.end());
+  }
+  std::sort(atoms.begin(), atoms.end());
+  atoms.erase(std::unique(atoms.begin(), atoms.end()), atoms.end());
+  return is_sound ? verify::atoms_text(core, atoms) : std::string();
 }
 
 std::string violated_text(const rt::Image& image, const verify::Question& question, const VerifyRequest& request,
                           const verify::LivenessResult& found) {
   std::string text = steps_text(image, found, kStepsShown);
+  if (found.is_prefix)
+    return text +
+           fmt::format("violated[V0005]: `{}`   ({})\n", question.formula.text,
+                       rt::counted(found.choices.size(), "step")) +
+           last_state_text(image, question, found);
   text += fmt::format("violated[V0005]: `{}`   ({}; {})\n", question.formula.text,
                       rt::counted(found.choices.size(), "step"), fairness_text(request.fairness));
   if (found.holds_under)
@@ -110,13 +134,17 @@ Verdict decide_liveness(const VerifyRequest& request, Compilation& c, const veri
   }
   nlohmann::ordered_json json{{"format", "bipc-verdict"}, {"version", 1}};
   const std::string states = rt::counted(found.states, "reachable state");
+  // Finite runs decide it, so fairness does not matter.
+  const bool is_invariant = verify::is_invariant_of_past(question.formula);
   switch (found.outcome) {
     case verify::Outcome::Holds:
       verdict.exit_code = kOk;
-      verdict.text = found.states == 0
-                         ? fmt::format("holds: `{}`: true of any run of any model\n", question.formula.text)
-                         : fmt::format("holds: `{}`: true of all runs through {} ({})\n", question.formula.text, states,
-                                       fairness_text(request.fairness));
+      verdict.text =
+          found.states == 0 ? fmt::format("holds: `{}`: true of any run of any model\n", question.formula.text)
+          : is_invariant
+              ? fmt::format("holds: `{}`: true at each point of all runs through {}\n", question.formula.text, states)
+              : fmt::format("holds: `{}`: true of all runs through {} ({})\n", question.formula.text, states,
+                            fairness_text(request.fairness));
       if (found.has_errors) verdict.text += kEndsInError;
       json["verdict"] = "holds";
       break;
@@ -134,18 +162,19 @@ Verdict decide_liveness(const VerifyRequest& request, Compilation& c, const veri
   }
   verdict.text += note;
   json["property"] = question.formula.text;
-  json["fairness"] = verify::name_of(request.fairness);
+  if (!is_invariant) json["fairness"] = verify::name_of(request.fairness);
   if (found.outcome == verify::Outcome::Holds) json["method"] = "runs";
   if (found.states != 0) json["states"] = found.states;
   if (found.outcome == verify::Outcome::Violated) {
     json["steps"] = found.choices.size();
     json["choices"] = found.choices;
-    json["cycle"] = found.cycle;
+    if (!found.is_prefix) json["cycle"] = found.cycle;
     if (found.holds_under) json["holds_under"] = verify::name_of(*found.holds_under);
     if (request.wants_run)
       add_run(json, rt::counterexample_json(c.lowered->image, rt::MaximalProgress::On, rt::CounterexampleEnd::State,
                                             rt::at_once(found.choices)));
-    FoundRun run{rt::CounterexampleEnd::State, rt::at_once(found.choices), {}, found.cycle};
+    FoundRun run{rt::CounterexampleEnd::State, rt::at_once(found.choices), {}, std::nullopt};
+    if (!found.is_prefix) run.cycle = found.cycle;
     // While the image has its code.
     if (request.wants_trace)
       run.trace =

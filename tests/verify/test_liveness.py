@@ -4,8 +4,8 @@
     tests/verify/test_liveness.py [COUNT] [FROM]     COUNT systems (default 150) from seed FROM (default 1)
 
 Each system is asked three properties, each with one kind of fairness. The oracle enumerates states by semantics of its own and
-decides by another method: positions of a run are (state, step, promises for the next position), truth comes from the promises
-(Lichtenstein, Pnueli 1985), and strong fairness by trying every set of interactions that are impossible from some point on. A
+decides by another method: positions of a run are (state, what was true at the position before, step, promises for the next
+position), truth comes from the memory and the promises (Lichtenstein, Pnueli 1985), and strong fairness by trying every set of interactions that are impossible from some point on. A
 violation that bipc reports is followed step by step: the cycle must close, be fair, and violate the property. Prints the text of
 a system with another answer. BIPC names the program, JOBS the number of processes. Python's library only. To see it go red: let
 `covers` in compiler/verify/liveness/automaton.cpp ignore `postponed`, or count no unit in `is_accepting` of components.cpp.
@@ -177,13 +177,26 @@ def random_condition(r, atoms, connectors):
     return kind, r.randrange(len(connectors))
 
 
-def random_formula(r, atoms, connectors, depth):
+AHEAD = ["next", "always", "eventually", "eventually", "always", "never", "until", "until", "unless", "leads to"]
+BACK = ["previously", "once", "historically", "since"]
+UNARY = {"!", "next", "always", "eventually", "never", "previously", "once", "historically"}
+
+
+def random_formula(r, atoms, connectors, depth, kinds=AHEAD + BACK):
     if depth == 0 or r.random() < 0.15:
         return "is", random_condition(r, atoms, connectors)
+    kind = r.choice(["!", "&&", "||", "implies"] + kinds)
     def part():
-        return random_formula(r, atoms, connectors, depth - 1)
-    kind = r.choice(["!", "&&", "||", "implies", "next", "always", "eventually", "eventually", "always", "never", "until", "until", "unless", "leads to"])
-    return (kind, part()) if kind in ("!", "next", "always", "eventually", "never") else (kind, part(), part())
+        return random_formula(r, atoms, connectors, depth - 1, BACK if kind in BACK else kinds)
+    return (kind, part()) if kind in UNARY else (kind, part(), part())
+
+
+def looks(f, words):
+    return f[0] in words or f[0] not in ("is", "true") and any(looks(part, words) for part in f[1:])
+
+
+def is_invariant_of_past(f):
+    return f[0] in ("always", "never") and looks(f[1], BACK) and not looks(f[1], AHEAD)
 
 
 def is_temporal(f):
@@ -202,7 +215,7 @@ TRUE = ("true",)
 
 
 def core_of(f):
-    """The same by `!`, `&&`, `next` and `until` alone."""
+    """The same by `!`, `&&`, `next`, `until`, `previously` and `since` alone."""
     if f[0] == "is":
         return f
     parts = [core_of(part) for part in f[1:]]
@@ -217,6 +230,8 @@ def core_of(f):
         return no(eventually(no(x)))
     return {"!": lambda: no(a), "&&": lambda: ("&&", a, b), "||": lambda: either(a, b), "implies": lambda: either(no(a), b), "next": lambda: ("next", a),
             "always": lambda: always(a), "never": lambda: always(no(a)), "eventually": lambda: eventually(a), "until": lambda: ("until", a, b),
+            "previously": lambda: ("previously", a), "since": lambda: ("since", a, b), "once": lambda: ("since", TRUE, a),
+            "historically": lambda: no(("since", TRUE, no(a))),
             "unless": lambda: either(("until", a, b), always(a)), "leads to": lambda: always(either(no(a), eventually(b)))}[f[0]]()
 
 
@@ -282,39 +297,64 @@ def is_violated(graph, formula, fairness):
     """Is there a fair run on which the formula is false? None: too large."""
     parts = parts_of(core_of(formula), [])
     promised = [f for f in parts if f[0] in ("next", "until")]
-    if sum(map(len, graph.steps)) << len(promised) > MOST_NODES:
+    backward = [f for f in parts if f[0] in ("previously", "since")]
+    remembered = [f[1] if f[0] == "previously" else f for f in backward]
+
+    def values(state, memory, step, later):
+        value = {}
+        for f in parts:
+            if f[0] == "true":
+                value[f] = True
+            elif f[0] == "is":
+                value[f] = graph.atom_holds(f[1], state, step)
+            elif f[0] == "!":
+                value[f] = not value[f[1]]
+            elif f[0] == "&&":
+                value[f] = value[f[1]] and value[f[2]]
+            elif f[0] == "next":
+                value[f] = later.get(f, False)
+            elif f[0] == "until":
+                value[f] = value[f[2]] or (value[f[1]] and later.get(f, False))
+            else:
+                before = memory[backward.index(f)]
+                value[f] = before if f[0] == "previously" else value[f[2]] or (value[f[1]] and before)
+        return value
+
+    # What looks back does not read promises: the memories that runs bring along first.
+    def goes_to(state, memory, step):
+        value = values(state, memory, step, {})
+        return state if step.label is None else step.target, tuple(value[f] for f in remembered)
+    first = 0, (False,) * len(backward)
+    places, rows = [first], {first}
+    for state, memory in places:
+        for step in graph.steps[state]:
+            to = goes_to(state, memory, step)
+            if to not in rows:
+                rows.add(to)
+                places.append(to)
+    if is_invariant_of_past(formula):
+        # A point shows it: a state with the step that follows. Where all steps end in errors nothing happens.
+        inner = core_of(formula[1])
+        return any(values(state, memory, step, {})[inner] == (formula[0] == "never")
+                   for state, memory in places for step in graph.steps[state] or [END])
+    if sum(len(graph.steps[state]) for state, _ in places) << len(promised) > MOST_NODES:
         return None
     truth = {}
-    for state, steps in enumerate(graph.steps):
-        for number, step in enumerate(steps):
+    for place in places:
+        for number, step in enumerate(graph.steps[place[0]]):
             for bits in itertools.product((False, True), repeat=len(promised)):
-                later, value = dict(zip(promised, bits)), {}
-                for f in parts:
-                    if f[0] == "true":
-                        value[f] = True
-                    elif f[0] == "is":
-                        value[f] = graph.atom_holds(f[1], state, step)
-                    elif f[0] == "!":
-                        value[f] = not value[f[1]]
-                    elif f[0] == "&&":
-                        value[f] = value[f[1]] and value[f[2]]
-                    elif f[0] == "next":
-                        value[f] = later[f]
-                    else:
-                        value[f] = value[f[2]] or (value[f[1]] and later[f])
-                truth[state, number, bits] = value
-    at_state = collections.defaultdict(list)
+                truth[place[0], number, bits, place[1]] = values(*place, step, dict(zip(promised, bits)))
+    at_place = collections.defaultdict(list)
     for node in truth:
-        at_state[node[0]].append(node)
+        at_place[node[0], node[3]].append(node)
     following = {}
     for node, value in truth.items():
-        state, number, bits = node
+        state, number, bits, memory = node
         step = graph.steps[state][number]
-        to = state if step.label is None else step.target
-        following[node] = [other for other in at_state[to]
+        following[node] = [other for other in at_place[goes_to(state, memory, step)]
                            if all(bits[k] == truth[other][f[1] if f[0] == "next" else f] for k, f in enumerate(promised))]
     root = parts[-1]
-    reached = {node for node in at_state[0] if not truth[node][root]}
+    reached = {node for node in at_place[first] if not truth[node][root]}
     todo = list(reached)
     while todo:
         for to in following[todo.pop()]:
@@ -349,6 +389,10 @@ def is_violated(graph, formula, fairness):
 def value_on_lasso(graph, formula, states, steps, cycle):
     """Truth at position 0, by positions that are followed for as long as anything can change."""
     size = len(states)
+    # The memory of what looks back settles within a round for each operator.
+    extra = sum(f[0] in ("previously", "since") for f in parts_of(core_of(formula), [])) * (size - cycle)
+    states, steps = ([row[at] if at < size else row[cycle + (at - cycle) % (size - cycle)] for at in range(size + extra)] for row in (states, steps))
+    cycle, size = cycle + extra, size + extra
     def after(at):
         return at + 1 if at + 1 < size else cycle
     known = {}
@@ -364,6 +408,11 @@ def value_on_lasso(graph, formula, states, steps, cycle):
                 known[f] = [v and w for v, w in zip(holds(f[1]), holds(f[2]))]
             elif f[0] == "next":
                 known[f] = [holds(f[1])[after(at)] for at in range(size)]
+            elif f[0] == "previously":
+                known[f] = [at > 0 and holds(f[1])[at - 1] for at in range(size)]
+            elif f[0] == "since":
+                left, right = holds(f[1]), holds(f[2])
+                known[f] = [any(right[start] and all(left[start + 1:at + 1]) for start in range(at + 1)) for at in range(size)]
             else:
                 left, right, row = holds(f[1]), holds(f[2]), []
                 for start in range(size):
@@ -389,8 +438,10 @@ def follow(graph, formula, fairness, verdict):
     lines = STEP_LINE.findall(verdict["text"])
     if len(lines) != verdict["steps"] or [int(n) for n, _, _ in lines] != list(range(len(lines))):
         return "its steps are not all printed"
+    is_prefix = "cycle" not in verdict
     labels = [(int(connector), tuple(sorted((int(a), int(p)) for a, p in re.findall(r"\ba(\d+)\.p(\d+)", ports)))) for _, connector, ports in lines]
-    stem, repeated = labels[:verdict["cycle"]], labels[verdict["cycle"]:]
+    whole = len(labels) if is_prefix else verdict["cycle"]
+    stem, repeated = labels[:whole], labels[whole:]
     state, states, steps, rounds = 0, [], [], {}
     # Data that nothing reads may differ from round to round: round by round until a state comes again.
     for part in itertools.chain([stem], itertools.repeat(repeated)):
@@ -405,6 +456,18 @@ def follow(graph, formula, fairness, verdict):
             break
         rounds[state] = len(states)
     cycle = rounds.get(state, len(states))
+    if is_prefix:
+        # The last step violates it, or the state after it, whatever the step that follows.
+        def is_violated_at_end(states, steps):
+            wrong = formula[1] if formula[0] == "never" else ("!", formula[1])
+            for _ in states[1:]:
+                wrong = "next", wrong
+            return bool(states) and value_on_lasso(graph, wrong, states, steps, len(states) - 1)
+        by_state = all(is_violated_at_end(states + [state], steps + [step]) for step in graph.steps[state] or [END])
+        # After the end its last state repeats.
+        repeats = range(2, 2 + len(parts_of(core_of(formula), []))) if graph.steps[state] == [END] else []
+        by_repeats = any(is_violated_at_end(states + [state] * n, steps + [END] * n) for n in repeats)
+        return "" if by_state or by_repeats or is_violated_at_end(states, steps) else "the run does not violate the property"
     if not repeated:
         if graph.steps[state] != [END]:
             return "the run goes on"
@@ -434,6 +497,8 @@ def check(seed):
         pathlib.Path(path).write_text(text)
         for _ in range(PROPERTIES_OF_A_SYSTEM):
             formula = random_formula(r, atoms, connectors, r.choice([1, 2, 2, 3]))
+            if looks(formula, BACK) and not looks(formula, AHEAD):
+                formula = r.choice(["always", "never"]), formula  # else it asks for the past of the beginning
             if not is_temporal(formula):
                 formula = (r.choice(["eventually", "always"]), ("next", formula))
             if formula[0] in ("always", "never") and not is_temporal(formula[1]):
@@ -452,7 +517,8 @@ def check(seed):
                 kinds.append("refused")
                 problems.append(f"`{asked}` --fair={fairness}: {done.stderr}")
                 continue
-            kinds.append(f"{fairness.split(':')[0]} {verdict['verdict']}")
+            kinds.append(f"{'invariant of past' if is_invariant_of_past(formula) else fairness.split(':')[0]} {verdict['verdict']}")
+            kinds += ["looks back"] if looks(formula, BACK) else []
             wanted = "violated" if expected else "holds"
             difference = ""
             if verdict["verdict"] != wanted:
@@ -479,7 +545,7 @@ def main():
                 print(difference)
     print(", ".join(f"{kind}: {n}" for kind, n in sorted(kinds.items())))
     # What decides nothing is no test.
-    needed = [f"{kind} {verdict}" for kind in ("none", "weak", "strong") for verdict in ("holds", "violated")]
+    needed = [f"{kind} {verdict}" for kind in ("none", "weak", "strong", "invariant of past") for verdict in ("holds", "violated")]
     if count >= 100 and (kinds["large"] > count or any(kinds[kind] < count // 20 for kind in needed)):
         bad += 1
         print("too few questions of some kind")

@@ -58,8 +58,13 @@ std::string error_text(const rt::Core& core, std::size_t steps) {
 }  // namespace
 
 std::string broken_state(const rt::Core& core, const Property& property, std::size_t steps) {
-  std::string out = "violated[V0002]: `" + property.text + "`   (" + where(core, steps) + '\n';
-  for (u32 atom : atoms_of(property)) {
+  return "violated[V0002]: `" + property.text + "`   (" + where(core, steps) + '\n' +
+         atoms_text(core, atoms_of(property));
+}
+
+std::string atoms_text(const rt::Core& core, const std::vector<u32>& atoms) {
+  std::string out;
+  for (const u32 atom : atoms) {
     const rt::Atom& row = core.image().atoms[atom];
     out += std::string("  ") + rt::relative(row.path().c_str()) + " at `" + rt::places_of(core, atom) + "`  ";
     rt::append_line(out, core.image(), row.loc);

@@ -30,6 +30,18 @@ struct NormalNode {
   friend auto operator<=>(const NormalNode&, const NormalNode&) = default;
 };
 
+// Of a position the automaton reads conditions on its state, on its step, and then the values of the operators that
+// look back: bits in this order. By node of the formula; others have none.
+std::vector<FormulaRow> bits_of_past(const Formula& formula) {
+  std::vector<FormulaRow> bits(formula.nodes.size(), kNoSuccessor);
+  auto next = static_cast<FormulaRow>(formula.states.size() + formula.steps.size());
+  for (std::size_t row = 0; row < formula.nodes.size(); ++row) {
+    if (looks_back(formula.nodes[row].kind)) bits[row] = next++;
+  }
+  BIP_ASSERT(next <= 64, "{} conditions and operators of the past", next);
+  return bits;
+}
+
 class NormalForms {
  public:
   NormalForms() {
@@ -42,6 +54,7 @@ class NormalForms {
 
   FormulaRow of(const Formula& formula, bool is_negated) {
     made_.assign(2 * formula.nodes.size(), kNone);
+    bit_of_past_ = bits_of_past(formula);
     return make(formula, formula.root, is_negated);
   }
 
@@ -124,6 +137,9 @@ class NormalForms {
         return (node.kind == FormulaKind::And) != is_negated ? make_and(a, b) : make_or(a, b);
       }
       case FormulaKind::Next: return make_next(part(node.a));
+      case FormulaKind::Previously:
+      case FormulaKind::Since:
+        return add({.kind = NormalKind::Literal, .bit = bit_of_past_[row], .is_negated = is_negated});
       case FormulaKind::Until:
       case FormulaKind::Release: {
         const FormulaRow a = part(node.a), b = part(node.b);
@@ -136,6 +152,7 @@ class NormalForms {
   std::vector<NormalNode> nodes_;
   std::map<NormalNode, FormulaRow> rows_;
   std::vector<FormulaRow> made_;  // by node of the formula, twice: as it is, negated
+  std::vector<FormulaRow> bit_of_past_;
 };
 
 // A set of formulas, sorted.
@@ -430,7 +447,176 @@ void drop_implied_marks(Automaton& automaton) {
   }
 }
 
+// Does the state accept whatever follows?
+bool accepts_all(const Automaton& automaton, FormulaRow state) {
+  const std::vector<AutomatonEdge>& edges = automaton.edges[state];
+  return std::any_of(edges.begin(), edges.end(), [&](const AutomatonEdge& edge) {
+    return edge.required == 0 && edge.forbidden == 0 && edge.to == state && edge.marks == automaton.marks;
+  });
+}
+
+// A deterministic monitor of the operators that look back: one bit for each, which the next position reads (Havelund,
+// Rosu 2002). It runs beside the automaton, whose edges require values of these operators; what is left requires
+// conditions alone. A position is followed by cases: conditions are decided one by one until all values are known that
+// the edge and the next bits need.
+class PastMonitor {
+ public:
+  PastMonitor(const Formula& formula, const Automaton& automaton)
+      : formula_(formula), automaton_(automaton), bit_of_past_(bits_of_past(formula)) {
+    const std::size_t conditions = formula.states.size() + formula.steps.size();
+    of_conditions_ = conditions == 64 ? ~ConditionMask{0} : (ConditionMask{1} << conditions) - 1;
+    for (FormulaRow row = 0; row < formula.nodes.size(); ++row) {
+      if (looks_back(formula.nodes[row].kind)) past_.push_back(row);
+    }
+  }
+
+  Result<Automaton> run() {
+    made_.marks = automaton_.marks;
+    (void)state_of({0, 0});
+    for (FormulaRow at = 0; at < states_.size(); ++at) {
+      const State from = states_[at];
+      std::vector<AutomatonEdge> edges;
+      for (const AutomatonEdge& edge : automaton_.edges[from.automaton]) follow(from, edge, edges);
+      std::sort(edges.begin(), edges.end());
+      edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+      edges_ += edges.size();
+      made_.edges[at] = std::move(edges);
+      if (states_.size() > kMaxStates)
+        return Failure{"the property needs an automaton with more than " + std::to_string(kMaxStates) + " states"};
+      if (edges_ > kMaxBranches || cases_ > kMaxBranches) return Failure{"the property has too many alternatives"};
+    }
+    return std::move(made_);
+  }
+
+ private:
+  // `past`: by bit, as the position before left it.
+  struct State {
+    FormulaRow automaton = 0;
+    ConditionMask past = 0;
+    friend auto operator<=>(const State&, const State&) = default;
+  };
+  enum class Truth : std::uint8_t { False, True, Open };
+
+  FormulaRow state_of(const State& state) {
+    const auto [at, is_new] = row_of_state_.try_emplace(state, static_cast<FormulaRow>(states_.size()));
+    if (is_new) {
+      states_.push_back(state);
+      made_.edges.emplace_back();
+    }
+    return at->second;
+  }
+  static Truth negated_truth(Truth a) {
+    return a == Truth::Open ? Truth::Open : a == Truth::True ? Truth::False : Truth::True;
+  }
+  static Truth both(Truth a, Truth b) {
+    if (a == Truth::False || b == Truth::False) return Truth::False;
+    return a == Truth::True && b == Truth::True ? Truth::True : Truth::Open;
+  }
+  static Truth either(Truth a, Truth b) { return negated_truth(both(negated_truth(a), negated_truth(b))); }
+  [[nodiscard]] Truth known(ConditionMask required, ConditionMask forbidden, FormulaRow bit) const {
+    const ConditionMask mask = ConditionMask{1} << bit;
+    return (required & mask) != 0 ? Truth::True : (forbidden & mask) != 0 ? Truth::False : Truth::Open;
+  }
+
+  // Of the nodes that look back or stand below one that does. Nodes that look ahead stand above them only.
+  void evaluate(ConditionMask past, ConditionMask required, ConditionMask forbidden) {
+    const auto steps = static_cast<FormulaRow>(formula_.states.size());
+    truth_.assign(formula_.nodes.size(), Truth::Open);
+    for (FormulaRow row = 0; row < formula_.nodes.size(); ++row) {
+      const FormulaNode& node = formula_.nodes[row];
+      const Truth a = truth_[node.a], b = truth_[node.b];
+      Truth& value = truth_[row];
+      switch (node.kind) {
+        case FormulaKind::Constant: value = node.value ? Truth::True : Truth::False; break;
+        case FormulaKind::State: value = known(required, forbidden, node.row); break;
+        case FormulaKind::Step: value = known(required, forbidden, steps + node.row); break;
+        case FormulaKind::Not: value = negated_truth(a); break;
+        case FormulaKind::And: value = both(a, b); break;
+        case FormulaKind::Or: value = either(a, b); break;
+        case FormulaKind::Previously: value = carried(past, row); break;
+        case FormulaKind::Since: value = either(b, both(a, carried(past, row))); break;
+        case FormulaKind::Next:
+        case FormulaKind::Until:
+        case FormulaKind::Release: break;
+      }
+    }
+  }
+  [[nodiscard]] Truth carried(ConditionMask past, FormulaRow row) const {
+    return (past >> bit_of_past_[row] & 1) != 0 ? Truth::True : Truth::False;
+  }
+  // What the next position reads of the operator.
+  [[nodiscard]] Truth left_by(FormulaRow row) const {
+    return truth_[formula_.nodes[row].kind == FormulaKind::Previously ? formula_.nodes[row].a : row];
+  }
+  // A condition on which the node's value still depends.
+  [[nodiscard]] FormulaRow open_condition(FormulaRow row) const {
+    const auto steps = static_cast<FormulaRow>(formula_.states.size());
+    for (;;) {
+      const FormulaNode& node = formula_.nodes[row];
+      BIP_ASSERT(truth_[row] == Truth::Open && !looks_ahead(node.kind), "node {} depends on no condition", row);
+      if (node.kind == FormulaKind::State) return node.row;
+      if (node.kind == FormulaKind::Step) return steps + node.row;
+      // Of `since` the right side first: where nothing is carried the left one does not matter.
+      const bool is_right =
+          truth_[node.a] != Truth::Open || (node.kind == FormulaKind::Since && truth_[node.b] == Truth::Open);
+      row = is_right ? node.b : node.a;
+    }
+  }
+
+  void follow(const State& from, const AutomatonEdge& edge, std::vector<AutomatonEdge>& edges) {
+    const bool ends_here = accepts_all(automaton_, edge.to);
+    struct Case {
+      ConditionMask required, forbidden;
+    };
+    std::vector<Case> open{{edge.required & of_conditions_, edge.forbidden & of_conditions_}};
+    while (!open.empty() && cases_ <= kMaxBranches) {
+      const Case at = open.back();
+      open.pop_back();
+      ++cases_;
+      evaluate(from.past, at.required, at.forbidden);
+      bool is_possible = true;
+      FormulaRow undecided = kNoSuccessor;
+      ConditionMask next = 0;
+      for (const FormulaRow row : past_) {
+        const ConditionMask bit = ConditionMask{1} << bit_of_past_[row];
+        if (((edge.required | edge.forbidden) & bit) != 0) {
+          const Truth wanted = (edge.required & bit) != 0 ? Truth::True : Truth::False;
+          if (truth_[row] == Truth::Open) undecided = row;
+          else is_possible = is_possible && truth_[row] == wanted;
+        }
+        // What follows such an edge does not matter.
+        if (ends_here) continue;
+        const Truth left = left_by(row);
+        if (left == Truth::True) next |= bit;
+        if (left == Truth::Open)
+          undecided = formula_.nodes[row].kind == FormulaKind::Previously ? formula_.nodes[row].a : row;
+      }
+      if (!is_possible) continue;
+      if (undecided == kNoSuccessor) {
+        edges.push_back({at.required, at.forbidden, state_of({edge.to, next}), edge.marks});
+        continue;
+      }
+      const ConditionMask condition = ConditionMask{1} << open_condition(undecided);
+      open.push_back({at.required | condition, at.forbidden});
+      open.push_back({at.required, at.forbidden | condition});
+    }
+  }
+
+  const Formula& formula_;
+  const Automaton& automaton_;
+  const std::vector<FormulaRow> bit_of_past_;
+  std::vector<FormulaRow> past_;  // nodes
+  ConditionMask of_conditions_ = 0;
+  std::map<State, FormulaRow> row_of_state_;
+  std::vector<State> states_;
+  Automaton made_;
+  std::size_t edges_ = 0, cases_ = 0;
+  std::vector<Truth> truth_;  // by node
+};
+
 }  // namespace
+
+bool Automaton::accepts_whatever_follows(std::uint32_t state) const { return accepts_all(*this, state); }
 
 Result<Automaton> make_automaton(const Formula& formula, bool is_negated) {
   Result<Automaton> made = Tableau().run(formula, is_negated);
@@ -438,6 +624,16 @@ Result<Automaton> make_automaton(const Formula& formula, bool is_negated) {
   prune(*made);
   if (made->is_empty()) return made;
   join_equal_states(*made);
+  const bool has_past = std::any_of(formula.nodes.begin(), formula.nodes.end(),
+                                    [](const FormulaNode& node) { return looks_back(node.kind); });
+  if (has_past) {
+    const Automaton ahead = std::move(*made);
+    made = PastMonitor(formula, ahead).run();
+    if (!made) return made;
+    prune(*made);
+    if (made->is_empty()) return made;
+    join_equal_states(*made);
+  }
   drop_implied_marks(*made);
   join_equal_states(*made);
   // Joined states have other components.

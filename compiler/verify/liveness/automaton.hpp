@@ -3,8 +3,9 @@
 // Acceptance is on edges: a run of the automaton accepts if each mark is on infinitely many of its edges. Made by a
 // tableau whose states are sets of formulas that the rest of the run has to satisfy (Gerth, Peled, Vardi, Wolper 1995,
 // with marks on edges as in Couvreur 1999); then edges that others cover, states from which nothing accepts, states
-// that are bisimilar and marks that others imply are removed. Size: exponential in the formula in the worst case, 2 or
-// 3 states for the usual ones.
+// that are bisimilar and marks that others imply are removed. Operators that look back are bits of a deterministic
+// monitor that runs beside the tableau's automaton (Havelund, Rosu 2002). Size: exponential in the formula in the worst
+// case, 2 or 3 states for the usual ones.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -27,6 +28,8 @@ struct Automaton {
   std::uint32_t marks = 0;                        // all of them
   /// Has no run at all that it accepts.
   [[nodiscard]] bool is_empty() const { return edges.empty(); }
+  /// Has the state an edge to itself that requires nothing and has all marks?
+  [[nodiscard]] bool accepts_whatever_follows(std::uint32_t state) const;
 };
 
 /// Makes the automaton of the formula, or of its negation. The error says which limit it exceeds.

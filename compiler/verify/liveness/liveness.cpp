@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "compiler/verify/liveness/automaton.hpp"
+#include "compiler/verify/liveness/bad_prefix.hpp"
 #include "compiler/verify/liveness/components.hpp"
 #include "compiler/verify/liveness/lasso.hpp"
 #include "compiler/verify/liveness/product.hpp"
@@ -57,6 +58,20 @@ class LassoReplay {
     }
     note_position(0);
     return core_.candidate_count() == 0;
+  }
+  /// The same of a run that needs no end. The last position is that of its last state, or of its last step.
+  bool run(const BadPrefix& prefix) {
+    if (!core_.initialize()) return false;
+    for (const LassoStep& step : prefix.steps) {
+      if (!take(step)) return false;
+    }
+    const std::uint32_t more = prefix.repeats + (prefix.ends_with_step ? 0 : 1);
+    for (std::uint32_t k = 0; k < more; ++k) note_position(0);
+    return prefix.repeats == 0 || core_.candidate_count() == 0;
+  }
+  /// Of an invariant, at the last position.
+  [[nodiscard]] bool violates_at_last() const {
+    return !holds_at_last(formula_, formula_.nodes[formula_.root].b, states_, steps_);
   }
   [[nodiscard]] bool violates() const { return !holds_on_lasso(formula_, states_, steps_, cycle_); }
   [[nodiscard]] bool is_fair(const Fairness& fairness) const {
@@ -156,6 +171,15 @@ class LivenessDecision {
       count();
       if (!has_room()) return unknown("the memory does not suffice");
       const Product product(graph_, automaton_, formula_);
+      if (is_invariant_of_past(formula_)) {
+        const BadPrefix prefix = find_bad_prefix(product, options_.cancellation);
+        result_.nodes = prefix.visited;
+        if (prefix.end == BadPrefix::End::Stopped) return unknown(reason_of(rt::ExploreEnd::Stopped));
+        if (prefix.end == BadPrefix::End::Found) return violated(prefix);
+        if (end != rt::ExploreEnd::Complete) return unknown(reason_of(end));
+        if (graph_.is_complete()) break;
+        continue;
+      }
       const AcceptingComponent found = find_accepting_component(product, options_.fairness, options_.cancellation);
       result_.nodes = found.visited;
       if (found.end == AcceptingComponent::End::Stopped) return unknown(reason_of(rt::ExploreEnd::Stopped));
@@ -189,6 +213,17 @@ class LivenessDecision {
   LivenessResult unknown(const std::string& reason) {
     result_.outcome = Outcome::Unknown;
     result_.reason = reason;
+    return std::move(result_);
+  }
+  LivenessResult violated(const BadPrefix& prefix) {
+    LassoReplay replay(formula_, image_, graph_);
+    if (!replay.run(prefix) || !replay.violates_at_last())
+      return unknown("a run that was found could not be confirmed");
+    result_.outcome = Outcome::Violated;
+    result_.choices = replay.choices();
+    result_.cycle = result_.choices.size();
+    result_.is_prefix = true;
+    result_.has_ended = prefix.repeats != 0;
     return std::move(result_);
   }
   LivenessResult violated(const Lasso& lasso) {

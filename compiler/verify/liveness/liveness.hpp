@@ -1,9 +1,10 @@
 // Decides a property of runs on the graph of all reachable states: is there a fair run that violates it?
 //
 // The automaton of the negated formula runs beside the system (product.hpp); a strong component with an accepting and
-// fair cycle is a violation (components.hpp). The graph grows in rounds, so that a violation near the initial state is
-// found without the rest. A violating run is taken by a core from the initial state, the formula is evaluated on it
-// anew, without the automaton, and its fairness is checked by the core's candidates before it is reported.
+// fair cycle is a violation (components.hpp); of an invariant that looks back, a finite run (bad_prefix.hpp). The graph
+// grows in rounds, so that a violation near the initial state is found without the rest. A violating run is taken by a
+// core from the initial state, the formula is evaluated on it anew, without the automaton, and its fairness is checked
+// by the core's candidates before it is reported.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -33,6 +34,8 @@ struct LivenessResult {
   bool has_errors = false;              // a step of the graph ends in a run-time error
   std::vector<std::uint64_t> choices;   // Violated: numbers of candidates, each among those of its state
   std::size_t cycle = 0;                // the choices from here on repeat; none: the run ends there
+  bool is_prefix = false;               // Violated: whatever follows; nothing repeats
+  bool has_ended = false;               // is_prefix: but the last state, for the run has ended
   std::optional<Fairness> holds_under;  // Violated: it holds if runs are fair in this sense
 };
 

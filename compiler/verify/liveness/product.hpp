@@ -43,6 +43,22 @@ class Product {
   /// Is the automaton's state on a cycle with all marks?
   [[nodiscard]] bool may_accept(Node node) const { return automaton_.may_accept[node % width_] != 0; }
 
+  /// Does the node accept whatever follows? Then runs that come here violate the formula, and so does what led here.
+  [[nodiscard]] bool is_decided(Node node) const { return is_decided_[node % width_] != 0; }
+  /// Has the node, of an expanded state, an edge to a decided one that its state alone allows, whatever the step? Where
+  /// all steps end in errors nothing happens.
+  [[nodiscard]] bool is_decided_by_state(Node node) const {
+    const std::uint32_t state = state_of(node);
+    if (state >= graph_.expanded()) return false;
+    const Slice own = slice(node);
+    const bool has_steps = graph_.first_step(state) != graph_.end_of_steps(state);
+    for (std::uint32_t row = own.first; row < own.end; ++row) {
+      const AutomatonEdge& match = matches_[row];
+      if (match.required == 0 && (match.forbidden == 0 || !has_steps) && is_decided_[match.to] != 0) return true;
+    }
+    return false;
+  }
+
   [[nodiscard]] Cursor first_edge(Node node) const {
     const std::uint32_t state = state_of(node);
     if (state >= graph_.expanded()) return {};
@@ -85,9 +101,10 @@ class Product {
   const rt::StateGraph& graph_;
   const Automaton& automaton_;
   const std::uint32_t width_;
-  std::vector<AutomatonEdge> matches_;  // with their conditions on steps alone
-  std::vector<Slice> slices_;           // by valuation and automaton state: rows of matches_
-  std::vector<std::uint64_t> happens_;  // by label: conditions on steps, in the automaton's bits
+  std::vector<AutomatonEdge> matches_;    // with their conditions on steps alone
+  std::vector<Slice> slices_;             // by valuation and automaton state: rows of matches_
+  std::vector<std::uint8_t> is_decided_;  // by state of the automaton
+  std::vector<std::uint64_t> happens_;    // by label: conditions on steps, in the automaton's bits
 };
 
 }  // namespace bip::verify

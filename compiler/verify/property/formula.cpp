@@ -25,7 +25,9 @@ class FormulaMaker {
 
   Result<Formula> run() {
     made_.root = make(parsed_.root);
-    if (made_.states.size() + made_.steps.size() > kMaxConditions)
+    const auto past = std::count_if(made_.nodes.begin(), made_.nodes.end(),
+                                    [](const FormulaNode& node) { return looks_back(node.kind); });
+    if (made_.states.size() + made_.steps.size() + static_cast<std::size_t>(past) > kMaxConditions)
       return Failure{"the property has more than " + std::to_string(kMaxConditions) + " conditions"};
     return std::move(made_);
   }
@@ -42,6 +44,7 @@ class FormulaMaker {
   std::uint32_t negate(std::uint32_t a) { return add({.kind = FormulaKind::Not, .a = a, .b = a}); }
   std::uint32_t always(std::uint32_t a) { return add({.kind = FormulaKind::Release, .a = constant(false), .b = a}); }
   std::uint32_t eventually(std::uint32_t a) { return add({.kind = FormulaKind::Until, .a = constant(true), .b = a}); }
+  std::uint32_t once(std::uint32_t a) { return add({.kind = FormulaKind::Since, .a = constant(true), .b = a}); }
 
   // A copy of the part of the tree, its operands first.
   std::uint32_t copy(std::uint32_t row, Property& to) {
@@ -103,6 +106,10 @@ class FormulaMaker {
       case TemporalOperator::Next: return add({.kind = FormulaKind::Next, .a = a, .b = a});
       case TemporalOperator::LeadsTo: return always(add({.kind = FormulaKind::Or, .a = negate(a), .b = eventually(b)}));
       case TemporalOperator::Until: return add({.kind = FormulaKind::Until, .a = a, .b = b});
+      case TemporalOperator::Previously: return add({.kind = FormulaKind::Previously, .a = a, .b = a});
+      case TemporalOperator::Once: return once(a);
+      case TemporalOperator::Historically: return negate(once(negate(a)));
+      case TemporalOperator::Since: return add({.kind = FormulaKind::Since, .a = a, .b = b});
       // a W b is b R (a || b).
       case TemporalOperator::Unless:
         return add({.kind = FormulaKind::Release, .a = b, .b = add({.kind = FormulaKind::Or, .a = a, .b = b})});
@@ -122,16 +129,98 @@ Result<Formula> make_formula(const Property& parsed, const std::vector<std::uint
   return FormulaMaker(parsed, is_temporal).run();
 }
 
+bool is_invariant_of_past(const Formula& formula) {
+  const FormulaNode& root = formula.nodes[formula.root];
+  if (root.kind != FormulaKind::Release) return false;
+  const FormulaNode& left = formula.nodes[root.a];
+  if (left.kind != FormulaKind::Constant || left.value) return false;
+  std::vector<std::uint8_t> is_reached(formula.nodes.size(), 0);
+  is_reached[root.b] = 1;
+  bool has_past = false;
+  for (std::size_t row = formula.nodes.size(); row-- > 0;) {
+    if (is_reached[row] == 0) continue;
+    const FormulaNode& node = formula.nodes[row];
+    if (looks_ahead(node.kind)) return false;
+    has_past = has_past || looks_back(node.kind);
+    const bool is_leaf =
+        node.kind == FormulaKind::Constant || node.kind == FormulaKind::State || node.kind == FormulaKind::Step;
+    if (!is_leaf) is_reached[node.a] = is_reached[node.b] = 1;
+  }
+  return has_past;
+}
+
+namespace {
+
+// How many operators that look back lie within each other.
+std::size_t depth_of_past(const Formula& formula) {
+  std::vector<std::size_t> depth(formula.nodes.size(), 0);
+  std::size_t most = 0;
+  for (std::size_t row = 0; row < formula.nodes.size(); ++row) {
+    const FormulaNode& node = formula.nodes[row];
+    const bool is_leaf =
+        node.kind == FormulaKind::Constant || node.kind == FormulaKind::State || node.kind == FormulaKind::Step;
+    if (is_leaf) continue;
+    depth[row] = std::max(depth[node.a], depth[node.b]) + (looks_back(node.kind) ? 1 : 0);
+    most = std::max(most, depth[row]);
+  }
+  return most;
+}
+
+}  // namespace
+
+bool holds_at_last(const Formula& formula, std::uint32_t row, const std::vector<std::uint64_t>& states,
+                   const std::vector<std::uint64_t>& steps) {
+  BIP_ASSERT(states.size() == steps.size() && !states.empty(), "{} states, {} steps", states.size(), steps.size());
+  std::vector<std::uint8_t> before(row + 1, 0), value(row + 1, 0);
+  for (std::size_t at = 0; at < states.size(); ++at) {
+    before.swap(value);
+    for (std::uint32_t k = 0; k <= row; ++k) {
+      const FormulaNode& node = formula.nodes[k];
+      const auto holds = [&] {
+        switch (node.kind) {
+          case FormulaKind::Constant: return node.value;
+          case FormulaKind::State: return (states[at] >> node.row & 1) != 0;
+          case FormulaKind::Step: return (steps[at] >> node.row & 1) != 0;
+          case FormulaKind::Not: return value[node.a] == 0;
+          case FormulaKind::And: return value[node.a] != 0 && value[node.b] != 0;
+          case FormulaKind::Or: return value[node.a] != 0 || value[node.b] != 0;
+          case FormulaKind::Previously: return at != 0 && before[node.a] != 0;
+          case FormulaKind::Since: return value[node.b] != 0 || (at != 0 && value[node.a] != 0 && before[k] != 0);
+          // Not below a node that looks back only.
+          case FormulaKind::Next:
+          case FormulaKind::Until:
+          case FormulaKind::Release: return false;
+        }
+        BIP_UNREACHABLE("a formula of no kind");
+      };
+      value[k] = holds() ? 1 : 0;
+    }
+  }
+  return value[row] != 0;
+}
+
 bool holds_on_lasso(const Formula& formula, const std::vector<std::uint64_t>& states,
                     const std::vector<std::uint64_t>& steps, std::size_t cycle) {
-  const std::size_t size = states.size();
-  BIP_ASSERT(size == steps.size() && cycle < size, "a cycle from {} of {} positions", cycle, size);
-  const auto after = [&](std::size_t at) { return at + 1 < size ? at + 1 : cycle; };
+  BIP_ASSERT(states.size() == steps.size() && cycle < states.size(), "a cycle from {} of {} positions", cycle,
+             states.size());
+  // What looks back may differ from round to round, but each operator settles within one more round: over a round
+  // `since` is a monotone function of one bit, and twice such a function is once. So the rounds before go to the stem.
+  const std::size_t length = states.size() - cycle;
+  const std::size_t size = states.size() + depth_of_past(formula) * length, last_round = size - length;
+  const auto position = [&](std::size_t at) { return at < states.size() ? at : cycle + (at - cycle) % length; };
+  const auto after = [&](std::size_t at) { return at + 1 < size ? at + 1 : last_round; };
   std::vector<std::vector<std::uint8_t>> holds(formula.nodes.size(), std::vector<std::uint8_t>(size, 0));
   for (std::size_t row = 0; row < formula.nodes.size(); ++row) {
     const FormulaNode& node = formula.nodes[row];
     std::vector<std::uint8_t>& value = holds[row];
     const std::vector<std::uint8_t>&a = holds[node.a], &b = holds[node.b];
+    if (looks_back(node.kind)) {
+      for (std::size_t at = 0; at < size; ++at) {
+        const bool is_since = b[at] != 0 || (a[at] != 0 && at != 0 && value[at - 1] != 0);
+        value[at] = (node.kind == FormulaKind::Since ? is_since : at != 0 && a[at - 1] != 0) ? 1 : 0;
+      }
+      continue;
+    }
     // Fixpoints: least for Until, greatest for Release. A second round carries values once around the cycle.
     if (node.kind == FormulaKind::Release) std::fill(value.begin(), value.end(), std::uint8_t{1});
     for (int round = 0; round < 2; ++round) {
@@ -139,14 +228,16 @@ bool holds_on_lasso(const Formula& formula, const std::vector<std::uint64_t>& st
         bool is = false;
         switch (node.kind) {
           case FormulaKind::Constant: is = node.value; break;
-          case FormulaKind::State: is = (states[at] >> node.row & 1) != 0; break;
-          case FormulaKind::Step: is = (steps[at] >> node.row & 1) != 0; break;
+          case FormulaKind::State: is = (states[position(at)] >> node.row & 1) != 0; break;
+          case FormulaKind::Step: is = (steps[position(at)] >> node.row & 1) != 0; break;
           case FormulaKind::Not: is = a[at] == 0; break;
           case FormulaKind::And: is = a[at] != 0 && b[at] != 0; break;
           case FormulaKind::Or: is = a[at] != 0 || b[at] != 0; break;
           case FormulaKind::Next: is = a[after(at)] != 0; break;
           case FormulaKind::Until: is = b[at] != 0 || (a[at] != 0 && value[after(at)] != 0); break;
           case FormulaKind::Release: is = b[at] != 0 && (a[at] != 0 || value[after(at)] != 0); break;
+          case FormulaKind::Previously:
+          case FormulaKind::Since: BIP_UNREACHABLE("an operator of the past");
         }
         value[at] = is ? 1 : 0;
       }

@@ -2,13 +2,15 @@
 //
 //   formula  = 'always' formula | 'never' formula | 'eventually' formula | 'next' formula
 //            | formula ('leads to' | 'until' | 'unless' | 'implies') formula
+//            | 'previously' past | 'once' past | 'historically' past | past 'since' past
 //            | C's `!`, `&&`, `||` over formulas | condition on a state (property.hpp)
 //            | 'happens' CONNECTOR | 'happens' COMPONENT.PORT
 //
 // A run is an infinite sequence of stable states, each with the step that leaves it; after a deadlock or a final state
 // the last state repeats for ever, and no step happens. `happens c` is true of a position if its step is an interaction
-// of c. `until` is strong: its right side must come. `unless` is weak. Words before a formula reach as far as C's
-// operators, which is what `never a && b` always meant; what could be read in two ways is an error.
+// of c. `until` is strong: its right side must come. `unless` is weak. A `past` formula has no word that looks ahead;
+// before the first position nothing was true, so `previously E` is false there. Words before a formula reach as far as
+// C's operators, which is what `never a && b` always meant; what could be read in two ways is an error.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -20,11 +22,12 @@
 
 namespace bip::verify {
 
-enum class FormulaKind : std::uint8_t { Constant, State, Step, Not, And, Or, Next, Until, Release };
+/// Previously and Since look back: their operands have no Next, Until or Release.
+enum class FormulaKind : std::uint8_t { Constant, State, Step, Not, And, Or, Next, Until, Release, Previously, Since };
 struct FormulaNode {
   FormulaKind kind = FormulaKind::Constant;
   bool value = false;          // Constant
-  std::uint32_t a = 0, b = 0;  // rows of nodes; Not and Next have no b
+  std::uint32_t a = 0, b = 0;  // rows of nodes; Not, Next and Previously have no b
   std::uint32_t row = 0;       // State: of states; Step: of steps
 };
 /// A step is an interaction of the connector, or one in which the atom's port takes part.
@@ -64,6 +67,18 @@ class PropertyReader {
   std::unique_ptr<const struct RowsOfPaths> rows_;
 };
 
+[[nodiscard]] inline bool looks_back(FormulaKind kind) {
+  return kind == FormulaKind::Previously || kind == FormulaKind::Since;
+}
+[[nodiscard]] inline bool looks_ahead(FormulaKind kind) {
+  return kind == FormulaKind::Next || kind == FormulaKind::Until || kind == FormulaKind::Release;
+}
+/// Is it `always E` or `never E` where E looks back only? Then a finite run shows that it is violated.
+[[nodiscard]] bool is_invariant_of_past(const Formula& formula);
+
+/// Evaluates a node that looks back only at the last position of a finite run; as below.
+[[nodiscard]] bool holds_at_last(const Formula& formula, std::uint32_t row, const std::vector<std::uint64_t>& states,
+                                 const std::vector<std::uint64_t>& steps);
 /// Evaluates a formula on a run that is a stem and a cycle: positions 0 … states.size() - 1, after the last one comes
 /// `cycle`. `states`, `steps`: by position, bit k: condition k of the formula holds. Returns whether the run satisfies
 /// it. Linear in nodes and positions; independent of automata.

@@ -48,21 +48,31 @@ struct TemporalWord {
   std::string_view word;
   TemporalOperator meaning;
 };
+constexpr bool is_of_past(TemporalOperator op) {
+  return op == TemporalOperator::Previously || op == TemporalOperator::Once || op == TemporalOperator::Historically ||
+         op == TemporalOperator::Since;
+}
 constexpr TemporalWord kPrefixes[] = {{"always", TemporalOperator::Always},
                                       {"never", TemporalOperator::Never},
                                       {"eventually", TemporalOperator::Eventually},
-                                      {"next", TemporalOperator::Next}};
+                                      {"next", TemporalOperator::Next},
+                                      {"previously", TemporalOperator::Previously},
+                                      {"once", TemporalOperator::Once},
+                                      {"historically", TemporalOperator::Historically}};
 // `implies` is one of C's operators in other words.
-constexpr TemporalWord kConnectives[] = {
-    {"leads to", TemporalOperator::LeadsTo}, {"until", TemporalOperator::Until}, {"unless", TemporalOperator::Unless}};
+constexpr TemporalWord kConnectives[] = {{"leads to", TemporalOperator::LeadsTo},
+                                         {"until", TemporalOperator::Until},
+                                         {"unless", TemporalOperator::Unless},
+                                         {"since", TemporalOperator::Since}};
 // How others write it, and how it is written here.
 struct OtherSign {
   std::string_view sign, word;
 };
-constexpr OtherSign kOtherPrefixes[] = {
-    {"[]", "always"}, {"<>", "eventually"}, {"G", "always"}, {"F", "eventually"}, {"X", "next"}};
-constexpr OtherSign kOtherConnectives[] = {
-    {"->", "implies"}, {"=>", "implies"}, {"~>", "leads to"}, {"U", "until"}, {"W", "unless"}};
+constexpr OtherSign kOtherPrefixes[] = {{"[]", "always"},    {"<>", "eventually"},  {"G", "always"},
+                                        {"F", "eventually"}, {"X", "next"},         {"Y", "previously"},
+                                        {"O", "once"},       {"H", "historically"}, {"yesterday", "previously"}};
+constexpr OtherSign kOtherConnectives[] = {{"->", "implies"}, {"=>", "implies"}, {"~>", "leads to"},
+                                           {"U", "until"},    {"W", "unless"},   {"S", "since"}};
 
 }  // namespace
 
@@ -112,6 +122,10 @@ class PropertyParser {
           "a property says `never`, `always`, `eventually`, `leads to`, `until` or `unless`; this is a condition on "
           "one "
           "state");
+    }
+    if (problem_.empty() && is_of_past_[property_.root] != 0 && looks_ahead_[property_.root] == 0) {
+      at_ = 0;
+      set_problem("at the beginning of a run nothing is past: `always (…)` and `never (…)` ask at every point of it");
     }
     if (!problem_.empty()) return Failure{problem_};
     const PropertyNode& root = property_.nodes[property_.root];
@@ -209,6 +223,13 @@ class PropertyParser {
                                    (joins && (is_temporal(node.a) || is_temporal(node.b)))
                                ? 1
                                : 0);
+    const bool has_operands = problem_.empty() && (joins || node.kind == PropertyKind::Temporal);
+    const bool is_word = node.kind == PropertyKind::Temporal;
+    const auto any = [&](const std::vector<std::uint8_t>& of) {
+      return has_operands && (of[node.a] | of[node.b]) != 0;
+    };
+    is_of_past_.push_back((is_word && is_of_past(node.temporal)) || any(is_of_past_) ? 1 : 0);
+    looks_ahead_.push_back((is_word && !is_of_past(node.temporal)) || any(looks_ahead_) ? 1 : 0);
     property_.nodes.push_back(node);
     return static_cast<std::uint32_t>(property_.nodes.size() - 1);
   }
@@ -442,6 +463,14 @@ class PropertyParser {
   std::uint32_t add_temporal(TemporalOperator op, std::uint32_t a, std::uint32_t b) {
     return add({.kind = PropertyKind::Temporal, .temporal = op, .a = a, .b = b});
   }
+  // The operand of a word; what looks back is decided by what has been.
+  bool check_operand(std::string_view word, TemporalOperator op, std::uint32_t row, std::size_t start) {
+    if (!check_condition(row, start)) return false;
+    if (!is_of_past(op) || looks_ahead_[row] == 0) return true;
+    at_ = start;
+    set_problem("`" + std::string(word) + "` looks back, and this looks ahead");
+    return false;
+  }
   bool check_condition(std::uint32_t row, std::size_t start) {
     if (problem_.empty() && type(row) != Type::Bool) {
       skip_blanks();
@@ -472,7 +501,7 @@ class PropertyParser {
       const bool has_parentheses = is_next('(');
       bool is_prefixed = false;
       const std::uint32_t a = parse_prefixed(depth + 1, is_prefixed);
-      if (!check_condition(a, operand)) return 0;
+      if (!check_operand(prefix.word, prefix.meaning, a, operand)) return 0;
       // `eventually (always a) && b`: of the whole, or of the first part? A pair of parentheses around the whole leaves
       // an operator whose row is older than the closing sign.
       const PropertyNode& node = property_.nodes[a];
@@ -532,7 +561,10 @@ class PropertyParser {
     if (!check_condition(left, start) || !check_condition(right, behind)) return 0;
     skip_blanks();
     const std::size_t end = at_;
-    for (const std::string_view next : {"leads to", "until", "unless", "implies"}) {
+    if (found != nullptr && (!check_operand(found->word, found->meaning, left, start) ||
+                             !check_operand(found->word, found->meaning, right, behind)))
+      return 0;
+    for (const std::string_view next : {"leads to", "until", "unless", "since", "implies"}) {
       if (!take_words(next)) continue;
       at_ = end;
       set_problem("`" + word + "` and `" + std::string(next) + "` need parentheses: which comes first?");
@@ -548,7 +580,8 @@ class PropertyParser {
   const System& system_;
   const RowsOfPaths& rows_;
   Property property_;
-  std::vector<std::uint8_t> is_temporal_;  // by node
+  // By node.
+  std::vector<std::uint8_t> is_temporal_, is_of_past_, looks_ahead_;
   bool accepts_formulas_ = false;
   std::string problem_;
   std::size_t at_ = 0;

@@ -30,7 +30,20 @@ enum class PropertyKind : std::uint8_t {
   HappensPort,
   Temporal
 };
-enum class TemporalOperator : std::uint8_t { Always, Never, Eventually, Next, LeadsTo, Until, Unless };
+enum class TemporalOperator : std::uint8_t {
+  Always,
+  Never,
+  Eventually,
+  Next,
+  LeadsTo,
+  Until,
+  Unless,
+  // Of the past.
+  Previously,
+  Once,
+  Historically,
+  Since
+};
 struct PropertyNode {
   PropertyKind kind = PropertyKind::Constant;
   Type type = Type::Bool;

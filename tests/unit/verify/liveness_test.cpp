@@ -29,18 +29,23 @@ std::uint32_t add(Formula& formula, FormulaNode node) {
   formula.nodes.push_back(node);
   return static_cast<std::uint32_t>(formula.nodes.size() - 1);
 }
-std::uint32_t random_node(Formula& formula, Random& random, int depth) {
+enum class Looks : std::uint8_t { Anywhere, Back };
+std::uint32_t random_node(Formula& formula, Random& random, int depth, Looks looks = Looks::Anywhere) {
   if (depth == 0 || random.below(6) == 0) {
     const std::uint32_t row = random.below(kConditions + 1);
     if (row == kConditions) return add(formula, {.kind = FormulaKind::Constant, .value = random.below(2) == 0});
     return row < 2 ? add(formula, {.kind = FormulaKind::State, .row = row}) : add(formula, {.kind = FormulaKind::Step});
   }
-  constexpr FormulaKind kKinds[] = {FormulaKind::Not,   FormulaKind::And,   FormulaKind::Or,     FormulaKind::Next,
-                                    FormulaKind::Until, FormulaKind::Until, FormulaKind::Release};
-  const FormulaKind kind = kKinds[random.below(std::size(kKinds))];
-  const std::uint32_t a = random_node(formula, random, depth - 1);
-  const bool is_unary = kind == FormulaKind::Not || kind == FormulaKind::Next;
-  const std::uint32_t b = is_unary ? a : random_node(formula, random, depth - 1);
+  constexpr FormulaKind kKinds[] = {FormulaKind::Not,   FormulaKind::And,        FormulaKind::Or,
+                                    FormulaKind::Since, FormulaKind::Previously, FormulaKind::Next,
+                                    FormulaKind::Until, FormulaKind::Until,      FormulaKind::Release};
+  constexpr std::uint32_t kLookBack = 5;  // the first ones
+  const FormulaKind kind =
+      kKinds[random.below(looks == Looks::Back ? kLookBack : static_cast<std::uint32_t>(std::size(kKinds)))];
+  if (looks_back(kind)) looks = Looks::Back;
+  const std::uint32_t a = random_node(formula, random, depth - 1, looks);
+  const bool is_unary = kind == FormulaKind::Not || kind == FormulaKind::Next || kind == FormulaKind::Previously;
+  const std::uint32_t b = is_unary ? a : random_node(formula, random, depth - 1, looks);
   return add(formula, {.kind = kind, .a = a, .b = b});
 }
 Formula random_formula(Random& random) {
@@ -156,6 +161,48 @@ TEST_CASE("the usual forms have automata of few states") {
   const std::uint32_t again = f.always(f.eventually(0)), other = f.always(f.eventually(1));
   const std::uint32_t not_again = add(f.formula, {.kind = FormulaKind::Not, .a = again, .b = again});
   CHECK(f.negated_states(add(f.formula, {.kind = FormulaKind::Or, .a = not_again, .b = other})) == 2);
+}
+
+// By its definition, position by position, on the run written out for as long as a memory of two operators can change.
+TEST_CASE("operators of the past on a run that ends in a cycle") {
+  Forms f;
+  const std::uint32_t since = add(f.formula, {.kind = FormulaKind::Since, .a = 0, .b = 1});
+  const std::uint32_t before = add(f.formula, {.kind = FormulaKind::Previously, .a = since, .b = since});
+  // Bit 0: condition 0. The right side comes at the third position alone, before the cycle; the left side stays true.
+  const std::vector<std::uint64_t> states{0, 1, 2, 1, 1}, steps(5, 0);
+  const auto holds = [&](std::uint32_t row, std::uint32_t position) {
+    for (; position != 0; --position) row = add(f.formula, {.kind = FormulaKind::Next, .a = row, .b = row});
+    f.formula.root = row;
+    return holds_on_lasso(f.formula, states, steps, 3);
+  };
+  const bool expected[] = {false, false, true, true, true, true, true};
+  for (std::uint32_t position = 0; position < 7; ++position) {
+    INFO("position " << position);
+    CHECK(holds(since, position) == expected[position]);
+    CHECK(holds(before, position) == (position != 0 && expected[position - 1]));
+  }
+  // In the first round of a cycle it is false, in the others it is true.
+  const std::vector<std::uint64_t> cycle{0, 2};
+  f.formula.root = f.always(f.eventually(add(f.formula, {.kind = FormulaKind::Previously, .a = 1, .b = 1})));
+  CHECK(holds_on_lasso(f.formula, cycle, {0, 0}, 0));
+  f.formula.root = add(f.formula, {.kind = FormulaKind::Previously, .a = 1, .b = 1});
+  CHECK_FALSE(holds_on_lasso(f.formula, cycle, {0, 0}, 0));
+}
+
+TEST_CASE("an invariant that looks back has an automaton that ends where it is violated") {
+  Forms f;
+  const std::uint32_t once = add(f.formula, {.kind = FormulaKind::Since, .a = f.constant(true), .b = 0});
+  const std::uint32_t negated = add(f.formula, {.kind = FormulaKind::Not, .a = 1, .b = 1});
+  f.formula.root = f.always(add(f.formula, {.kind = FormulaKind::Or, .a = negated, .b = once}));
+  CHECK(is_invariant_of_past(f.formula));
+  Result<Automaton> made = make_automaton(f.formula, true);
+  REQUIRE(made);
+  // Not yet, and violated; once it was true nothing violates it.
+  REQUIRE(made->edges.size() == 2);
+  CHECK_FALSE(made->accepts_whatever_follows(0));
+  CHECK(made->accepts_whatever_follows(1));
+  f.formula.root = f.always(f.eventually(once));
+  CHECK_FALSE(is_invariant_of_past(f.formula));
 }
 
 TEST_CASE("a formula that no run violates has an empty negation") {
