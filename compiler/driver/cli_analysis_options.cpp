@@ -81,7 +81,7 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
       "A property of runs has always, never, eventually, next before and leads to, until, unless, implies between its "
       "parts,\npreviously, once, historically and since for what has been, and happens connector, happens a.port for "
       "the "
-      "step that is taken.\n"
+      "step that is taken.\nWith time: E leads to F within 50 ms, eventually F within 2 s.\n"
       "Exit code: 0 the property holds, 3 it is violated (a run is printed), 4 unknown. Ctrl-C prints what is known "
       "and ends with 4.\n"
       "Example:\n  bipc verify --root 'Table(1000)' --certificate table.cert model.bip\n"

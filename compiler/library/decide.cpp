@@ -168,6 +168,7 @@ Verdict decide(const VerifyRequest& request, Compilation& c, const verify::Quest
                const verify::CancellationToken& asked, const verify::Report& report) {
   const verify::CancellationToken token =
       request.wall_timeout > 0 ? asked.within_wall_clock(request.wall_timeout) : asked;
+  if (question.formula.bounded) return decide_response(request, c, question, note, token);
   if (question.what == verify::QuestionKind::Runs) return decide_liveness(request, c, question, note, token, report);
   if (system::is_timed(*c.system)) return decide_timed(request, c, question, note, token);
   verify::PortfolioLimits limits;

@@ -58,6 +58,10 @@ struct Verdict {
 [[nodiscard]] Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify::Question& question,
                                    const std::string& note, const verify::CancellationToken& token);
 
+/// The same for `within`, on the zone graph with an observer.
+[[nodiscard]] Verdict decide_response(const VerifyRequest& request, Compilation& c, const verify::Question& question,
+                                      const std::string& note, const verify::CancellationToken& token);
+
 /// The same for a property of runs, on the graph of all reachable states.
 [[nodiscard]] Verdict decide_liveness(const VerifyRequest& request, Compilation& c, const verify::Question& question,
                                       const std::string& note, const verify::CancellationToken& token,

@@ -33,7 +33,7 @@ bool is_decided_by_graph(const VerifyRequest& request, Compilation& c) {
   if (const std::string what = system::first_timed(*c.system); !what.empty()) {
     c.diags.report(Diag::kB1900, c.root_range, "a property of runs (`eventually`, `leads to` …) for a model with time")
         .note(what)
-        .help("a component with a clock can wait for the end of a period: `never` and `always` ask about its places");
+        .help("`E leads to F within 50 ms` and `eventually E within 50 ms` have answers");
     return false;
   }
   return true;

@@ -10,6 +10,7 @@
 
 #include "compiler/library/decide.hpp"
 #include "compiler/library/add_run.hpp"
+#include "compiler/library/timed_verdict.hpp"
 #include "compiler/library/verify_text.hpp"
 #include "compiler/pipeline/error_sources.hpp"
 #include "compiler/pipeline/executor.hpp"
@@ -27,18 +28,6 @@ namespace {
 
 // Of the time: the rest is the whole zone graph's.
 constexpr double kShareOfParts = 3;
-
-std::string limit_text(const rt::ZoneReport& found, const verify::CancellationToken& cancellation) {
-  if (!found.inexact.empty()) return found.inexact + ", which zones cannot follow";
-  switch (found.end) {
-    case rt::ExploreEnd::Time: return "the time is over";
-    case rt::ExploreEnd::Memory: return "the memory does not suffice";
-    case rt::ExploreEnd::Stopped: return cancellation.is_cancelled() ? "interrupted" : "the time is over";
-    case rt::ExploreEnd::Complete:
-    case rt::ExploreEnd::States: break;
-  }
-  return "the limit of zones is reached";
-}
 
 // What has no answer yet is said. False: it was.
 bool is_answerable(const VerifyRequest& request, Compilation& c, const verify::Question& question) {
@@ -110,6 +99,20 @@ nlohmann::ordered_json parts_json(const verify::TimeProof& proof) {
   return json;
 }
 
+}  // namespace
+
+std::string limit_text(const rt::ZoneReport& found, const verify::CancellationToken& cancellation) {
+  if (!found.inexact.empty()) return found.inexact + ", which zones cannot follow";
+  switch (found.end) {
+    case rt::ExploreEnd::Time: return "the time is over";
+    case rt::ExploreEnd::Memory: return "the memory does not suffice";
+    case rt::ExploreEnd::Stopped: return cancellation.is_cancelled() ? "interrupted" : "the time is over";
+    case rt::ExploreEnd::Complete:
+    case rt::ExploreEnd::States: break;
+  }
+  return "the limit of zones is reached";
+}
+
 Verdict verdict_of(const nlohmann::ordered_json& json, std::string text, int exit_code) {
   Verdict verdict;
   verdict.is_answered = true;
@@ -119,20 +122,20 @@ Verdict verdict_of(const nlohmann::ordered_json& json, std::string text, int exi
   return verdict;
 }
 
-}  // namespace
+Verdict unknown_because_of_cpp() {
+  const std::string reason = "zones cannot follow what the model's C++ computes";
+  const nlohmann::ordered_json json{{"format", "bipc-verdict"},
+                                    {"version", 1},
+                                    {"verdict", "unknown"},
+                                    {"reason", reason},
+                                    {"text", "unknown: " + reason + '\n'}};
+  return verdict_of(json, "unknown: " + reason + '\n', kUnknown);
+}
 
 Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify::Question& question,
                      const std::string& note, const verify::CancellationToken& token) {
   if (!is_answerable(request, c, question)) return {};
-  if (!c.system->code.functions.empty() || !c.system->code.ffi_types.empty()) {
-    const std::string reason = "zones cannot follow what the model's C++ computes";
-    const nlohmann::ordered_json json{{"format", "bipc-verdict"},
-                                      {"version", 1},
-                                      {"verdict", "unknown"},
-                                      {"reason", reason},
-                                      {"text", "unknown: " + reason + '\n'}};
-    return verdict_of(json, "unknown: " + reason + '\n', kUnknown);
-  }
+  if (calls_cpp(*c.system)) return unknown_because_of_cpp();
   const verify::CancellationToken cancellation = token.within(request.timeout);
   nlohmann::ordered_json json{{"format", "bipc-verdict"}, {"version", 1}, {"verdict", "unknown"}};
   std::string stats;

@@ -25,9 +25,9 @@ constexpr Prefix kPrefixes[] = {{"A[]", "always", ""},     {"AG", "always", ""},
                                 {"G", "always", ""},       {"E<>", "never", kReached}, {"EF", "never", kReached},
                                 {"A<>", "eventually", ""}, {"AF", "eventually", ""},   {"<>", "eventually", ""},
                                 {"F", "eventually", ""}};
-constexpr std::string_view kWords[] = {"never",   "always", "can",    "happens",    "eventually",  "next",
-                                       "implies", "until",  "unless", "leads",      "to",          "true",
-                                       "false",   "since",  "once",   "previously", "historically"};
+constexpr std::string_view kWords[] = {"never",   "always", "can",    "happens",    "eventually",   "next",
+                                       "implies", "until",  "unless", "leads",      "to",           "true",
+                                       "false",   "since",  "once",   "previously", "historically", "within"};
 
 bool is_name_char(char c) { return is_letter(c) || is_digit(c) || c == '_'; }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -68,11 +69,13 @@ class PropertyExpander {
       std::size_t end = at_;
       while (end < text_.size() && (is_digit(text_[end]) || begins_name(text_[end]) || text_[end] == '.')) ++end;
       copy_until(end);
+      is_unit_ = last_word_ == "within";
       last_word_ = {};
     } else if (begins_name(c)) {
       expand_name();
     } else {
       is_place_ = c == '@';
+      is_unit_ = false;
       last_word_ = {};
       copy_until(at_ + 1);
     }
@@ -92,11 +95,13 @@ class PropertyExpander {
       is_place_ = false;
       return copy_until(at_ + word.size());
     }
+    if (std::exchange(is_unit_, false)) return copy_until(at_ + word.size());
     std::size_t behind = at_ + word.size();
     const bool is_path = peek(behind) == '[' || (peek(behind) == '.' && begins_name(peek(behind + 1)));
     while (is_blank(peek(behind))) ++behind;
     const bool is_component = peek(behind) == '@';
     const bool is_offer = last_word_ == "can" || last_word_ == "happens";
+    is_unit_ = last_word_ == "within";
     last_word_ = word;
     if (is_path || is_component || is_offer) return expand_path(word);
     if (const auto constant = constants_.find(word); constant != constants_.end()) {
@@ -201,6 +206,7 @@ class PropertyExpander {
   std::string problem_;
   std::string_view last_word_;  // of the tokens before this one, if it is a name
   bool is_place_ = false;       // behind `@`
+  bool is_unit_ = false;        // behind the number of `within 50 ms`: no name of a parameter
   std::size_t at_ = 0;
 };
 

@@ -68,6 +68,16 @@ void Zone::set_clock(u32 clock, i64 value) {
   BIP_ASSERT(is_canonical(), "after clock {} became {}", clock, value);
 }
 
+void Zone::forget_clock(u32 clock) {
+  BIP_ASSERT(clock != 0 && clock < size_, "clock {} of {}", clock, size_);
+  for (u32 k = 0; k < size_; ++k) {
+    if (k == clock) continue;
+    bound(clock, k) = kInf;
+    bound(k, clock) = at(k, 0);
+  }
+  BIP_ASSERT(is_canonical(), "after clock {} was forgotten", clock);
+}
+
 bool Zone::includes(const Zone& other) const {
   BIP_ASSERT(size_ == other.size_, "zones of {} and {} clocks", size_, other.size_);
   return std::equal(bounds_.begin(), bounds_.end(), other.bounds_.begin(),

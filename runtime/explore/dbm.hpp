@@ -54,6 +54,8 @@ class Zone {
   /// Every clock `ticks` further.
   void shift(i64 ticks);
   void set_clock(u32 clock, i64 value);
+  /// The clock may be anything from 0 on.
+  void forget_clock(u32 clock);
   [[nodiscard]] bool includes(const Zone& other) const;
   /// A point: the least value of each clock; [0] is 0.
   [[nodiscard]] std::vector<i64> least_point() const;

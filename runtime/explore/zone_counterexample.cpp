@@ -152,6 +152,7 @@ void ZoneSearch::find_path(const Target& target, TimedPath& path) {
       }
     }
     if (node.edge == ZoneEdge::Initial || node.edge == ZoneEdge::Step) note_clocks(entered);
+    if (node.is_requested) instants.set_clock(locations_.in_time().i, entered, 0);
     left = instants.add();
     instants.at_least(entered, left, 0);
     if (node.is_still) instants.exactly(entered, left, 0);
@@ -207,7 +208,8 @@ void ZoneSearch::find_path(const Target& target, TimedPath& path) {
     path.steps.push_back({core_.now(), choice});
     if (core_.time().take(core_.position(choice))) return;
   } else if (target.is_state) {
-    if (!options_.predicate(core_)) return;
+    // A response that is late is looked for along the path (follow_response).
+    if (response_ == nullptr && !options_.predicate(core_)) return;
   } else {
     std::vector<i64> ends;
     if (core_.candidate_count() != 0 || core_.time().wait_limit(ends) != core_.now()) return;

@@ -27,7 +27,7 @@ void sort_unique(Bounds& bounds) {
 }  // namespace
 
 // Constants that can be known are noted at once, in the initial state: most limits are constants or parameters.
-Locations::Locations(Core& core, const ExploreOptions& options)
+Locations::Locations(Core& core, const ExploreOptions& options, const TimedResponse* response)
     : core_(core),
       shapes_(shapes_of(core, options.progress)),
       asked_atoms_(options.predicate_atoms),
@@ -40,6 +40,7 @@ Locations::Locations(Core& core, const ExploreOptions& options)
     is_timed_.push_back(type.time != nullptr);
     if (type.time != nullptr) clocks_ += type.time->clocks.size;
   }
+  if (response != nullptr) in_time_ = {++clocks_, 0, response->within};
   max_.assign(clocks_ + 1, 0);
   min_.assign(clocks_ + 1, 0);
   transitions_.resize(image.atoms.size);
@@ -68,6 +69,7 @@ Locations::Locations(Core& core, const ExploreOptions& options)
       if (core.clock_constraints().measure(atom, invariant, guard)) append(atom, guard, bounds);
     }
   }
+  if (response != nullptr) note(in_time_);
   has_grown_ = false;
 }
 
@@ -77,7 +79,8 @@ void Locations::clear() {
   bytes_ = 0;
 }
 
-u32 Locations::find_or_add(State&& state, const std::vector<u32>& waits, const std::vector<u32>& leaders) {
+u32 Locations::find_or_add(State&& state, const std::vector<u32>& waits, const std::vector<u32>& leaders,
+                           bool is_pending) {
   BIP_ASSERT(waits.size() == is_timed_.size() && leaders.size() == is_timed_.size(), "{} waits", waits.size());
   BIP_ASSERT(index_.size() == rows_.size(), "{} keys of {} locations", index_.size(), rows_.size());
   for (const u32 cell : unread_cells_) state.data[cell] = 0;
@@ -87,6 +90,7 @@ u32 Locations::find_or_add(State&& state, const std::vector<u32>& waits, const s
   append_all(key, state.data);
   append_all(key, waits);
   append_all(key, leaders);
+  if (is_pending) key += '\1';
   const std::size_t size = key.size();
   const auto [at, is_new] = index_.try_emplace(std::move(key), static_cast<u32>(rows_.size()));
   if (!is_new) return at->second;
@@ -94,6 +98,7 @@ u32 Locations::find_or_add(State&& state, const std::vector<u32>& waits, const s
   row.state = std::move(state);
   row.waits = waits;
   row.leaders = leaders;
+  row.is_pending = is_pending;
   rows_.push_back(std::move(row));
   bytes_ += 2 * size + sizeof(Location);
   return at->second;
@@ -220,6 +225,7 @@ bool Locations::measure(Location& at, const std::vector<i64>& clocks) {
   for (const WaitGroup& group : at.groups) {
     if (group.ends) at.cells.insert(at.cells.end(), group.bounds.begin(), group.bounds.end());
   }
+  if (at.is_pending) at.cells.push_back(in_time_);
   for (u32 interaction = 0; interaction < shapes_.interactions.size(); ++interaction)
     (void)measure_variable(at, interaction);
   sort_unique(at.cells);

@@ -12,6 +12,7 @@
 #include "runtime/explore/dbm.hpp"
 #include "runtime/explore/explore.hpp"
 #include "runtime/explore/shapes.hpp"
+#include "runtime/explore/zones.hpp"
 
 namespace bip::rt {
 
@@ -32,6 +33,7 @@ struct Location {
   State state;               // its `time` is of no meaning
   std::vector<u32> waits;    // by atom: the transition after which it is busy, kInitial, or kNone
   std::vector<u32> leaders;  // by atom: with whom it goes on
+  bool is_pending = false;   // a request waits for its response (TimedResponse)
   bool is_measured = false;
   enum class Asked : std::uint8_t { Not, Possible, Impossible } asked_whole = Asked::Not;  // of a part (PartQuestion)
   bool is_final = false;  // each atom is at final places
@@ -48,10 +50,11 @@ inline constexpr u32 kAfterInitial = kNone - 1;
 
 class Locations {
  public:
-  Locations(Core& core, const ExploreOptions& options);
+  /// `response`: may be null; else the last clock is the observer's, which measures the oldest request.
+  Locations(Core& core, const ExploreOptions& options, const TimedResponse* response);
 
   /// The row of the location; made if it is new.
-  u32 find_or_add(State&& state, const std::vector<u32>& waits, const std::vector<u32>& leaders);
+  u32 find_or_add(State&& state, const std::vector<u32>& waits, const std::vector<u32>& leaders, bool is_pending);
   [[nodiscard]] Location& operator[](u32 row) { return rows_[row]; }
   [[nodiscard]] u32 size() const { return static_cast<u32>(rows_.size()); }
   void clear();
@@ -65,6 +68,8 @@ class Locations {
   [[nodiscard]] Bounds all_bounds(const Location& at) const;
 
   [[nodiscard]] u32 clocks() const { return clocks_; }
+  /// The observer's clock has passed this bound: the response is late.
+  [[nodiscard]] const ZoneBound& in_time() const { return in_time_; }
   /// By clock + 1: compared with nothing greater, never set to less.
   [[nodiscard]] const std::vector<i64>& max() const { return max_; }
   [[nodiscard]] const std::vector<i64>& min() const { return min_; }
@@ -90,6 +95,7 @@ class Locations {
   Core& core_;
   Shapes shapes_;
   u32 clocks_ = 0;
+  ZoneBound in_time_;             // of the observer's clock; 0, 0: there is none
   std::vector<bool> is_timed_;    // by atom
   std::vector<bool> is_ruled_;    // by interaction: priorities compare it with others
   std::vector<u32> ruled_atoms_;  // of all those interactions

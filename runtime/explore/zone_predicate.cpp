@@ -25,8 +25,11 @@ void ZoneSearch::classify_dead_points(u32 node, const std::vector<Zone>& rest, c
   BIP_ASSERT(part_ == nullptr, "a part of a system has no deadlocks of its own");
   const Location& at = locations_[nodes_[node].location];
   bool has_deadlock = false, has_lock = false, has_end = false;
+  Target lock;
   const auto note = [&](Target& target, bool& has, std::vector<i64> point, bool is_far, bool is_bound = false) {
+    const bool is_first = !has;
     has = true;
+    if (&target == &time_lock_ && is_first) lock = {node, point, false, false, 0, 0, is_far, false, is_bound};
     if (target.node == kNone) target = {node, std::move(point), false, false, 0, 0, is_far, false, is_bound};
   };
   const bool is_inside_now = is_inside(at, nodes_[node].zone);
@@ -47,6 +50,11 @@ void ZoneSearch::classify_dead_points(u32 node, const std::vector<Zone>& rest, c
     if (!part.is_unbounded() || nodes_[node].is_waking) continue;
     if (at.is_final) has_end = true;
     else note(deadlock_, has_deadlock, part.least_point(), true);
+  }
+  // No response comes after the end of a run.
+  if (has_lock && at.is_pending) {
+    match_ = lock;
+    report_.is_match_end = true;
   }
   report_.deadlocks += has_deadlock ? 1 : 0;
   report_.finals += has_end ? 1 : 0;

@@ -33,12 +33,14 @@ bool agree(Zone& zone, const Zone& part, const Bounds& bounds) {
                      [&](const ZoneBound& bound) { return zone.meet(part.implies(bound) ? bound : bound.opposite()); });
 }
 
-ZoneSearch::ZoneSearch(const Image& image, const ExploreOptions& options, const PartQuestion* part)
+ZoneSearch::ZoneSearch(const Image& image, const ExploreOptions& options, const PartQuestion* part,
+                       const TimedResponse* response)
     : image_(image),
       options_(options),
       core_(image, {.progress = options.progress}),
-      locations_((static_cast<void>(core_.initialize()), core_), options),
-      part_(part) {
+      locations_((static_cast<void>(core_.initialize()), core_), options, response),
+      part_(part),
+      response_(response) {
   if (part_ == nullptr) return;
   is_sure_.assign(locations_.shapes().interactions.size(), 1);
   for (u32 connector = 0; connector < image.connectors.size; ++connector) {
@@ -95,7 +97,13 @@ bool ZoneSearch::begin() {
     waits.push_back(waits_now ? kAfterInitial : kNone);
     leaders.push_back(waits_now ? atom : 0);
   }
-  enter(locations_.find_or_add(core_.snapshot(), waits, leaders), std::move(zone), {.origin = {}, .zone = Zone(0)});
+  bool is_pending = false, is_requested = false;
+  if (response_ != nullptr) {
+    observe(nullptr, is_pending, is_requested);
+    if (!is_pending) zone.forget_clock(locations_.in_time().i);
+  }
+  enter(locations_.find_or_add(core_.snapshot(), waits, leaders, is_pending), std::move(zone),
+        {.is_requested = is_requested, .origin = {}, .zone = Zone(0)});
   return true;
 }
 
@@ -250,20 +258,28 @@ bool ZoneSearch::fire(u32 node, const Zone& cell, const std::vector<i64>& point,
     leaders[atom] = waits_now ? leader : 0;
   }
   ++report_.steps;
+  bool is_pending = at.is_pending, is_requested = false;
+  if (response_ != nullptr) observe(&candidate, is_pending, is_requested);
   if (!core_.time().take(position)) {
     note_error(node, point, ErrorIn::Step, candidate.interaction, candidate.config);
     return true;
   }
   Zone zone = cell;
   if (!follow_clocks(zone)) return false;
+  if (response_ != nullptr) {
+    observe(nullptr, is_pending, is_requested);
+    if (!is_pending) zone.forget_clock(locations_.in_time().i);
+    else if (is_requested) zone.set_clock(locations_.in_time().i, 0);
+  }
   ZoneNode label{.parent = node,
                  .depth = nodes_[node].depth + 1,
                  .edge = ZoneEdge::Step,
                  .interaction = candidate.interaction,
                  .config = candidate.config,
+                 .is_requested = is_requested,
                  .origin = point,
                  .zone = Zone(0)};
-  enter(locations_.find_or_add(core_.snapshot(), waits, leaders), std::move(zone), std::move(label));
+  enter(locations_.find_or_add(core_.snapshot(), waits, leaders, is_pending), std::move(zone), std::move(label));
   return true;
 }
 
@@ -405,7 +421,7 @@ void ZoneSearch::go_on(u32 node) {
     }
     State state = at.state;
     Zone zone = nodes_[node].zone;
-    enter(locations_.find_or_add(std::move(state), waits, leaders), std::move(zone),
+    enter(locations_.find_or_add(std::move(state), waits, leaders, at.is_pending), std::move(zone),
           {.parent = node, .depth = nodes_[node].depth, .edge = ZoneEdge::GoOn, .origin = {}, .zone = Zone(0)});
   }
 }
@@ -413,7 +429,7 @@ void ZoneSearch::go_on(u32 node) {
 void ZoneSearch::expand(u32 node) {
   BIP_ASSERT(node < nodes_.size() && !nodes_[node].is_covered, "node {}", node);
   is_node_faulty_ = false;
-  if (find_match(node)) return;
+  if (find_match(node) || find_late(node)) return;
   if (part_ != nullptr && is_asked_for(node)) {
     open_ = nodes_[node].location;
     return;

@@ -22,13 +22,15 @@ struct ZoneNode {
   bool is_faulty = false;           // a run that comes here ends in an error
   bool is_waking = false;           // busy atoms may go on
   bool is_covered = false;          // by a later one, before it was expanded
+  bool is_requested = false;        // the observer's clock begins here
   std::vector<i64> origin;          // Step: a point of the parent's zone at which it was taken
   Zone zone;
 };
 
 class ZoneSearch {
  public:
-  ZoneSearch(const Image& image, const ExploreOptions& options, const PartQuestion* part = nullptr);
+  ZoneSearch(const Image& image, const ExploreOptions& options, const PartQuestion* part = nullptr,
+             const TimedResponse* response = nullptr);
   ZoneReport run();
   PartReport run_part();
   /// After it: the graph.
@@ -75,6 +77,10 @@ class ZoneSearch {
   // zone_predicate.cpp
   [[nodiscard]] bool find_match(u32 node);
   void classify_dead_points(u32 node, const std::vector<Zone>& rest, const std::vector<Zone>& ends);
+  // zone_response.cpp
+  /// What the observer makes of a point: the request that waited may have its response, or one begins to wait.
+  void observe(const Candidate* candidate, bool& is_pending, bool& is_requested);
+  [[nodiscard]] bool find_late(u32 node);
   // zone_part.cpp
   [[nodiscard]] bool is_impossible(u32 row);
   [[nodiscard]] bool is_asked_for(u32 node);
@@ -88,6 +94,7 @@ class ZoneSearch {
   Core core_;
   Locations locations_;
   const PartQuestion* part_;           // not null: the image is a part of a system
+  const TimedResponse* response_;      // not null: an observer runs beside it
   std::vector<std::uint8_t> is_sure_;  // of a part, by interaction: a candidate is one in the whole
   u32 open_ = kNone;                   // of a part: a location
   u64 impossible_ = 0;

@@ -41,7 +41,8 @@ struct ZoneReport {
   u64 deadlocks = 0, time_locks = 0, errors = 0;  // zones with such a point; with a step that ends in a run-time error
   u32 depth = 0;
   bool has_deadlock = false, has_time_lock = false, has_error = false;
-  bool has_match = false;  // options.predicate was true somewhere: the exploration ended there
+  bool has_match = false;     // options.predicate was true somewhere: the exploration ended there
+  bool is_match_end = false;  // of a response: the run ends there, at a time lock
   TimedPath deadlock, time_lock, error, match;
   bool are_paths_known = true;  // false: the core could not take a path
   std::size_t bytes = 0;
@@ -50,6 +51,29 @@ struct ZoneReport {
 
 /// One thread. options.reduction and threads mean nothing here; options.limit counts zones.
 [[nodiscard]] ZoneReport explore_zones(const Image& image, const ExploreOptions& options);
+
+/// A demand with a limit: at most `within` ticks after each point of a run at which `request` is true `response` is
+/// true. A point is a state while time passes in it (no candidate), or a step that is taken from it. What they read
+/// does not change while time passes.
+struct TimedResponse {
+  std::function<bool(Core&, const Candidate*)> request, response;
+  bool asks_once = false;  // the first point of a run is the only request, and `request` is not called
+  i64 within = 0;
+};
+/// The zone graph with an observer: has_match says that a run misses the demand, `match` leads to the first instant
+/// after the limit, or to a time lock before it. The core has taken it, or are_paths_known is false. A run without a
+/// further instant beyond the limit that goes on for ever (Zeno) misses nothing.
+[[nodiscard]] ZoneReport explore_response(const Image& image, const ExploreOptions& options,
+                                          const TimedResponse& response);
+/// Where a path misses the demand.
+struct MissedResponse {
+  bool is_missed = false;
+  i64 requested = 0;     // the instant
+  u64 requested_by = 0;  // steps taken until then
+  bool at_step = false;  // requested by the step of this number
+};
+[[nodiscard]] MissedResponse follow_response(const Image& image, const ExploreOptions& options, const TimedPath& path,
+                                             const TimedResponse& response);
 
 /// An image that stands for a part of a system whose other components may do anything
 /// (compiler/verify/timed/localization.hpp), and one component of it: is there an instant to which its invariants hold

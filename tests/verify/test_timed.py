@@ -6,7 +6,8 @@
 The systems have clocks in ns with small constants, bounds that are open or closed, limits from data, invariants, all urgencies,
 `resume`, triggers, guards, transfers, and divisions by zero in guards, limits and actions. The oracle is written from
 compiler/docs/semantics.md and shares nothing with bipc: it visits every state at every ns, clocks cut off above all constants, and
-says whether a deadlock, a time lock and an error are reachable. Prints the text of a system with another answer. BIPC names the
+says whether a deadlock, a time lock and an error are reachable, and whether a random `E leads to F within T` or
+`eventually F within T` is violated. Prints the text of a system with another answer. BIPC names the
 program, JOBS the number of processes. Python's library only. To see it go red: let `may_pass` ignore one of its rules.
 """
 import collections
@@ -225,6 +226,66 @@ class Oracle:
                 return None
         return later
 
+    def is_true(self, condition, state, step):
+        """At a point of a run: a state while time passes (no step), or a step that leaves it."""
+        kind, *args = condition
+        if kind == "!":
+            return not self.is_true(args[0], state, step)
+        if kind == "&&":
+            return all(self.is_true(part, state, step) for part in args)
+        if kind == "at":
+            return state[args[0]].place == args[1]
+        if kind == "data":
+            return state[args[0]].value == args[1]
+        if step is None:
+            return False
+        taken, connector = step
+        return connector is self.connectors[args[0]] if kind == "happens" else any((a, t.port) == tuple(args) for a, t in taken)
+
+    def look(self, demand, state, step, age, is_first=False):
+        """The age of the oldest request without a response; None: no request waits."""
+        request, response, _ = demand
+        if self.is_true(response, state, step):
+            return None
+        if age is None and (is_first if request is None else self.is_true(request, state, step)):
+            return 0
+        return age
+
+    def misses(self, demand):
+        """Does a run miss the demand (request or None for the beginning, response, ns)? None: too many states."""
+        first = tuple(State(0, atom.first, 0, None) for atom in self.atoms)
+        start = first, self.look(demand, first, None, None, True)
+        known, todo = {start}, [start]
+        while todo:
+            state, age = todo.pop()
+            try:
+                candidates = self.candidates(state)
+            except Fault:
+                continue
+            if age is not None and age > demand[2]:
+                return True
+            resuming = self.may_resume(state)
+            following = [(state[:a] + (state[a]._replace(waits=None),) + state[a + 1:], age) for a in resuming]
+            later = self.may_pass(state, candidates)
+            if later is not None:
+                following.append((later, None if age is None else age + 1))
+            elif not candidates and age is not None and not any(self.is_last(state, a) for a in resuming):
+                return True
+            for candidate in candidates:
+                at_step = self.look(demand, state, candidate, age)
+                try:
+                    after = self.fire(state, candidate)
+                except Fault:
+                    continue
+                following.append((after, self.look(demand, after, None, at_step)))
+            for new in following:
+                if new not in known:
+                    known.add(new)
+                    todo.append(new)
+            if len(known) > 3 * MOST_STATES:
+                return None
+        return False
+
     def run(self):
         """False: too many states."""
         first = tuple(State(0, atom.first, 0, None) for atom in self.atoms)
@@ -260,6 +321,47 @@ class Oracle:
         return True
 
 
+def make_condition(r, atoms, connectors, depth=1):
+    kind = r.choice(["at", "at", "data", "happens", "happens", "port", "!", "&&"] if depth else ["at", "at", "data", "happens", "port"])
+    a = r.randrange(len(atoms))
+    if kind == "at":
+        return "at", a, r.randrange(atoms[a].places)
+    if kind == "data":
+        return "data", a, r.randint(0, 2)
+    if kind == "happens":
+        return "happens", r.randrange(len(connectors))
+    if kind == "port":
+        return "port", a, r.choice(sorted({t.port for t in atoms[a].transitions}))
+    parts = [make_condition(r, atoms, connectors, 0) for _ in range(1 if kind == "!" else 2)]
+    return (kind, *parts)
+
+
+def condition_text(condition):
+    kind, *args = condition
+    if kind == "!":
+        return f"!({condition_text(args[0])})"
+    if kind == "&&":
+        return f"({condition_text(args[0])}) && ({condition_text(args[1])})"
+    return {"at": "a{}@s{}", "data": "a{}.v == {}", "happens": "happens c{}", "port": "happens a{}.p{}"}[kind].format(*args)
+
+
+def sharp(r, oracle, request, response):
+    """The demand with the least limit that holds, or the next smaller one; any limit if all hold or none."""
+    answers = {}
+    for within in (0, MOST, *range(1, MOST)):
+        answers[within] = oracle.misses((request, response, within))
+        if within == MOST and (answers[0] in (False, None) or answers[MOST] in (True, None)):
+            return request, response, r.randint(0, MOST)
+    least = min(within for within in answers if answers[within] is False)
+    return request, response, least - r.randint(0, 1)
+
+
+def demand_text(demand):
+    request, response, within = demand
+    text = f"({condition_text(response)}) within {within} ns"
+    return f"eventually {text}" if request is None else f"({condition_text(request)}) leads to {text}"
+
+
 # ---- the comparison
 def ask(path, *words):
     done = subprocess.run([BIPC, *words, "--backend=interp", "--json", path], capture_output=True, text=True, timeout=120)
@@ -270,20 +372,24 @@ def ask(path, *words):
 
 
 def check(seed):
-    """(what was found, a difference or "")"""
+    """(kinds of what was found, a difference or "")"""
     atoms, connectors = make_system(random.Random(seed))
     oracle = Oracle(atoms, connectors)
     if not oracle.run():
-        return "large", ""
+        return ["large"], ""
     text = text_of(atoms, connectors)
+    r = random.Random(f"demands {seed}")
+    demands = [sharp(r, oracle, None if r.random() < 0.2 else make_condition(r, atoms, connectors), make_condition(r, atoms, connectors))
+               for _ in range(3)]
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "m.bip")
         pathlib.Path(path).write_text(text)
         explored, problem = ask(path, "explore")
         if explored is None:
-            return "refused", f"seed {seed}: explore: {problem}\n{text}"
+            return ["refused"], f"seed {seed}: explore: {problem}\n{text}"
         verdict, _ = ask(path, "verify")
         errors, _ = ask(path, "verify", "--property", "errors")
+        answers = [ask(path, "verify", "--property", demand_text(demand)) for demand in demands]
     expected = (oracle.deadlock, oracle.lock, oracle.error)
     found = (explored["deadlocks"] > 0, explored["time_locks"] > 0, explored["errors"] > 0)
     words = "deadlock %s, time lock %s, error %s"
@@ -298,8 +404,19 @@ def check(seed):
         difference += f"\nverify: {verdict and verdict['verdict']}"
     if errors is None or errors["verdict"] != ("error" if oracle.error else "error-free"):
         difference += f"\nverify --property errors: {errors and errors['verdict']}"
+    kinds = []
+    for demand, (answer, problem) in zip(demands, answers):
+        wanted = "no-state" if oracle.has_no_state else {None: "large", True: "violated", False: "holds"}[oracle.misses(demand)]
+        kinds.append(f"within: {wanted}")
+        if wanted == "large":
+            continue
+        if answer is None or answer["verdict"] != wanted:
+            difference += f"\n`{demand_text(demand)}`: {answer and answer['text']}{problem}, the oracle says {wanted}"
+        elif wanted == "violated" and not answer["ends"] and answer["time"] - answer["requested"] <= demand[2]:
+            difference += f"\n`{demand_text(demand)}`: not missed yet: {answer['text']}"
     kind = "+".join(k for k, v in zip(("deadlock", "time lock", "error"), expected) if v) or "free"
-    return kind, f"seed {seed}: oracle: {words % expected}; {difference}\n{text}" if difference else ""
+    kinds.append(kind)
+    return kinds, f"seed {seed}: oracle: {words % expected}; {difference}\n{text}" if difference else ""
 
 
 def main():
@@ -308,14 +425,15 @@ def main():
     kinds, bad = collections.Counter(), 0
     with concurrent.futures.ProcessPoolExecutor(int(os.environ.get("JOBS", "2"))) as pool:
         for kind, difference in pool.map(check, range(first, first + count), chunksize=8):
-            kinds[kind] += 1
+            kinds.update(kind)
             if difference:
                 bad += 1
                 print(difference)
     print(", ".join(f"{kind}: {n}" for kind, n in sorted(kinds.items())))
     compared = count - kinds["large"] - kinds["refused"]
     # What decides nothing is no test.
-    if count >= 60 and (compared < count // 2 or any(kinds[k] == 0 for k in ("free", "deadlock", "time lock"))):
+    if count >= 60 and (compared < count // 2 or any(kinds[k] == 0 for k in ("free", "deadlock", "time lock"))
+                        or any(kinds[f"within: {k}"] < count // 10 for k in ("holds", "violated"))):
         bad += 1
         print("too few systems of some kind")
     print(f"timed: {compared - bad if compared > bad else 0} passed, {bad} failed")

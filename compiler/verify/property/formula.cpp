@@ -23,8 +23,13 @@ class FormulaMaker {
     made_.text = parsed.text;
   }
 
-  Result<Formula> run() {
+  Result<Formula> run(std::optional<std::int64_t> within) {
     made_.root = make(parsed_.root);
+    if (within) {
+      const PropertyNode& root = parsed_.nodes[parsed_.root];
+      Formula::Bounded bounded{root.temporal == TemporalOperator::Eventually, make(root.a), make(root.b), *within};
+      made_.bounded = bounded;
+    }
     const auto past = std::count_if(made_.nodes.begin(), made_.nodes.end(),
                                     [](const FormulaNode& node) { return looks_back(node.kind); });
     if (made_.states.size() + made_.steps.size() + static_cast<std::size_t>(past) > kMaxConditions)
@@ -125,8 +130,9 @@ class FormulaMaker {
 
 }  // namespace
 
-Result<Formula> make_formula(const Property& parsed, const std::vector<std::uint8_t>& is_temporal) {
-  return FormulaMaker(parsed, is_temporal).run();
+Result<Formula> make_formula(const Property& parsed, const std::vector<std::uint8_t>& is_temporal,
+                             std::optional<std::int64_t> within) {
+  return FormulaMaker(parsed, is_temporal).run(within);
 }
 
 bool is_invariant_of_past(const Formula& formula) {

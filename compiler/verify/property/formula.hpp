@@ -2,6 +2,7 @@
 //
 //   formula  = 'always' formula | 'never' formula | 'eventually' formula | 'next' formula
 //            | formula ('leads to' | 'until' | 'unless' | 'implies') formula
+//            | formula 'leads to' formula 'within' TIME | 'eventually' formula 'within' TIME
 //            | 'previously' past | 'once' past | 'historically' past | past 'since' past
 //            | C's `!`, `&&`, `||` over formulas | condition on a state (property.hpp)
 //            | 'happens' CONNECTOR | 'happens' COMPONENT.PORT
@@ -14,6 +15,7 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,6 +44,13 @@ struct Formula {
   std::vector<Property> states;  // conditions, of type bool
   std::vector<StepCondition> steps;
   std::string text;
+  // `E leads to F within T`, `eventually F within T`: E and F as nodes without words of time. Only of models with time.
+  struct Bounded {
+    bool asks_once = false;  // `eventually`: there is no E
+    std::uint32_t request = 0, response = 0;
+    std::int64_t within = 0;  // ns
+  };
+  std::optional<Bounded> bounded;
 };
 
 /// A property of `--property`: of states or of runs.

@@ -3,14 +3,17 @@
 // problem ends the parse. Cost: linear in the text and in the number of atoms and connectors.
 #include <algorithm>
 #include <charconv>
+#include <optional>
 #include <unordered_map>
 
 #include "compiler/base/ascii.hpp"
 #include "compiler/model/operators.hpp"
 #include "compiler/system/system.hpp"
+#include "compiler/system/uses_time.hpp"
 #include "compiler/verify/property/expression.hpp"
 #include "compiler/verify/property/make_formula.hpp"
 #include "runtime/core/text.hpp"
+#include "runtime/engine/event_file.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
@@ -111,7 +114,11 @@ class PropertyParser {
     accepts_formulas_ = true;
     property_.root = parse_formula(0);
     skip_blanks();
-    if (problem_.empty() && at_ != text_.size()) set_problem("this does not belong to the property");
+    if (problem_.empty() && at_ != text_.size()) set_problem(about_rest());
+    if (problem_.empty() && within_ && property_.root != within_row_) {
+      at_ = within_at_;
+      set_problem(kWithinAlone);
+    }
     if (problem_.empty() && type(property_.root) != Type::Bool) {
       at_ = 0;
       set_problem("a property is true or false, this is " + std::string(name_of(type(property_.root))));
@@ -140,7 +147,7 @@ class PropertyParser {
       parsed.state = std::move(property_);
       return parsed;
     }
-    Result<Formula> formula = make_formula(property_, is_temporal_);
+    Result<Formula> formula = make_formula(property_, is_temporal_, within_);
     if (!formula) return Failure{formula.error()};
     parsed.is_formula = true;
     parsed.formula = std::move(*formula);
@@ -463,6 +470,47 @@ class PropertyParser {
   std::uint32_t add_temporal(TemporalOperator op, std::uint32_t a, std::uint32_t b) {
     return add({.kind = PropertyKind::Temporal, .temporal = op, .a = a, .b = b});
   }
+  // What stands behind a whole property.
+  std::string about_rest() {
+    const std::size_t start = at_;
+    const bool is_within = take_words("within");
+    at_ = start;
+    return is_within ? "`within` bounds `eventually` and `leads to`" : "this does not belong to the property";
+  }
+  // `within 50 ms` behind the operands of `eventually` or `leads to`, whose node is the next one.
+  void take_within(std::uint32_t a, std::uint32_t b) {
+    skip_blanks();
+    const std::size_t start = at_;
+    if (!problem_.empty() || !take_words("within")) return;
+    skip_blanks();
+    const std::size_t number = at_;
+    std::string time;
+    while (at_ < text_.size() && is_digit(text_[at_])) {
+      while (at_ < text_.size() && is_digit(text_[at_])) time += text_[at_++];
+      skip_blanks();
+      while (at_ < text_.size() && is_letter(text_[at_])) time += text_[at_++];
+      // `1 s 500 ms`
+      const std::size_t behind = at_;
+      skip_blanks();
+      if (at_ >= text_.size() || !is_digit(text_[at_])) at_ = behind;
+    }
+    const std::int64_t ticks = rt::parse_time(time);
+    const bool is_second = within_.has_value();
+    if (ticks < 0) {
+      at_ = number;
+      set_problem("a time was expected, such as `50 ms`; its units are s, ms, us and ns");
+    } else if (is_second || !system::is_timed(system_) || looks_ahead_[a] != 0 || looks_ahead_[b] != 0 ||
+               is_of_past_[a] != 0 || is_of_past_[b] != 0) {
+      at_ = start;
+      set_problem(is_second                    ? kWithinAlone
+                  : !system::is_timed(system_) ? "`within` bounds a time, and the model has no clocks"
+                                               : "`within` is about conditions and `happens`, not about what else "
+                                                 "comes or has been");
+    }
+    within_ = ticks;
+    within_at_ = start;
+    within_row_ = static_cast<std::uint32_t>(property_.nodes.size());
+  }
   // The operand of a word; what looks back is decided by what has been.
   bool check_operand(std::string_view word, TemporalOperator op, std::uint32_t row, std::size_t start) {
     if (!check_condition(row, start)) return false;
@@ -513,6 +561,7 @@ class PropertyParser {
                     std::string(symbol_of(node.op)) + " …`");
         return 0;
       }
+      if (prefix.meaning == TemporalOperator::Eventually) take_within(a, a);
       return add_temporal(prefix.meaning, a, a);
     }
     return parse_expression(1, depth);
@@ -558,12 +607,11 @@ class PropertyParser {
     const std::size_t behind = at_;
     bool is_prefixed = false;
     const std::uint32_t right = parse_prefixed(depth + 1, is_prefixed);
-    if (!check_condition(left, start) || !check_condition(right, behind)) return 0;
+    const TemporalOperator meaning = found == nullptr ? TemporalOperator::Always : found->meaning;
+    if (!check_operand(word, meaning, left, start) || !check_operand(word, meaning, right, behind)) return 0;
+    if (meaning == TemporalOperator::LeadsTo) take_within(left, right);
     skip_blanks();
     const std::size_t end = at_;
-    if (found != nullptr && (!check_operand(found->word, found->meaning, left, start) ||
-                             !check_operand(found->word, found->meaning, right, behind)))
-      return 0;
     for (const std::string_view next : {"leads to", "until", "unless", "since", "implies"}) {
       if (!take_words(next)) continue;
       at_ = end;
@@ -576,6 +624,8 @@ class PropertyParser {
   }
 
   static constexpr std::uint32_t kNotFound = 0xffffffffu;
+  static constexpr const char* kWithinAlone =
+      "`within` stands in a property of its own: `E leads to F within 50 ms` or `eventually E within 50 ms`";
   const std::string& text_;
   const System& system_;
   const RowsOfPaths& rows_;
@@ -583,6 +633,10 @@ class PropertyParser {
   // By node.
   std::vector<std::uint8_t> is_temporal_, is_of_past_, looks_ahead_;
   bool accepts_formulas_ = false;
+  // Of the last `within`: ns, the row of what it bounds, its place.
+  std::optional<std::int64_t> within_;
+  std::uint32_t within_row_ = 0;
+  std::size_t within_at_ = 0;
   std::string problem_;
   std::size_t at_ = 0;
 };

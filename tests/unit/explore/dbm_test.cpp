@@ -92,6 +92,14 @@ TEST_CASE("operations on zones are those on their points") {
     for (const auto& point : points) moved.insert({3, point.second});
     REQUIRE(points_of(set) == moved);
 
+    Zone forgotten = zone;
+    forgotten.forget_clock(1);
+    Points any;
+    for (const auto& point : points) {
+      for (i64 x = 0; x <= kEnd; ++x) any.insert({x, point.second});
+    }
+    REQUIRE(points_of(forgotten) == any);
+
     const Zone other = random_zone(random);
     const Points others = points_of(other);
     REQUIRE(zone.includes(other) == std::includes(points.begin(), points.end(), others.begin(), others.end()));

@@ -1,0 +1,161 @@
+// Verdicts about `E leads to F within T` and `eventually F within T`: see decide.hpp. The zone graph with an observer
+// decides (runtime/explore/zone_response.cpp); what it cannot treat is refused by name or unknown with the reason.
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "compiler/library/add_run.hpp"
+#include "compiler/library/decide.hpp"
+#include "compiler/library/timed_verdict.hpp"
+#include "compiler/pipeline/executor.hpp"
+#include "compiler/pipeline/exit_codes.hpp"
+#include "compiler/pipeline/limits.hpp"
+#include "compiler/verify/net/unread_data.hpp"
+#include "compiler/verify/property/expression.hpp"
+#include "runtime/core/text.hpp"
+#include "runtime/explore/counterexample.hpp"
+#include "runtime/include/bip/assert.hpp"
+
+namespace bip::library {
+
+namespace {
+
+// What has no answer yet is said. False: it was.
+bool is_observable(const VerifyRequest& request, Compilation& c, const verify::Formula& formula) {
+  if (request.wants_certificate) {
+    c.diags.report(Diag::kB1900, c.root_range, "a certificate for a model with time");
+    return false;
+  }
+  for (const verify::Property& condition : formula.states) {
+    for (const verify::PropertyNode& node : condition.nodes) {
+      if (node.kind != verify::PropertyKind::CanConnector && node.kind != verify::PropertyKind::CanPort) continue;
+      c.diags.report(Diag::kB1900, c.root_range, "`can` in a property with `within`")
+          .note("what can be done changes while time passes")
+          .help("`happens` says that it is done, `component@PLACE` where it may be");
+      return false;
+    }
+  }
+  return true;
+}
+
+// Is a node without words of time true at a point of a run?
+bool is_true_at(const verify::Formula& formula, std::uint32_t row, rt::Core& core, const rt::Candidate* candidate) {
+  const verify::FormulaNode& node = formula.nodes[row];
+  switch (node.kind) {
+    case verify::FormulaKind::Constant: return node.value;
+    case verify::FormulaKind::State: return verify::is_true(formula.states[node.row], core);
+    case verify::FormulaKind::Step: {
+      if (candidate == nullptr) return false;
+      const verify::StepCondition& step = formula.steps[node.row];
+      if (!step.is_port) return candidate->connector == step.owner;
+      std::vector<rt::Participant> participants;
+      core.participants(*candidate, participants);
+      for (const rt::Participant& participant : participants) {
+        if (participant.atom == step.owner && participant.port == step.port) return true;
+      }
+      return false;
+    }
+    case verify::FormulaKind::Not: return !is_true_at(formula, node.a, core, candidate);
+    case verify::FormulaKind::And:
+      return is_true_at(formula, node.a, core, candidate) && is_true_at(formula, node.b, core, candidate);
+    case verify::FormulaKind::Or:
+      return is_true_at(formula, node.a, core, candidate) || is_true_at(formula, node.b, core, candidate);
+    case verify::FormulaKind::Next:
+    case verify::FormulaKind::Until:
+    case verify::FormulaKind::Release:
+    case verify::FormulaKind::Previously:
+    case verify::FormulaKind::Since: break;
+  }
+  BIP_UNREACHABLE("a word of time within `within`");
+}
+
+std::string time_text(std::int64_t ticks) {
+  std::string text;
+  rt::append_time(text, ticks);
+  return text;
+}
+
+// "`a leads to b within 50 ms`   (3 steps, at 57ms)" and since when.
+std::string missed_text(const verify::Formula& formula, const rt::ZoneReport& found, const rt::MissedResponse& missed) {
+  const rt::TimedPath& path = found.match;
+  std::string text = fmt::format("violated[V0006]: `{}`   ({}, at {})\n", formula.text,
+                                 rt::counted(path.steps.size(), "step"), time_text(path.end));
+  if (missed.at_step)
+    text += fmt::format("  asked for by step #{}, at {}", missed.requested_by, time_text(missed.requested));
+  else text += "  asked for from " + time_text(missed.requested) + " on";
+  if (found.is_match_end) return text + ": there the run ends, for time cannot pass and nothing can be done\n";
+  return text + fmt::format(": {} later it has not come\n", time_text(path.end - missed.requested));
+}
+
+}  // namespace
+
+Verdict decide_response(const VerifyRequest& request, Compilation& c, const verify::Question& question,
+                        const std::string& note, const verify::CancellationToken& token) {
+  const verify::Formula& formula = question.formula;
+  BIP_ASSERT(formula.bounded, "a property without a limit of time");
+  if (!is_observable(request, c, formula)) return {};
+  if (calls_cpp(*c.system)) return unknown_because_of_cpp();
+  const verify::CancellationToken cancellation = token.within(request.timeout);
+  Executor executor(MachineCode::Fresh);
+  if (!executor.prepare(c, request.backend, Optimisation::Auto)) return {};
+  const rt::Image& image = c.lowered->image;
+  const verify::Formula::Bounded& bounded = *formula.bounded;
+  const auto at = [&formula](std::uint32_t row) {
+    return [&formula, row](rt::Core& core, const rt::Candidate* candidate) {
+      return is_true_at(formula, row, core, candidate);
+    };
+  };
+  const rt::TimedResponse response{at(bounded.request), at(bounded.response), bounded.asks_once, bounded.within};
+  rt::ExploreOptions options;
+  options.bytes = request.megabytes * kMega;
+  options.is_stopped = [&] { return cancellation.is_over(); };
+  options.unread_cells = verify::find_unread_cells(*c.system, image, data_of(question));
+  const rt::ZoneReport found = rt::explore_response(image, options, response);
+  const bool is_complete = found.end == rt::ExploreEnd::Complete && found.inexact.empty();
+  const std::string size = rt::counted(found.zones, "zone") + " of " + rt::counted(found.locations, "location");
+  nlohmann::ordered_json json{{"format", "bipc-verdict"}, {"version", 1}, {"verdict", "unknown"}};
+  json["property"] = formula.text;
+  json["zones"] = found.zones;
+  std::string text;
+  int exit_code = kUnknown;
+  std::optional<FoundRun> run;
+  if (found.has_match && found.are_paths_known) {
+    const rt::CounterexampleEnd end =
+        found.is_match_end ? rt::CounterexampleEnd::TimeLock : rt::CounterexampleEnd::State;
+    const rt::MissedResponse missed = rt::follow_response(image, options, found.match, response);
+    const rt::CounterexampleText described =
+        rt::describe_counterexample(image, rt::MaximalProgress::On, end, found.match, kStepsShown);
+    text = described.steps + described.error + missed_text(formula, found, missed);
+    json["verdict"] = "violated";
+    json["steps"] = found.match.steps.size();
+    json["requested"] = missed.requested;
+    json["time"] = found.match.end;
+    json["ends"] = found.is_match_end;
+    if (request.wants_run) add_run(json, rt::counterexample_json(image, rt::MaximalProgress::On, end, found.match));
+    exit_code = kViolated;
+    run = FoundRun{end, found.match, {}};
+    if (request.wants_trace)
+      run->trace = rt::trace_of_counterexample(image, rt::MaximalProgress::On, end, found.match, rt::TraceFormat::Json);
+  } else if (is_complete && !found.has_match) {
+    json["verdict"] = "holds";
+    json["method"] = "exhaustive";
+    text = fmt::format("holds: `{}`: true of all runs through {}\n", formula.text, size);
+    if (found.has_error) text += "note: this holds, but a run can end with an error: `--property errors` shows it\n";
+    exit_code = kOk;
+  } else {
+    const std::string reason =
+        found.has_match ? "the core could not take the way that was found" : limit_text(found, cancellation);
+    json["reason"] = reason;
+    text = "unknown: " + reason + ", after " + size + '\n';
+  }
+  text += note;
+  json["text"] = text;
+  Verdict verdict = verdict_of(json, text, exit_code);
+  verdict.counterexample = std::move(run);
+  return verdict;
+}
+
+}  // namespace bip::library
