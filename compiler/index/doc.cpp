@@ -73,13 +73,15 @@ std::string IndexBuilder::doc_above(std::uint32_t begin, std::uint32_t /*end*/) 
 
 std::string IndexBuilder::one_line(SourceRange range) const {
   std::string out;
-  for (const char c : sources_.text(range)) {
-    if (!is_blank(c)) {
-      out += c;
-    } else if (!out.empty() && out.back() != ' ') {
-      out += ' ';
-    }
-    if (out.size() > kLongestLine) break;
+  const std::string_view text = sources_.text(range);
+  for (std::size_t at = 0; at < text.size() && out.size() <= kLongestLine;) {
+    // A word, then a blank for all that follow it.
+    std::size_t end = at;
+    const std::size_t most = std::min(text.size(), at + kLongestLine + 1 - out.size());
+    while (end < most && !is_blank(text[end])) ++end;
+    out.append(text.substr(at, end - at));
+    for (at = end; at < text.size() && is_blank(text[at]);) ++at;
+    if (at != end && !out.empty() && out.size() <= kLongestLine) out += ' ';
   }
   if (out.size() <= kLongestLine) return out;
   // A cut keeps whole characters.

@@ -38,9 +38,12 @@ const char* name_of(SymbolKind kind) {
 Index build_index(std::span<const syntax::Syntax* const> files, const SourceMap& sources) {
   Index index = IndexBuilder(sources).run(files);
   const auto place = [](const Use& u) { return std::tuple(u.range.file.value, u.range.begin, u.range.end); };
+  const auto begin = [](const Use& u) { return (std::uint64_t{u.range.file.value} << 32u) | u.range.begin; };
   std::stable_sort(index.uses.begin(), index.uses.end(), [&](const Use& a, const Use& b) {
-    return std::tuple(place(a), a.kind == UseKind::Declaration ? 0 : 1) <
-           std::tuple(place(b), b.kind == UseKind::Declaration ? 0 : 1);
+    // Few uses begin at one place.
+    if (const std::uint64_t at = begin(a), other = begin(b); at != other) return at < other;
+    return std::pair(a.range.end, a.kind == UseKind::Declaration ? 0 : 1) <
+           std::pair(b.range.end, b.kind == UseKind::Declaration ? 0 : 1);
   });
   // A state is a place and the `from` of its transitions, `port T p, q` names T for both: one use each.
   const auto last = std::unique(index.uses.begin(), index.uses.end(),

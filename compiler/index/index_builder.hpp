@@ -3,6 +3,7 @@
 #pragma once
 #include <map>
 #include <string>
+#include <unordered_map>
 
 #include "compiler/index/index.hpp"
 
@@ -61,6 +62,8 @@ class IndexBuilder {
   void set_type(SymbolId symbol, const syntax::TypeRef& type, SymbolId target);
   SymbolId use_type(const syntax::Path& path, std::size_t file);
   [[nodiscard]] SymbolId find(SymbolId owner, std::string_view name) const;
+  /// As Index::member, without a walk over the members where the name is one of them.
+  [[nodiscard]] SymbolId member(SymbolId owner, std::string_view name) const;
   [[nodiscard]] SymbolId find_in_files(std::string_view name, std::size_t file) const;
   void resolve(const DeclRow& row);
   void resolve_atom(const syntax::Decl& d, SymbolId owner, const Scope& scope);
@@ -84,7 +87,12 @@ class IndexBuilder {
   Index out_;
   std::vector<File> files_;
   std::vector<DeclRow> decls_;
-  std::map<Key, SymbolId> names_;
+  struct KeyHash {
+    std::size_t operator()(const Key& key) const {
+      return std::hash<std::string_view>()(key.second) ^ (std::size_t{key.first} * 0x9E3779B97F4A7C15u);
+    }
+  };
+  std::unordered_map<Key, SymbolId, KeyHash> names_;
   std::map<const syntax::CompoundItem*, SymbolId> loops_;
   std::size_t file_ = 0;  // that is being declared
 };

@@ -23,7 +23,7 @@ SymbolId IndexBuilder::path(const Path& p, const Scope& scope, UseKind last) {
   if (!found.is_valid()) return p.parts.size() > 1 ? use_type(p, scope.file) : SymbolId();
   use(p.parts.front().name.range, found, p.parts.size() == 1 ? last : UseKind::Read);
   for (std::size_t i = 1; i < p.parts.size() && found.is_valid(); ++i) {
-    found = out_.member(found, p.parts[i].name.text);
+    found = member(found, p.parts[i].name.text);
     use(p.parts[i].name.range, found, i + 1 == p.parts.size() ? last : UseKind::Read);
   }
   return found;

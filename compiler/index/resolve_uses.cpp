@@ -18,6 +18,13 @@ SymbolId IndexBuilder::find(SymbolId owner, std::string_view name) const {
   return known == names_.end() ? SymbolId() : known->second;
 }
 
+SymbolId IndexBuilder::member(SymbolId owner, std::string_view name) const {
+  const SymbolId type = out_.symbols[owner].type;
+  const SymbolId found = find(type.is_valid() ? type : owner, name);
+  if (found.is_valid() && (!type.is_valid() || out_.symbols[found].is_visible)) return found;
+  return out_.member(owner, name);
+}
+
 SymbolId IndexBuilder::find_in_files(std::string_view name, std::size_t file) const {
   BIP_ASSERT(file < files_.size(), "there is no file {}", file);
   if (const auto own = names_.find({files_[file].scope, name}); own != names_.end()) return own->second;
@@ -139,7 +146,7 @@ void IndexBuilder::link_exports(const DeclRow& row) {
       continue;
     SymbolId target = find(row.symbol, e.targets.front().parts.front().name.text);
     for (const PathPart& part : e.targets.front().parts.subspan(1)) {
-      if (target.is_valid()) target = out_.member(target, part.name.text);
+      if (target.is_valid()) target = member(target, part.name.text);
     }
     if (!target.is_valid()) continue;
     const Symbol from = out_.symbols[target];

@@ -12,24 +12,25 @@ const PackageScope& package_of(const Model& model, FileId file) {
                                                    : model.packages.back();
 }
 
-KeysOfName keys_of(const Model& model, std::string_view name, FileId file) {
+std::string own_key(const Model& model, std::string_view name, FileId file) {
   const PackageScope& package = package_of(model, file);
   const std::size_t dot = name.rfind('.');
-  KeysOfName keys;
-  if (dot == std::string_view::npos) {
-    keys.own = package.prefix + std::string(name);
-    for (const std::uint32_t row : package.uses) keys.used.push_back(model.packages[row].prefix + std::string(name));
-    return keys;
-  }
+  if (dot == std::string_view::npos) return package.prefix + std::string(name);
   const std::string_view qualifier = name.substr(0, dot);
-  const std::string last(name.substr(dot + 1));
-  if (qualifier == package.name) {
-    keys.own = package.prefix + last;
-    return keys;
-  }
+  const std::string_view last = name.substr(dot + 1);
+  if (qualifier == package.name) return package.prefix + std::string(last);
+  std::string key;
   for (const std::uint32_t row : package.uses) {
-    if (model.packages[row].name == qualifier) keys.own = model.packages[row].prefix + last;
+    if (model.packages[row].name == qualifier) key = model.packages[row].prefix + std::string(last);
   }
+  return key;
+}
+
+std::vector<std::string> used_keys(const Model& model, std::string_view name, FileId file) {
+  std::vector<std::string> keys;
+  if (name.find('.') != std::string_view::npos) return keys;
+  for (const std::uint32_t row : package_of(model, file).uses)
+    keys.push_back(model.packages[row].prefix + std::string(name));
   return keys;
 }
 

@@ -16,22 +16,20 @@ namespace bip::model {
 /// The package of a file; texts that are no package's (--root) speak for the compiled one.
 [[nodiscard]] const PackageScope& package_of(const Model& model, FileId file);
 
-/// Keys to try: the first that a table has wins over `used`; more than one of `used` in a table is ambiguous.
-struct KeysOfName {
-  std::string own;
-  std::vector<std::string> used;
-};
-[[nodiscard]] KeysOfName keys_of(const Model& model, std::string_view name, FileId file);
+/// The key to try first: that of the own package, or of the one that the name is qualified with; empty if there is
+/// none.
+[[nodiscard]] std::string own_key(const Model& model, std::string_view name, FileId file);
+/// The keys to try then, of used packages; more than one in a table is ambiguous. None for qualified names.
+[[nodiscard]] std::vector<std::string> used_keys(const Model& model, std::string_view name, FileId file);
 
 /// Every key that `name` may mean in `file`: none, one, or several if used packages disagree.
 template <class Row>
 [[nodiscard]] std::vector<std::string> visible_keys(const Model& model,
                                                     const std::unordered_map<std::string, Row>& table,
                                                     std::string_view name, FileId file) {
-  KeysOfName keys = keys_of(model, name, file);
-  if (table.contains(keys.own)) return {std::move(keys.own)};
+  if (std::string own = own_key(model, name, file); table.contains(own)) return {std::move(own)};
   std::vector<std::string> found;
-  for (std::string& key : keys.used) {
+  for (std::string& key : used_keys(model, name, file)) {
     if (table.contains(key)) found.push_back(std::move(key));
   }
   return found;

@@ -30,15 +30,23 @@ class Classifier {
  public:
   Classifier(const std::vector<TokenRow>& in, std::string_view text) : in_(in), text_(text) { out_.reserve(in.size()); }
 
-  std::vector<TokenRow> run() {
-    for (at_ = 0; at_ < in_.size(); ++at_) classify(in_[at_]);
+  std::vector<TokenRow> run() { return run(in_.size()); }
+  /// Of the first tokens only; the others are looked at.
+  std::vector<TokenRow> run(std::size_t count) {
+    for (at_ = 0; at_ < count; ++at_) classify(in_[at_]);
     return std::move(out_);
   }
+  [[nodiscard]] bool is_between_declarations() const { return region_ == Region::None && open_ == 0 && braces_ == 0; }
+  [[nodiscard]] bool looked_behind_the_end() const { return looked_behind_the_end_; }
 
  private:
   enum class Region { None, Connector, Atom, Compound, Component };
 
-  [[nodiscard]] std::size_t ahead(std::size_t n) const { return at_ + n < in_.size() ? in_[at_ + n].type : kNoToken; }
+  [[nodiscard]] std::size_t ahead(std::size_t n) const {
+    if (at_ + n < in_.size()) return in_[at_ + n].type;
+    looked_behind_the_end_ = true;
+    return kNoToken;
+  }
   [[nodiscard]] std::size_t previous() const { return out_.empty() ? kNoToken : out_.back().type; }
   void push(TokenRow row, std::size_t type) {
     row.type = type;
@@ -239,6 +247,7 @@ class Classifier {
   Region region_ = Region::None;
   int open_ = 0;
   int braces_ = 0;
+  mutable bool looked_behind_the_end_ = false;
 };
 
 /// Marks the `else` of each `else if` that has no `fi` of its own. BIP2 closes every `if`; the short spelling closes a
@@ -273,6 +282,22 @@ void mark_else_chains(std::vector<TokenRow>& rows) {
 void classify_tokens(std::vector<TokenRow>& rows, std::string_view text) {
   rows = Classifier(rows, text).run();
   mark_else_chains(rows);
+}
+
+bool classify_piece(std::vector<TokenRow>& rows, std::span<const std::size_t> ahead, std::string_view text) {
+  constexpr std::size_t kMostAhead = 3;
+  const std::size_t count = rows.size();
+  const bool is_last = ahead.size() < kMostAhead;
+  for (const std::size_t type : ahead) rows.push_back({.type = type});
+  const std::vector<TokenRow> in = std::move(rows);
+  Classifier classifier(in, text);
+  rows = classifier.run(count);
+  // The rows ahead have no place in the text, so no token may reach into them.
+  for (const TokenRow& row : rows) {
+    if (row.end <= row.begin) return false;
+  }
+  mark_else_chains(rows);
+  return classifier.is_between_declarations() && (is_last || !classifier.looked_behind_the_end());
 }
 
 }  // namespace bip::parse

@@ -9,6 +9,7 @@
 #include "BipParser.h"
 #include "antlr4-runtime.h"
 #include "compiler/diag/diagnostics.hpp"
+#include "compiler/parse/tree_arena.hpp"
 #include "compiler/syntax/syntax.hpp"
 
 namespace bip::parse {
@@ -17,7 +18,7 @@ using antlr::BipParser;
 
 class Converter {
  public:
-  Converter(const SourceMap& sources, FileId file, Arena& arena, Diagnostics& diags)
+  Converter(const SourceMap& sources, FileId file, TreeArena arena, Diagnostics& diags)
       : text_(sources.text(file)), file_(file), arena_(arena), diags_(diags) {}
 
   const syntax::Package* file(BipParser::FileContext* ctx);
@@ -155,7 +156,7 @@ class Converter {
 
   std::string_view text_;
   FileId file_;
-  Arena& arena_;
+  TreeArena arena_;
   Diagnostics& diags_;
   Owner owner_;
   std::pair<std::uint32_t, std::string_view> misplaced_{0, {}};  // where the declaration begins, what

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "compiler/diag/diagnostics.hpp"
+#include "compiler/parse/kept_pieces.hpp"
 #include "compiler/syntax/syntax.hpp"
 
 namespace bip::parse {
@@ -13,7 +14,10 @@ inline constexpr int kMaxDepth = 500;
 
 /// Parses one file. Reports all that it can find and returns the declarations that could be read;
 /// nullopt only if nothing is usable. Never throws, never prints.
-[[nodiscard]] std::optional<syntax::Syntax> parse_file(const SourceMap& sources, FileId file, Diagnostics& diags);
+/// `kept` (may be null): the pieces of an earlier text of the file, and then of this one. A sound file is then parsed
+/// only where it differs, with the same result; its nodes belong to `kept` and are valid until the next call with it.
+[[nodiscard]] std::optional<syntax::Syntax> parse_file(const SourceMap& sources, FileId file, Diagnostics& diags,
+                                                       KeptPieces* kept = nullptr);
 
 /// One token a line: `line:column  KIND  text` (for --emit=tokens).
 [[nodiscard]] std::string dump_tokens(const SourceMap& sources, FileId file);

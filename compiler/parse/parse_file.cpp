@@ -13,6 +13,7 @@
 #include "antlr4-runtime.h"
 #include "compiler/parse/convert.hpp"
 #include "compiler/parse/error_strategy.hpp"
+#include "compiler/parse/parse_changed.hpp"
 #include "compiler/parse/read_in_pieces.hpp"
 #include "compiler/parse/row_stream.hpp"
 #include "compiler/parse/token_list.hpp"
@@ -20,19 +21,13 @@
 namespace bip::parse {
 namespace {
 
-void give_up_at_errors(BipParser& parser) {
-  parser.removeErrorListeners();
-  parser.getInterpreter<antlr4::atn::ParserATNSimulator>()->setPredictionMode(antlr4::atn::PredictionMode::SLL);
-  parser.setErrorHandler(std::make_shared<antlr4::BailErrorStrategy>());
-}
-
 /// The package of a file about which there is nothing to say, else null: the whole tree is needed to say it well.
 const syntax::Package* read_sound_file(const TokenList& list, const SourceMap& sources, FileId file, Arena& arena) {
   RowStream stream(list.rows, sources.text(file).size());
   BipParser parser(&stream);
   give_up_at_errors(parser);
   Diagnostics remarks;
-  Converter converter(sources, file, arena, remarks);
+  Converter converter(sources, file, TreeArena(arena), remarks);
   try {
     const syntax::Package* package = PieceReader(parser, stream, converter).read();
     return remarks.error_count() + remarks.warning_count() == 0 ? package : nullptr;
@@ -89,7 +84,10 @@ SourceRange head_of_bip1(const SourceMap& sources, FileId file) {
 
 }  // namespace
 
-std::optional<syntax::Syntax> parse_file(const SourceMap& sources, FileId file, Diagnostics& diags) {
+std::optional<syntax::Syntax> parse_file(const SourceMap& sources, FileId file, Diagnostics& diags, KeptPieces* kept) {
+  if (kept != nullptr && !head_of_bip1(sources, file).is_valid()) {
+    if (std::optional<syntax::Syntax> syntax = parse_changed(sources, file, *kept)) return syntax;
+  }
   if (const SourceRange head = head_of_bip1(sources, file); head.is_valid()) {
     diags.report(Diag::kB0001, head, "`package`", "", "`model`: this is BIP1, and bipc reads BIP2")
         .help("`bipc explain B0001` names the counterparts of its constructs");
@@ -112,7 +110,7 @@ std::optional<syntax::Syntax> parse_file(const SourceMap& sources, FileId file, 
   if (syntax.package != nullptr) return syntax;
   syntax.arena = std::make_unique<Arena>();
   with_tree(list, sources, file, diags, &BipParser::file, [&](BipParser::FileContext* tree) {
-    Converter converter(sources, file, *syntax.arena, diags);
+    Converter converter(sources, file, TreeArena(*syntax.arena), diags);
     syntax.package = converter.file(tree);
   });
   if (syntax.package == nullptr) return std::nullopt;
@@ -153,7 +151,7 @@ std::optional<RootSpec> parse_root(SourceMap& sources, const std::string& text, 
   root.arena = std::make_unique<Arena>();
   const syntax::Expr* expr = nullptr;
   with_tree(list, sources, file, diags, &BipParser::rootSpec, [&](BipParser::RootSpecContext* tree) {
-    Converter converter(sources, file, *root.arena, diags);
+    Converter converter(sources, file, TreeArena(*root.arena), diags);
     if (tree->exception == nullptr && tree->expr() != nullptr) expr = converter.expr(tree->expr());
   });
   if (expr == nullptr || (expr->kind != syntax::ExprKind::Call && expr->kind != syntax::ExprKind::Path) ||

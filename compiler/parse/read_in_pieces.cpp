@@ -7,36 +7,57 @@ namespace bip::parse {
 
 using namespace syntax;
 
+void give_up_at_errors(BipParser& parser) {
+  parser.removeErrorListeners();
+  parser.getInterpreter<antlr4::atn::ParserATNSimulator>()->setPredictionMode(antlr4::atn::PredictionMode::SLL);
+  parser.setErrorHandler(std::make_shared<antlr4::BailErrorStrategy>());
+}
+
 void PieceReader::take(std::size_t type) {
   if (next() != type) throw antlr4::ParseCancellationException();
   if (type != antlr4::Token::EOF) stream_.consume();
 }
 
-const Package* PieceReader::read() {
+Package PieceReader::read_head() {
   Package package;
   std::vector<BipParser::AnnotationContext*> marks;
   while (next() == BipParser::AT_SIGN) marks.push_back(parser_.annotation());
-  const bool is_package = next() == BipParser::PACKAGE;
-  std::vector<Path> uses;
-  if (is_package) {
+  if (next() == BipParser::PACKAGE) {
+    std::vector<Path> uses;
     take(BipParser::PACKAGE);
     package.name = converter_.path(parser_.path());
     package.annotations = converter_.annotations(marks);
     while (next() == BipParser::USE) uses.push_back(converter_.path(parser_.use()->path()));
+    package.uses = converter_.arena_.list(uses);
   } else {
     // They belong to the first declaration.
     stream_.seek(0);
   }
-  forget();
-  std::vector<const Decl*> decls;
-  while (next() != BipParser::END && next() != antlr4::Token::EOF) {
-    if (const Decl* made = next() == BipParser::COMPOUND ? compound() : decl()) decls.push_back(made);
-  }
-  if (is_package) take(BipParser::END);
-  take(antlr4::Token::EOF);
-  package.uses = converter_.arena_.list(uses);
-  package.decls = converter_.arena_.list(decls);
   package.range = {converter_.file_, 0, static_cast<std::uint32_t>(converter_.text_.size())};
+  forget();
+  return package;
+}
+
+void PieceReader::read_decls(std::size_t end, std::vector<const Decl*>& to) {
+  while (stream_.index() < end && next() != BipParser::END) {
+    if (const Decl* made = next() == BipParser::COMPOUND ? compound() : decl()) to.push_back(made);
+  }
+}
+
+bool PieceReader::read_end(std::size_t end) {
+  if (stream_.index() >= end || next() != BipParser::END) return false;
+  take(BipParser::END);
+  return true;
+}
+
+const Package* PieceReader::read() {
+  Package package = read_head();
+  const std::size_t end = stream_.size() - 1;
+  std::vector<const Decl*> decls;
+  read_decls(end, decls);
+  if (!package.name.parts.empty()) take(BipParser::END);
+  take(antlr4::Token::EOF);
+  package.decls = converter_.arena_.list(decls);
   return converter_.arena_.make(package);
 }
 

@@ -13,9 +13,17 @@ class PieceReader {
   PieceReader(BipParser& parser, RowStream& stream, Converter& converter)
       : parser_(parser), stream_(stream), converter_(converter) {}
 
-  /// The package. Throws ParseCancellationException if the file is not sound; the caller then reads it whole, with
-  /// messages.
+  // All of them throw ParseCancellationException if the text is not sound; the caller then reads the file whole, with
+  // messages.
+
+  /// The package.
   [[nodiscard]] const syntax::Package* read();
+  /// What a file begins with: a package without declarations, or one without a name and nothing read.
+  [[nodiscard]] syntax::Package read_head();
+  /// Declarations, up to the end of the package or to the token at `end`.
+  void read_decls(std::size_t end, std::vector<const syntax::Decl*>& to);
+  /// Reads the `end` of a package if that comes next before the token at `end`.
+  [[nodiscard]] bool read_end(std::size_t end);
 
  private:
   [[nodiscard]] std::size_t next() { return stream_.LA(1); }
@@ -28,5 +36,8 @@ class PieceReader {
   RowStream& stream_;
   Converter& converter_;
 };
+
+/// Makes `parser` predict without context and give up at the first error.
+void give_up_at_errors(BipParser& parser);
 
 }  // namespace bip::parse

@@ -41,6 +41,26 @@ void report_stray(std::string_view sign, std::string_view after, SourceRange ran
   if (sign == "$") diagnostic.help("names consist of letters, digits and `_`");
 }
 
+/// Calls `take` with the row of each token and comment of a text that lies at `begin` in its file.
+template <class Take>
+void each_token(std::string_view text, std::uint32_t begin, Take take) {
+  const std::vector<std::uint32_t> offsets = code_point_offsets(text);
+  auto byte = [&](std::size_t code_point) {
+    BIP_ASSERT(offsets.empty() || code_point < offsets.size(), "code point {} of {}", code_point, offsets.size());
+    return begin + (offsets.empty() ? static_cast<std::uint32_t>(code_point) : offsets[code_point]);
+  };
+  ::antlr4::ANTLRInputStream input{std::string(text)};
+  BipLexer lexer(&input);
+  lexer.removeErrorListeners();
+  for (auto token = lexer.nextToken(); token->getType() != ::antlr4::Token::EOF; token = lexer.nextToken()) {
+    const TokenRow row{token->getType(), byte(token->getStartIndex()), byte(token->getStopIndex() + 1),
+                       static_cast<std::uint32_t>(token->getLine())};
+    BIP_ASSERT(row.begin <= row.end && row.end <= begin + text.size(), "token {}..{} of {} bytes", row.begin, row.end,
+               begin + text.size());
+    take(row);
+  }
+}
+
 // Once for each line that has such a character, so that a text written from right to left gives few warnings.
 void warn_of_bidi_controls(std::string_view text, FileId file, Diagnostics& diags) {
   std::size_t next = 0;
@@ -119,20 +139,7 @@ TokenList read_tokens(const SourceMap& sources, FileId file, Diagnostics& diags)
   warn_of_bidi_controls(text, file, diags);
   // ANTLR would swallow a byte order mark and count positions from after it.
   const std::uint32_t skipped = text.substr(0, 3) == "\xEF\xBB\xBF" ? 3 : 0;
-  text.remove_prefix(skipped);
-  const std::vector<std::uint32_t> offsets = code_point_offsets(text);
-  auto byte = [&](std::size_t code_point) {
-    BIP_ASSERT(offsets.empty() || code_point < offsets.size(), "code point {} of {}", code_point, offsets.size());
-    return skipped + (offsets.empty() ? static_cast<std::uint32_t>(code_point) : offsets[code_point]);
-  };
-  ::antlr4::ANTLRInputStream input{std::string(text)};
-  BipLexer lexer(&input);
-  lexer.removeErrorListeners();
-  for (auto token = lexer.nextToken(); token->getType() != ::antlr4::Token::EOF; token = lexer.nextToken()) {
-    const TokenRow row{token->getType(), byte(token->getStartIndex()), byte(token->getStopIndex() + 1),
-                       static_cast<std::uint32_t>(token->getLine())};
-    BIP_ASSERT(row.begin <= row.end && row.end <= skipped + text.size(), "token {}..{} of {} bytes", row.begin, row.end,
-               skipped + text.size());
+  each_token(text.substr(skipped), skipped, [&](const TokenRow& row) {
     BIP_ASSERT(list.rows.empty() || list.rows.back().end <= row.begin, "token at {} overlaps the one before",
                row.begin);
     const SourceRange range{file, row.begin, row.end};
@@ -153,9 +160,31 @@ TokenList read_tokens(const SourceMap& sources, FileId file, Diagnostics& diags)
       case BipLexer::STRAY: report_stray(sources.text(range), sources.text(file).substr(row.end), range, diags); break;
       default: list.rows.push_back(row);
     }
-  }
+  });
   classify_tokens(list.rows, sources.text(file));
   return list;
+}
+
+std::optional<TokenList> read_sound_tokens(const SourceMap& sources, FileId file, std::uint32_t begin,
+                                           std::uint32_t end) {
+  const std::string_view text = sources.text(SourceRange{file, begin, end});
+  if (find_bad_utf8(text) != std::string_view::npos || text.starts_with("\xEF\xBB\xBF")) return std::nullopt;
+  Diagnostics remarks;
+  warn_of_bidi_controls(text, file, remarks);
+  if (remarks.warning_count() != 0) return std::nullopt;
+  TokenList list;
+  bool is_sound = true;
+  each_token(text, begin, [&](const TokenRow& row) {
+    switch (row.type) {
+      case BipLexer::LINE_COMMENT:
+      case BipLexer::BLOCK_COMMENT: list.comments.push_back({SourceRange{file, row.begin, row.end}}); break;
+      case BipLexer::UNCLOSED_COMMENT:
+      case BipLexer::UNCLOSED_STRING:
+      case BipLexer::STRAY: is_sound = false; break;
+      default: list.rows.push_back(row);
+    }
+  });
+  return is_sound ? std::optional(std::move(list)) : std::nullopt;
 }
 
 }  // namespace bip::parse

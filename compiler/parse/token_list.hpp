@@ -3,6 +3,8 @@
 // A token has a type of the grammar and a byte range; comments are kept separately. Lexical errors are reported here,
 // and the tokens concerned are dropped or repaired, so that the parser can continue. Linear in the text.
 #pragma once
+#include <optional>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -25,6 +27,17 @@ struct TokenList {
 
 /// Lexes and classifies a file. Reports B0002-B0004. A file that is not UTF-8 has no tokens.
 [[nodiscard]] TokenList read_tokens(const SourceMap& sources, FileId file, Diagnostics& diags);
+
+/// The tokens of a piece of a text, not classified, with their places in the whole; `begin` is the piece's. Nothing if
+/// there is something to report, or if the piece ends inside of a comment.
+[[nodiscard]] std::optional<TokenList> read_sound_tokens(const SourceMap& sources, FileId file, std::uint32_t begin,
+                                                         std::uint32_t end);
+
+/// Classifies the tokens of a piece that begins and ends between two declarations. `ahead`: the types of the tokens
+/// that follow it in the file, at most three; fewer if the file ends there. False if the piece ends elsewhere, or if a
+/// token of it depends on more.
+[[nodiscard]] bool classify_piece(std::vector<TokenRow>& rows, std::span<const std::size_t> ahead,
+                                  std::string_view text);
 
 /// Decides contextual words, reports, ranges and groups in place (see BipLexer.g4). Called by `read_tokens`.
 void classify_tokens(std::vector<TokenRow>& rows, std::string_view text);

@@ -137,7 +137,7 @@ class Loader {
       compilation_.diags.report(Diag::kB0090, path.range, file_name, file.error());
       return nullptr;
     }
-    std::optional<syntax::Syntax> syntax = parse::parse_file(compilation_.sources, *file, compilation_.diags);
+    std::optional<syntax::Syntax> syntax = parse_text(compilation_, *file);
     if (!syntax || syntax->package == nullptr) return nullptr;
     const syntax::Path& found = syntax->package->name;
     if (found.parts.empty()) {

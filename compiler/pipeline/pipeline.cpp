@@ -37,7 +37,7 @@ bool load_source(Compilation& c) {
 
 bool parse_source(Compilation& c) {
   if (c.is_bsys()) return true;
-  c.syntax = parse::parse_file(c.sources, c.file, c.diags);
+  c.syntax = parse_text(c, c.file);
   return c.syntax.has_value() && !c.diags.has_errors();
 }
 
@@ -174,6 +174,10 @@ Result<FileId> load_text(Compilation& c, const std::string& path, std::string na
                             : c.sources.load_text(name.empty() ? path : std::move(name), open->second);
   if (file) c.paths[*file] = path;
   return file;
+}
+
+std::optional<syntax::Syntax> parse_text(Compilation& c, FileId file) {
+  return parse::parse_file(c.sources, file, c.diags, c.kept == nullptr ? nullptr : &(*c.kept)[c.paths[file]]);
 }
 
 bool compile(Compilation& c, const std::string& path, Stage last) {

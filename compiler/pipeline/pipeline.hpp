@@ -35,8 +35,9 @@ struct Compilation {
   CompileOptions options;
   SourceMap sources;
   Diagnostics diags;
-  std::map<std::string, std::string> open_texts;  // by path: what an editor holds, read instead of the files
-  std::map<FileId, std::string> paths;            // where each file was read; messages may call it otherwise
+  std::map<std::string, std::string> open_texts;             // by path: what an editor holds, read instead of the files
+  std::map<std::string, parse::KeptPieces>* kept = nullptr;  // by path: what an editor keeps of earlier texts
+  std::map<FileId, std::string> paths;                       // where each file was read; messages may call it otherwise
   std::vector<PassTime> times;
   std::string printed;  // text of the products that --print-after names; the command prints it
 
@@ -59,6 +60,9 @@ struct Compilation {
 /// A file of this compilation, from `open_texts` or from disk, with the same demands on its text.
 /// `name`: what it is called in messages; empty: its path.
 [[nodiscard]] Result<FileId> load_text(Compilation& c, const std::string& path, std::string name = {});
+
+/// Parses a file of this compilation, with what is kept of its earlier text.
+[[nodiscard]] std::optional<syntax::Syntax> parse_text(Compilation& c, FileId file);
 
 /// Runs the stages up to `last` on a .bip or .bsys file. False as soon as one reported an error.
 [[nodiscard]] bool compile(Compilation& c, const std::string& path, Stage last);

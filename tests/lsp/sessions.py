@@ -611,6 +611,31 @@ def test_no_request_reads_the_document_again():
     equal(checks(), 2)
 
 
+def test_an_edit_parses_one_declaration():
+    """It is the number of pieces that counts, not time: of 40 types only the one that is edited is parsed again."""
+    text = "package m\n  port type Signal()\n" + "".join(f"  atom type A{k}()\n    export port Signal p()\n    place S\n    initial to S\n    on p from S to S\n  end\n" for k in range(40)) + "end\n"
+    c = started(text)
+    work = lambda: c.result("bip/checks")
+    c.diagnostics(URI)
+    equal(work(), {"checks": 1, "parsed": 42, "reused": 0, "whole": 0})
+    line = 2 + 6 * 30 + 1
+    where = {"line": line, "character": len("    export port Signal p")}
+    c.change(URI, 2, [{"range": {"start": where, "end": where}, "text": "q"}])
+    # `on p` has no port any more; the places below it are those of the new text.
+    found = c.diagnostics(URI, 2)
+    equal({d["range"]["start"]["line"] for d in found}, {line + 3})
+    equal(work(), {"checks": 2, "parsed": 43, "reused": 41, "whole": 0})
+    # Formatting takes the tree of the last text.
+    c.result("textDocument/formatting", {**document(), "options": {}})
+    equal(work(), {"checks": 2, "parsed": 43, "reused": 83, "whole": 0})
+    # What cannot be read is read as a whole, and afterwards the rest is still known.
+    c.change(URI, 3, [{"range": {"start": where, "end": where}, "text": "("}])
+    equal(len(c.diagnostics(URI, 3)), 1)
+    c.change(URI, 4, [{"text": text}])
+    equal(c.diagnostics(URI, 4), [])
+    equal(work(), {"checks": 4, "parsed": 45, "reused": 124, "whole": 1})
+
+
 def test_completion_of_a_large_file_does_not_wait_for_its_check():
     """A key and the completion after it: the answer comes before the diagnostics of the new text, with its words; every other request waits for them."""
     text = "package m\n  port type Signal()\n" + "".join(f"  atom type A{k}()\n    export port Signal p()\n    place S\n    initial to S\n    on p from S to S\n  end\n" for k in range(4000)) + "end\n"

@@ -5,7 +5,7 @@ broken messages.
     tests/lsp/test_lsp.py [--edits N] [--seed N] [part of a test's name ...]
 
 Needs built bipc and bipc-lsp ($BIPC or build/bipc, the server beside it). Ends with "lsp: N passed, N failed"; each
-test_* function, each renamed name, each random edit and each hundred broken messages is one. Python's library only.
+test_* function, each renamed name, each random edit (twice: beside `bipc check`, and beside a new server) and each hundred broken messages is one. Python's library only.
 """
 import argparse
 import pathlib
@@ -14,6 +14,7 @@ import sys
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import client  # noqa: E402
 import edits  # noqa: E402
+import fresh  # noqa: E402
 import malformed  # noqa: E402
 import renames  # noqa: E402
 import sessions  # noqa: E402
@@ -55,6 +56,9 @@ def main():
     if wanted("edits"):
         chosen = [models / (name + ".bip") for name in EDITED]
         good, bad = edits.run(chosen, -(-options.edits // len(chosen)), options.seed, report)
+        passed, failed = passed + good, failed + bad
+    if wanted("fresh"):
+        good, bad = fresh.run(sorted(models.rglob("*.bip")), max(2, options.edits // 100), options.seed, report)
         passed, failed = passed + good, failed + bad
     if wanted("malformed"):
         good, bad = malformed.run(5000, options.seed, report)

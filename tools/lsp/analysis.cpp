@@ -1,11 +1,9 @@
 // See analysis.hpp.
 #include "tools/lsp/analysis.hpp"
 
-#include <algorithm>
 #include <utility>
 
 #include "compiler/model/model.hpp"
-#include "compiler/syntax/print.hpp"
 
 namespace bip::lsp {
 
@@ -21,11 +19,6 @@ Analysis take_names(std::unique_ptr<pipeline::Compilation> c) {
   a.file = c->file;
   if (c->syntax.has_value() && c->syntax->package != nullptr && c->packages.empty()) c->packages.push_back(&*c->syntax);
   a.index = index::build_index(c->packages, c->sources);
-  // Of an error of syntax something is missing in the tree.
-  const bool is_whole = std::none_of(a.diagnostics.begin(), a.diagnostics.end(), [&a](const Diagnostic* d) {
-    return d->severity == Severity::Error && d->range.file == a.file && d->kind < Diag::kB0090;
-  });
-  if (is_whole && c->syntax.has_value()) a.formatted = syntax::print(*c->syntax, c->sources);
   const auto count = [&a](const auto& types) {
     for (const ConnectorType& type : types) {
       // Types of other packages have their package before the name.

@@ -2,7 +2,6 @@
 #pragma once
 #include <map>
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,9 +20,6 @@ struct Analysis {
   // How many interactions a connector type gives, by its name, without the package, and line; of a file without errors
   // in its types.
   std::map<std::pair<std::string, std::uint32_t>, double> interactions;
-
-  // The text in the standard layout; nothing if it could not be read as a whole.
-  std::optional<std::string> formatted;
 
   [[nodiscard]] const std::string* path_of(FileId id) const;
 };

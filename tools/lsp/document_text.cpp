@@ -23,6 +23,12 @@ Step step(std::string_view text, Encoding encoding) {
 
 void Text::find_lines() {
   starts_.assign(1, 0);
+  if (text_.find('\r') == std::string::npos) {
+    // The usual case, in which the library's search is fast.
+    for (std::size_t i = text_.find('\n'); i != std::string::npos; i = text_.find('\n', i + 1))
+      starts_.push_back(static_cast<std::uint32_t>(i + 1));
+    return;
+  }
   for (std::size_t i = 0; i < text_.size(); ++i) {
     const bool is_lone_return = text_[i] == '\r' && (i + 1 == text_.size() || text_[i + 1] != '\n');
     if (text_[i] == '\n' || is_lone_return) starts_.push_back(static_cast<std::uint32_t>(i + 1));

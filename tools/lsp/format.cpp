@@ -1,4 +1,6 @@
 // Formatting by the printer of `bipc fmt`, and the edits that diagnostics suggest.
+#include <optional>
+
 #include "tools/lsp/features.hpp"
 
 namespace bip::lsp {
@@ -7,13 +9,13 @@ Reply formatting(Workspace& w, const Document& d) {
   Json edits = Json::array();
   if (d.path.ends_with(".bsys")) return edits;
   // What could not be read would be lost; the diagnostics say what that is.
-  if (!d.analysis.formatted || *d.analysis.formatted == d.text.str()) return edits;
-  const std::string& text = *d.analysis.formatted;
+  const std::optional<std::string> text = w.formatted(d.uri);
+  if (!text || *text == d.text.str()) return edits;
   const auto end = static_cast<std::uint32_t>(d.text.str().size());
   edits.push_back(
       {{"range",
         {{"start", json_of(d.text.position(0, w.encoding))}, {"end", json_of(d.text.position(end, w.encoding))}}},
-       {"newText", text}});
+       {"newText", *text}});
   return edits;
 }
 

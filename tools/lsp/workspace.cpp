@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "compiler/pipeline/load_packages.hpp"
+#include "compiler/syntax/print.hpp"
 #include "tools/lsp/uri.hpp"
 
 namespace bip::lsp {
@@ -41,6 +42,7 @@ void Workspace::analyse(Document& d) {
   pipeline::CompileOptions options;
   options.folders = folders;
   auto c = std::make_unique<pipeline::Compilation>(std::move(options));
+  c->kept = &d.kept;
   for (const auto& [path, other] : documents_) c->open_texts.emplace(path, other->text.str());
   (void)pipeline::check(*c, d.path);
   // `check` stops at the first stage with errors; names are wanted whatever it found. Diagnostics were complete before.
@@ -70,6 +72,36 @@ std::vector<Json> Workspace::check(const std::string& path) {
     if (other == path || uses_it || misses_one) analyse(*document);
   }
   return publish();
+}
+
+Json Workspace::work_done() const {
+  std::uint64_t parsed = 0, reused = 0, whole = 0;
+  for (const auto& [path, document] : documents_) {
+    const auto kept = document->kept.find(path);
+    if (kept == document->kept.end()) continue;
+    parsed += kept->second.parsed;
+    reused += kept->second.reused;
+    whole += kept->second.whole;
+  }
+  return {{"checks", checks}, {"parsed", parsed}, {"reused", reused}, {"whole", whole}};
+}
+
+std::optional<std::string> Workspace::formatted(const std::string& uri) {
+  Document* const d = find(uri);
+  if (d == nullptr) return std::nullopt;
+  // Of an error of syntax something is missing in the tree.
+  const FileId file = d->analysis.file;
+  const bool is_whole =
+      std::none_of(d->analysis.diagnostics.begin(), d->analysis.diagnostics.end(), [file](const Diagnostic* found) {
+        return found->severity == Severity::Error && found->range.file == file && found->kind < Diag::kB0090;
+      });
+  if (!is_whole) return std::nullopt;
+  pipeline::Compilation c{pipeline::CompileOptions()};
+  c.kept = &d->kept;
+  c.open_texts.emplace(d->path, d->text.str());
+  if (!pipeline::compile(c, d->path, pipeline::Stage::Syntax) || !c.syntax || c.syntax->package == nullptr)
+    return std::nullopt;
+  return syntax::print(*c.syntax, c.sources);
 }
 
 Json Workspace::range(const Analysis& a, SourceRange r) const {

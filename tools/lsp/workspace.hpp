@@ -5,6 +5,7 @@
 #pragma once
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,7 @@ struct Document {
   std::int64_t version = 0;
   std::uint64_t edits = 0, checked_edits = 0;  // of the text, and of the one that was checked
   Text text{std::string()};
+  std::map<std::string, parse::KeptPieces> kept;  // of this file and those it uses, by path
   Analysis analysis;
   /// Names as they were when the text could last be read: for completion while it cannot.
   index::Index last_names;
@@ -44,6 +46,13 @@ class Workspace {
 
   /// Checks the document and those that use its package. Returns the parameters of publishDiagnostics that are due.
   [[nodiscard]] std::vector<Json> check(const std::string& path);
+
+  /// The numbers of checks so far, and of the pieces of open documents that were parsed, that were not parsed again,
+  /// and of the texts that were read as a whole.
+  [[nodiscard]] Json work_done() const;
+
+  /// The text of a document that has been checked in the standard layout; nothing if it cannot be read as a whole.
+  [[nodiscard]] std::optional<std::string> formatted(const std::string& uri);
 
   /// What the check of an open document found in it.
   [[nodiscard]] Json diagnostics_in(const Document& d) const;

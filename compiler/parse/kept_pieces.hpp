@@ -1,0 +1,47 @@
+// What is kept of a file between two parses of it, so that the second parses only the declarations that changed.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "compiler/base/arena.hpp"
+#include "compiler/parse/tree_arena.hpp"
+#include "compiler/syntax/syntax.hpp"
+
+namespace bip::parse {
+
+/// Types of the tokens that follow a piece, as many as a decision about its last token may look at; 0 behind the end.
+using TokensAhead = std::array<std::size_t, 3>;
+
+/// Some declarations of a sound file (all between two cuts), or its beginning, with their tree.
+struct KeptPiece {
+  std::string text;
+  std::uint32_t begin = 0;     // where its ranges say that it is
+  std::uintptr_t address = 0;  // where its views say that it is
+  TokensAhead first{};         // its own first tokens as the lexer has them: the piece before it looks at them
+  TokensAhead first_classified{};
+  std::size_t token_count = 0;
+  TokensAhead ahead{};  // with which it was read
+  TokensAhead ahead_classified{};
+
+  std::unique_ptr<Arena> arena;
+  std::vector<MadeNodes> made;            // all nodes of the arena
+  const syntax::Package* head = nullptr;  // name, annotations and `use` lines; null but for the first piece
+  std::vector<const syntax::Decl*> decls;
+  bool ends_package = false;
+  std::vector<syntax::Comment> comments;
+};
+
+/// The pieces of one file as it was last parsed.
+struct KeptPieces {
+  std::vector<KeptPiece> pieces;
+  // So far, for tests: what an edit costs.
+  std::uint64_t parsed = 0;  // pieces
+  std::uint64_t reused = 0;
+  std::uint64_t whole = 0;  // files that were not sound, and are read as a whole
+};
+
+}  // namespace bip::parse
