@@ -1,18 +1,57 @@
 // Opens pages of `bipc view` in Chromium and uses them as a person does. Called by test_page.py:
-//     node drive.mjs CHROMIUM CASES.json FOLDER-OF-SCREENSHOTS
+//     node drive.mjs CHROMIUM CASES.json FOLDER-OF-SCREENSHOTS FOLDER-OF-GOLDEN-PICTURES [--update]
 // Prints a line for each case: "ok NAME" or "FAILED NAME: why".
 import { createRequire } from "node:module";
-import { readFileSync } from "node:fs";
+import { readFileSync, writeFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
 
 const { chromium } = createRequire(pathToFileURL((process.env.NODE_PATH || "/usr/lib/node_modules").split(":")[0] + "/x.js"))("playwright-core");
-const [program, casesFile, screenshots] = process.argv.slice(2);
+const [program, casesFile, screenshots, pictures, update] = process.argv.slice(2);
 const cases = JSON.parse(readFileSync(casesFile, "utf8"));
 const browser = await chromium.launch({ executablePath: program, args: ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"] });
 
 function expect(is, what) {
   if (!is) throw new Error(what);
 }
+
+// Golden pictures are small, and compared by the means of blocks, so that the fonts of a machine do not matter.
+const kWidth = 200, kBlock = 5;
+const tool = await (await browser.newContext()).newPage();
+/** The pixels of a PNG, made `kWidth` wide, and that as a PNG again. */
+const reduced = (png) => tool.evaluate(async ([url, width]) => {
+  const image = await createImageBitmap(await (await fetch(url)).blob());
+  const height = Math.max(1, Math.round((image.height * width) / image.width));
+  const canvas = document.createElement("canvas");
+  Object.assign(canvas, { width, height });
+  const pen = canvas.getContext("2d");
+  pen.imageSmoothingQuality = "high";
+  pen.drawImage(image, 0, 0, width, height);
+  return { height, pixels: [...pen.getImageData(0, 0, width, height).data], png: canvas.toDataURL("image/png").split(",")[1] };
+}, ["data:image/png;base64," + png.toString("base64"), kWidth]);
+/** The root of the mean of the squares by which blocks differ, of 255; much if the heights are not alike. */
+function distance(a, b) {
+  if (Math.abs(a.height - b.height) > Math.max(a.height, b.height) / 10) return 255;
+  const height = Math.min(a.height, b.height);
+  let sum = 0, blocks = 0;
+  for (let y = 0; y < height; y += kBlock)
+    for (let x = 0; x < kWidth; x += kBlock, ++blocks) {
+      let worst = 0;
+      for (let colour = 0; colour < 3; ++colour) {
+        let difference = 0, count = 0;
+        for (let v = y; v < Math.min(height, y + kBlock); ++v)
+          for (let u = x; u < Math.min(kWidth, x + kBlock); ++u, ++count) difference += a.pixels[(v * kWidth + u) * 4 + colour] - b.pixels[(v * kWidth + u) * 4 + colour];
+        worst = Math.max(worst, Math.abs(difference / count));
+      }
+      sum += worst * worst;
+    }
+  return Math.sqrt(sum / blocks);
+}
+async function distanceFromGolden(page, { of, golden }) {
+  const file = pictures + "/" + golden + ".png", now = await reduced(await page.locator(of).screenshot());
+  if (update && !page.isChanged) writeFileSync(file, Buffer.from(now.png, "base64"));
+  return distance(now, await reduced(readFileSync(file)));
+}
+
 const position = (page) => page.evaluate(() => window.page.position);
 const text = (page, selector) => page.textContent(selector);
 
@@ -338,6 +377,27 @@ const actions = {
       expect(took < most, "panel " + key + " takes " + took.toFixed(1) + " ms for a position");
     }
     return "ms for a position, by panel: " + slow.join(", ");
+  },
+  /** A part of the page looks as it did; `most` is the distance that is allowed. */
+  async picture(page, what) {
+    const far = await distanceFromGolden(page, what);
+    expect(far <= what.most, what.golden + " differs by " + far.toFixed(1) + " from the golden picture");
+    return what.golden + ": " + far.toFixed(1);
+  },
+  /** The golden picture tells this state, or this page without a part, from its own. */
+  async otherPicture(page, what) {
+    page.isChanged = true;
+    const far = await distanceFromGolden(page, what);
+    expect(far > what.most, what.golden + " differs by " + far.toFixed(1) + " only from another picture");
+    return "other than " + what.golden + ": " + far.toFixed(1);
+  },
+  /** Styles of the page, in place of those of the step before. */
+  async style(page, rules) {
+    page.isChanged = true;
+    await page.evaluate((text) => {
+      document.querySelector("#of-the-test")?.remove();
+      document.head.append(Object.assign(document.createElement("style"), { id: "of-the-test", textContent: text }));
+    }, rules);
   },
   async levels(page) {
     const count = await page.locator("#levels option").count();

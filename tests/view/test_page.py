@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Uses pages of `bipc view` in headless Chromium: keys, clicks, a deadlock walked back, the rover with its rules.
 
-    tests/view/test_page.py [part of a case's name ...]
+    tests/view/test_page.py [--update] [part of a case's name ...]
 
 Needs a built bipc ($BIPC or build/bipc), chromium (Debian), node, and playwright-core of npm ($NODE_PATH, else the
 global folder, has it): `tools/setup --browser` installs them. Without them the pages are only made, and the line
-`skipped: ...` says what is missing. Screenshots are left in the build folder, in `pages/`.
+`skipped: ...` says what is missing. Screenshots are left in the build folder, in `pages/`. Parts of a page are compared
+with the small pictures in `pictures/`, with a tolerance for other fonts; `--update` makes them anew: look at them.
 """
 import json
 import os
@@ -26,10 +27,21 @@ BIPC = os.environ.get("BIPC") or str(BUILD / "bipc")
 MODELS = ROOT / "models"
 DALA = MODELS / "dala"
 
+# Parts of the page that are compared with golden pictures. Other fonts differ by 1.5, 3.8 and 7 at most, another state or panel by 7, 8 and 11 at least.
+STRUCTURE = {"of": "#canvas", "golden": "deadlock_structure", "most": 4}
+AUTOMATON = {"of": "#atom", "golden": "deadlock_automaton", "most": 5.5}
+EXPLANATION = {"of": "#panel", "golden": "deadlock_explanation", "most": 8.5}
+
 # (name, commands that make PAGE, what is done with it, ms until the first paint)
 CASES = [
     ("philosophers_deadlock", ["verify --trace {dir}/dead.json {models}/classic/philosophers.bip", "view --trace {dir}/dead.json {models}/classic/philosophers.bip -o {page}"],
      [["deadlock"], ["walk"], ["measure"], ["key", "End"], ["key", "7"]], 2000),
+    ("pictures", ["verify --trace {dir}/dead.json philosophers.bip", "view --trace {dir}/dead.json philosophers.bip -o {page}"],
+     [["key", "End"], ["key", "7"], ["picture", STRUCTURE], ["picture", AUTOMATON], ["picture", EXPLANATION],
+      ["style", "* { font-family: serif !important }"], ["picture", STRUCTURE], ["picture", AUTOMATON], ["picture", EXPLANATION],
+      ["style", "#panel * { visibility: hidden }"], ["picture", STRUCTURE], ["otherPicture", EXPLANATION],
+      ["style", ""], ["key", "1"], ["otherPicture", EXPLANATION], ["key", "7"], ["picture", EXPLANATION],
+      ["key", "ArrowLeft"], ["otherPicture", STRUCTURE], ["key", "Home"], ["otherPicture", STRUCTURE], ["otherPicture", AUTOMATON]], 2000),
     ("philosophers_folded", ["view --root Table(1000) --steps 100 {models}/classic/philosophers.bip -o {page}"], [["walk"], ["measure"], ["key", "5"]], 2000),
     ("train_gate", ["view --steps 200 --seed 3 {models}/timed/train_gate.bip -o {page}"], [["walk"], ["plot"], ["measure"], ["key", "5"]], 2000),
     ("clocks", ["view --steps 60 --seed 3 {models}/timed/train_gate.bip -o {page}"], [["clocks"], ["key", "6"]], 2000),
@@ -64,7 +76,8 @@ def run(arguments, **names):
     words = [word.format(**names) for word in arguments.split(" ")]
     if words[0] == "rules":
         words = ["rules", str(DALA / "dala.rules"), "--yields", str(DALA / "dala.yields"), "-o", f"{names['dir']}/dala.bip"]
-    return words, subprocess.run([BIPC, *words], capture_output=True, text=True, timeout=300)
+    # Paths that pages show are relative where they must not depend on the machine.
+    return words, subprocess.run([BIPC, *words], capture_output=True, text=True, timeout=300, cwd=names["dir"])
 
 
 class Check(HTMLParser):
@@ -141,11 +154,13 @@ def browser():
 
 
 def main():
-    wanted = sys.argv[1:]
+    update = ["--update"] if "--update" in sys.argv else []
+    wanted = [word for word in sys.argv[1:] if word != "--update"]
     passed, failed, cases = 0, 0, []
     screenshots = BUILD / "pages"
     screenshots.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
+        shutil.copy(MODELS / "classic/philosophers.bip", folder)
         odd = pathlib.Path(folder) / "odd.bip"
         odd.write_text(ODD, encoding="utf-8")
         made = [("odd", [f"view --steps 3 {odd} -o {{page}}"], [["walk"]], 2000)] + CASES
@@ -196,7 +211,7 @@ def main():
         elif cases and not failed:
             listed = pathlib.Path(folder) / "cases.json"
             listed.write_text(json.dumps(cases), encoding="utf-8")
-            done = subprocess.run(["node", str(HERE / "drive.mjs"), program, str(listed), str(screenshots)], env=environment, capture_output=True, text=True, timeout=600)
+            done = subprocess.run(["node", str(HERE / "drive.mjs"), program, str(listed), str(screenshots), str(HERE / "pictures"), *update], env=environment, capture_output=True, text=True, timeout=600)
             lines = re.findall(r"^(ok|FAILED) .*", done.stdout, re.M)
             bad = sum(line == "FAILED" for line in lines) + (len(lines) != len(cases))
             print(done.stdout.rstrip() + done.stderr[-2000:])
