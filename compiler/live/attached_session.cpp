@@ -32,6 +32,10 @@ std::uint64_t number_in(const Json& object, const char* name) {
   const Json* const value = found(object, name);
   return value != nullptr && value->is_number_integer() ? value->get<std::uint64_t>() : 0;
 }
+std::int64_t signed_in(const Json& object, const char* name) {
+  const Json* const value = found(object, name);
+  return value != nullptr && value->is_number_integer() ? value->get<std::int64_t>() : 0;
+}
 bool flag_in(const Json& object, const char* name) {
   const Json* const value = found(object, name);
   return value != nullptr && value->is_boolean() && value->get<bool>();
@@ -120,9 +124,16 @@ std::string AttachedSession::begin() {
   // Steps that were told of before are in this state.
   steps_.clear();
   moved_.clear();
-  first_ = Json{{"places", places_}, {"data", data_}};
+  row_time_ = signed_in(state, "time");
+  first_ = Json{{"places", places_}, {"data", data_}, {"clocks", clocks_}, {"time", row_time_}};
   initial_ = first_;
   initial_["timed"] = system::is_timed(system_);
+  initial_["clock_names"] = Json::array();
+  for (const AtomType& type : system_.atom_types) {
+    Json names = Json::array();
+    for (const bip::Clock& clock : type.clocks) names.push_back({clock.name, clock.unit});
+    initial_["clock_names"].push_back(std::move(names));
+  }
   initial_["candidates"] = Json::array({nullptr});
   initial_["steps"] = Json::array();
   initial_["names"] = Json::array();
@@ -140,6 +151,7 @@ std::string AttachedSession::read_state(const Json& answer) {
     if (!atoms_.contains(path)) return fmt::format("another model runs there: it has a component `{}`", path);
   places_.assign(system_.atoms.size(), "");
   data_.assign(system_.atoms.size(), {});
+  clocks_.assign(system_.atoms.size(), Json::array());
   for (std::size_t k = 0; k < system_.atoms.size(); ++k) {
     const Atom& atom = system_.atoms[AtomId(k)];
     const AtomType& type = system_.atom_types[atom.type];
@@ -150,13 +162,16 @@ std::string AttachedSession::read_state(const Json& answer) {
     if (std::find(type.places.begin(), type.places.end(), first) == type.places.end() && !first.empty())
       return fmt::format("another model runs there: `{}` is at `{}`", atom.path, places_[k]);
     data_[k].assign(type.visible_variables(), "?");
+    for (std::size_t clock = 0; clock < type.clocks.size(); ++clock) clocks_[k].push_back({0, 0, 1.0});
   }
-  (void)changes(*atoms);
+  Json ignored = Json::array();
+  (void)changes(*atoms, signed_in(answer, "time"), ignored);
   return {};
 }
 
-// Takes over what the answer says of components, and returns what is new.
-Json AttachedSession::changes(const Json& atoms) {
+// Takes over what the answer says of components, and returns what is new; in `set_clocks` the clocks that were set, not
+// after `until`: those of later steps are new in the next look.
+Json AttachedSession::changes(const Json& atoms, std::int64_t until, Json& set_clocks) {
   Json out = Json::array();
   for (const auto& [path, state] : atoms.items()) {
     const auto atom = atoms_.find(path);
@@ -175,6 +190,17 @@ Json AttachedSession::changes(const Json& atoms) {
       values.push_back({variable, data_[k][variable]});
     }
     if (!places.is_null() || !values.empty()) out.push_back({k, std::move(places), std::move(values)});
+    const Json* const clocks = found(state, "clocks");
+    for (std::size_t clock = 0; clocks != nullptr && clock < clocks_[k].size(); ++clock) {
+      const Json* const shown = found(*clocks, type.clocks[clock].name.c_str());
+      if (shown == nullptr) continue;
+      const Json* const speed = found(*shown, "speed");
+      Json now{signed_in(*shown, "set"), signed_in(*shown, "since"),
+               speed != nullptr && speed->is_number() ? speed->get<double>() : 1.0};
+      if (now == clocks_[k][clock] || now[1].get<std::int64_t>() > until) continue;
+      set_clocks.push_back({k, clock, now[0], now[1], now[2]});
+      clocks_[k][clock] = std::move(now);
+    }
   }
   return out;
 }
@@ -296,29 +322,36 @@ void AttachedSession::see(const Json& answer) {
   const std::uint64_t before = number_in(model_, "steps"), now = number_in(answer, "steps");
   const bool was_ended = flag_in(model_, "ended"), is_ended = flag_in(answer, "ended");
   const std::int64_t time = static_cast<std::int64_t>(number_in(answer, "time"));
-  Json changed = changes(*found(answer, "atoms"));
+  Json set_clocks = Json::array();
+  // The answer may be later than the last step of the look, and a row shows no clock that was set after its instant.
+  const bool is_gap = now < before || lost_ > 0;
+  const std::int64_t row_time = is_gap ? time : steps_.empty() ? row_time_ : steps_.back().time;
+  Json changed = changes(*found(answer, "atoms"), row_time, set_clocks);
   const bool is_still = flag_in(answer, "paused") || is_ended;
   const bool was_still = flag_in(model_, "paused") || was_ended;
-  const auto row = [&](std::int64_t connector, const std::string& text, Json parts, Json what, std::int64_t at,
-                       const std::string& values) {
-    add_row(text_of({connector, text, std::move(parts), std::move(what), at, values}));
+  // With the clocks that were set since the last look.
+  const auto last_row = [&](std::int64_t connector, const std::string& text, Json parts, const std::string& values) {
+    row_time_ = row_time;
+    add_row(text_of({connector, text, std::move(parts), std::move(changed), row_time, values, std::move(set_clocks)}));
   };
   if (now < before) {
     // Undone, or restored: others than those who moved are as they were.
     if (system_.atoms.size() > kSmallModel) is_due_ = sees_all_ = true;
-    row(-1, fmt::format("back to the state after {} steps", now), Json::array(), std::move(changed), time, "");
+    last_row(-1, fmt::format("back to the state after {} steps", now), Json::array(), "");
     story_.clear();
   } else if (lost_ > 0) {
-    row(-1, fmt::format("{} steps, the last one: {}", now - before, steps_.empty() ? "" : steps_.back().text),
-        Json::array(), std::move(changed), time, "");
+    last_row(-1, fmt::format("{} steps, the last one: {}", now - before, steps_.empty() ? "" : steps_.back().text),
+             Json::array(), "");
   } else if (!steps_.empty()) {
-    for (std::size_t k = 0; k + 1 < steps_.size(); ++k)
-      row(steps_[k].connector, steps_[k].text, std::move(steps_[k].parts), Json::array(), steps_[k].time,
-          steps_[k].values);
+    for (std::size_t k = 0; k + 1 < steps_.size(); ++k) {
+      Told& step = steps_[k];
+      row_time_ = step.time;
+      add_row(text_of({step.connector, step.text, std::move(step.parts), Json::array(), step.time, step.values}));
+    }
     Told& last = steps_.back();
-    row(last.connector, last.text, std::move(last.parts), std::move(changed), last.time, last.values);
-  } else if (!changed.empty()) {
-    row(-1, "looked at again", Json::array(), std::move(changed), time, "");
+    last_row(last.connector, last.text, std::move(last.parts), last.values);
+  } else if (!changed.empty() || !set_clocks.empty()) {
+    last_row(-1, "looked at again", Json::array(), "");
   }
   lost_ = 0;
   note_model(answer);
@@ -374,7 +407,7 @@ void AttachedSession::add_row(const std::string& step) {
 void AttachedSession::begin_again() {
   rows_.clear();
   told_ = 0;
-  first_ = Json{{"places", places_}, {"data", data_}};
+  first_ = Json{{"places", places_}, {"data", data_}, {"clocks", clocks_}, {"time", row_time_}};
   first_candidates_ = "null";
   if (send_to_all) send_to_all(text_of(begin_note()));
 }

@@ -15,7 +15,8 @@
 // Answers: as those of a live session. Notes: "run" (live_session.hpp); its `candidates` are null in states of a model
 // that went on. With it, and alone:
 //   {"note": "model", "paused": …, "ended": …, "time": ns, "steps": n, "late": n}
-//   {"note": "begin", "places": […], "data": […], "candidates": […], "names": […]}     the run is forgotten
+//   {"note": "begin", "places": […], "data": […], "clocks": […], "time": ns, "candidates": […], "names": […]}     the
+//   run is forgotten
 #pragma once
 #include <chrono>
 #include <cstdint>
@@ -89,7 +90,7 @@ class AttachedSession final : public PageSession {
   void begin_again();
   void note_model(const Json& state);
   void tell();
-  [[nodiscard]] Json changes(const Json& atoms);
+  [[nodiscard]] Json changes(const Json& atoms, std::int64_t until, Json& set_clocks);
   [[nodiscard]] std::size_t name_row(const std::string& name);
   [[nodiscard]] std::string read_state(const Json& answer);
   [[nodiscard]] Json begin_note() const;
@@ -104,11 +105,13 @@ class AttachedSession final : public PageSession {
   // What the model was when it was looked at last.
   std::vector<std::string> places_;
   std::vector<std::vector<std::string>> data_;
+  std::vector<Json> clocks_;  // by component: of each clock value, since, speed
   Json model_ = Json::object();
   // The run: the state at its begin, rows, the candidates after the last one.
   Json first_;
   std::string first_candidates_ = "null";
   std::vector<Row> rows_;
+  std::int64_t row_time_ = 0;  // the instant of the last row, or of the state at the begin
   std::map<std::string, std::size_t> name_rows_;
   std::vector<std::string> names_;
   std::string end_ = "null", story_;

@@ -151,7 +151,17 @@ std::string state_of(const Controller& controller, const std::set<std::string>& 
       else if (system.read(path, real)) data[type.variables[k].name] = real;
       else if (system.read(path, text)) data[type.variables[k].name] = text;
     }
-    atoms[atom.path()] = {{"place", system.place(atom.path())}, {"data", std::move(data)}};
+    Json& row = atoms[atom.path()] = {{"place", system.place(atom.path())}, {"data", std::move(data)}};
+    const std::vector<Execution::ClockReading> clocks = system.clocks(atom.path());
+    if (!clocks.empty()) row["clocks"] = Json::object();
+    for (const Execution::ClockReading& clock : clocks) {
+      const double passed = static_cast<double>(system.now() - clock.since) * clock.speed;
+      row["clocks"][clock.name] = {
+          {"value", (static_cast<double>(clock.value) + passed) / static_cast<double>(clock.unit)},
+          {"set", clock.value},
+          {"since", clock.since},
+          {"speed", clock.speed}};
+    }
   }
   return {};
 }

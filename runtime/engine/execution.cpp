@@ -336,6 +336,25 @@ bool Execution::read(const std::string& path, std::string& value) const {
   return cell != nullptr;
 }
 
+std::vector<Execution::ClockReading> Execution::clocks(const std::string& atom_path) const {
+  std::vector<ClockReading> out;
+  const rt::u32 atom = impl_->find_atom(atom_path);
+  if (atom == rt::kNone || !impl_->core.is_timed()) return out;
+  const rt::AtomTime* const time = impl_->core.tables().atom_type(atom).time;
+  if (time == nullptr) return out;
+  const rt::Clocks& clocks = impl_->core.time();
+  rt::u32 row = clocks.first_clock(atom);
+  for (const rt::Clock& clock : time->clocks) {
+    const rt::ClockState& state = clocks.clock_state(row++);
+    out.push_back({.name = clock.name,
+                   .value = state.value,
+                   .since = state.since,
+                   .speed = static_cast<double>(state.speed) / static_cast<double>(rt::kUnitSpeed),
+                   .unit = clock.unit});
+  }
+  return out;
+}
+
 Execution::Snapshot Execution::snapshot() const {
   if (impl_->core.image().ffi != nullptr) impl_->core.image().ffi->pin();
   Snapshot snapshot;

@@ -206,6 +206,19 @@ const actions = {
     await page.waitForFunction(() => window.page.live.model.paused);
     await page.click("#resume");
     await page.waitForFunction(() => !window.page.live.model.paused);
+    // The clocks of the chosen component beside its data, and as lines.
+    await page.keyboard.press("1");
+    await page.waitForFunction(() => /train\[0\].*x = \d/.test(document.querySelector("#panel").textContent) && window.page.run.sets.size > 0);
+    const ahead = await page.evaluate(() => {
+      const p = window.page, wrong = [];
+      p.run.atoms.forEach(([path], atom) => p.run.clocksOf(atom).forEach(([name], clock) => {
+        for (let k = 0; k <= p.run.length; ++k) if (p.run.clock(p.run.at(k), atom, clock, k) < 0) wrong.push(path + "." + name + " at " + k);
+      }));
+      return wrong.join(", ");
+    });
+    expect(ahead === "", "negative: " + ahead);
+    await page.keyboard.press("6");
+    expect((await page.locator("#panel path.clock").count()) > 0, "no clock is plotted");
     await page.keyboard.press("Home");
     await page.waitForFunction((k) => window.page.run.length > k + 1, await page.evaluate(() => window.page.run.length));
     expect((await position(page)) === 0, "who looks at an earlier state is taken away from it");

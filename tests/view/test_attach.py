@@ -28,6 +28,7 @@ BUILD = pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build")
 BIPC = os.environ.get("BIPC") or str(BUILD / "bipc")
 PHILOSOPHERS = ROOT / "models/classic/philosophers.bip"
 SAFE = ROOT / "models/classic/philosophers_safe.bip"
+TRAINS = ROOT / "models/timed/train_gate.bip"
 COUNTER = ROOT / "tests/serve/counter.bip"
 passed, failed = 0, 0
 
@@ -195,6 +196,37 @@ def running():
         check("the page's server ends with the model", served.process.wait(20) == 0, served.process.returncode)
 
 
+def clocks():
+    """Clocks of a model with time: what a page computes from its notes is what the model says, after each of its steps."""
+    with Model(BIPC, TRAINS, "--paused") as model, Served(BIPC, "--attach", model.where, TRAINS) as served, Client(model.where, 20) as client:
+        w = Watched(served)
+        w.until("the candidates of the initial state come", lambda: w.model and w.choices())
+        shown = client.ask("state")["atoms"]
+        names = list(shown)
+        check("each component with clocks has them in the first state", [len(c) for c in w.first["clocks"]] == [len(shown[a].get("clocks", {})) for a in names], w.first["clocks"])
+        sets = runs = 0
+        for _ in range(12):
+            # Time stands still while the model is paused: a step waits until it is due.
+            before, rows = w.model["steps"], len(w.run.steps)
+            answer = w.ask("step", count=1)
+            w.until("a step is seen", lambda: w.model["steps"] > before and w.model["paused"] and len(w.run.steps) > rows and w.choices() is not None)
+            state = client.ask("state")
+            now = [[list(c) for c in rows] for rows in w.first["clocks"]]
+            for step in w.run.steps:
+                for atom, clock, *reading in (step[6] if len(step) > 6 else []):
+                    now[atom][clock] = reading
+                    sets += 1
+            for atom, name in enumerate(names):
+                for (value, since, speed), wanted in zip(now[atom], state["atoms"][name].get("clocks", {}).values()):
+                    got = (value + (state["time"] - since) * speed) / 1e9
+                    runs += got > 0
+                    if abs(got - wanted["value"]) > 1e-9:
+                        return check("a clock is that of the model", False, name, got, wanted, state)
+            check("the step is answered", answer["ok"], answer)
+        check("clocks are set, and run", sets > 3 and runs > 10, sets, runs)
+        w.page.close()
+
+
 def large():
     """A model of which only the components that moved are asked for: what the page has is the model's state, after steps, undone steps and a burst."""
     with Model(BIPC, SAFE, "--paused", "--root", "Table(60)") as model, Served(BIPC, "--attach", model.where, "--root", "Table(60)", SAFE) as served, Client(model.where, 20) as client:
@@ -291,6 +323,7 @@ deadlock()
 roles()
 odd_servers()
 running()
+clocks()
 large()
 print(f"view attach: {passed} passed, {failed} failed")
 sys.exit(1 if failed else 0)

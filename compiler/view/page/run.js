@@ -16,6 +16,7 @@ class Run {
     this.names = run ? run.names : [];
     this.end = run ? run.end : null;
     this.isTimed = run ? run.timed : false;
+    this.beginsAt = (run && run.time) || 0; // that of a served model may be later
     this.exists = Boolean(run);
     const first = { places: run ? run.places : data.atoms.map(() => ""), data: run ? run.data : data.atoms.map(() => []), clocks: (run && run.clocks) || [] };
     this.clockNames = (run && run.clock_names) || []; // by type: [name, unit in ns]
@@ -63,8 +64,9 @@ class Run {
   }
 
   /** The run begins anew, in another state (of a served model). */
-  begin({ places, data, candidates, names }) {
-    this.kept = [{ places, data, clocks: [] }];
+  begin({ places, data, clocks, time, candidates, names }) {
+    this.beginsAt = time;
+    this.kept = [{ places, data, clocks }];
     this.steps.length = this.instants.length = 0;
     this.sets.clear();
     this.candidates = [candidates];
@@ -109,7 +111,7 @@ class Run {
   clockLine(atom, clock) {
     const unit = this.clocksOf(atom)[clock][1], line = [];
     let now = this.kept[0].clocks[atom][clock];
-    line.push([0, this.clockAt(now, unit, 0)]);
+    line.push([this.instant(0), this.clockAt(now, unit, this.instant(0))]);
     for (const sets of this.sets.values())
       for (const [other, row, ...set] of sets) {
         if (other !== atom || row !== clock) continue;
@@ -160,7 +162,8 @@ class Run {
     return out;
   }
   instant(position) {
-    return position === 0 || !this.isTimed ? 0 : this.instants[position - 1];
+    if (!this.isTimed) return 0;
+    return position === 0 ? this.beginsAt : this.instants[position - 1];
   }
 }
 

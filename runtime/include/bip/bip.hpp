@@ -128,6 +128,15 @@ class Execution {
   bool read(const std::string& path, bool& value) const;
   bool read(const std::string& path, double& value) const;
   bool read(const std::string& path, std::string& value) const;
+  /// A clock of an atom: it was `value` at the instant `since` and has run with `speed`; both in ns.
+  struct ClockReading {
+    std::string name;
+    std::int64_t value = 0, since = 0;
+    double speed = 1;
+    std::int64_t unit = 1;  // in which the model compares and sets it, in ns
+  };
+  /// Returns the clocks of an atom by its path, in the order of their declarations; none if there is no such atom.
+  [[nodiscard]] std::vector<ClockReading> clocks(const std::string& atom_path) const;
 
   /// State, number of steps and the policy's memory: a run continued from a snapshot repeats the run that followed it.
   class Snapshot {
