@@ -97,11 +97,27 @@ struct Task {
   [[nodiscard]] bool has_permanent() const { return permanent.is_set() || !activity.states.empty(); }
 };
 
+/// GenoM 2: a member NAME of a poster, with what stands at PATH in the module's data.
+struct DataRef {
+  std::string name;
+  std::vector<std::string> path;  // empty: all of it
+};
+/// A C struct of a GenoM 2 description. Types are words with a blank between them; -1: a length that is no number.
+struct CMember {
+  std::string type, name;
+  std::vector<std::int64_t> dimensions;
+};
+struct CStruct {
+  std::string name, tag;
+  std::vector<CMember> members;
+};
+
 struct Poster {
   Name name;
   Name task;  // the writer (GenoM 2)
   std::size_t task_index = 0;
   bool is_auto = false;  // written at the end of each cycle of its task; else by codels, when they like
+  std::vector<DataRef> data{};
 };
 
 struct Module {
@@ -111,6 +127,8 @@ struct Module {
   std::vector<Service> services;
   std::vector<Task> tasks;
   std::vector<Poster> posters;              // GenoM 3: ports out
+  std::string data_type;                    // GenoM 2: its internal data, one of `structs` if it is described
+  std::vector<CStruct> structs;             // GenoM 2; nothing of the translation depends on them
   std::optional<idl::Component> component;  // GenoM 3, if its codels are called in C
   bool is_open = false;                     // a header was missing: names that are not known may be declared there
   [[nodiscard]] bool has_init() const {

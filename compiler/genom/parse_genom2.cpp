@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "compiler/genom/c_structs.hpp"
 #include "compiler/genom/cursor.hpp"
 #include "compiler/genom/parse_genom.hpp"
 
@@ -50,6 +51,7 @@ class Genom2Parser {
  public:
   Genom2Parser(const std::vector<Token>& tokens, Headers headers, Diagnostics& diags)
       : in_(tokens, diags), diags_(diags), first_(tokens.front().range) {
+    module_.structs = read_c_structs(tokens);
     module_.is_open = headers == Headers::Missing;
   }
 
@@ -158,13 +160,14 @@ class Genom2Parser {
     return false;
   }
 
-  // Anything up to the `;`.
-  bool skip() {
+  // Anything up to the `;`; its words, without those in braces.
+  bool skip(std::vector<std::string>* words = nullptr) {
     while (!in_.at_end() && !in_.at(";") && !in_.at("}")) {
       if (in_.at("{")) {
         if (!in_.skip_group()) return false;
       } else {
-        in_.take();
+        const Token& token = in_.take();
+        if (words != nullptr) words->emplace_back(token.text);
       }
     }
     return true;
@@ -180,6 +183,12 @@ class Genom2Parser {
       if (!in_.number(value, ";}", 1, 1'000'000, "`clock_rate`")) return false;
       module_.tick_us = 1'000'000 / value;
       return true;
+    }
+    if (word == "internal_data") {
+      std::vector<std::string> words;
+      const bool is_whole = skip(&words);
+      for (const std::string& each : words) module_.data_type += (module_.data_type.empty() ? "" : " ") + each;
+      return is_whole;
     }
     for (const std::string& known : kKnown) {
       if (word == known) return skip();
@@ -329,6 +338,12 @@ class Genom2Parser {
       return false;
     }
     if (word == "exec_task") return in_.name(poster_.task, "the name of an execution task");
+    if (word == "data") {
+      std::vector<std::string> words;
+      const bool is_whole = skip(&words);
+      poster_.data = read_data_refs(words);
+      return is_whole;
+    }
     for (const std::string& known : kKnown) {
       if (word == known) return skip();
     }

@@ -61,7 +61,7 @@ std::optional<std::vector<Module>> read_modules(SourceMap& sources, const std::v
   std::vector<Module> modules;
   for (const Description& d : files)
     modules.push_back(
-        read_module(sources, d, options.preprocess, diags, options.generate.calls_c ? Types::Read : Types::Skipped));
+        read_module(sources, d, options.preprocess, diags, options.generate.calls_c ? Types::Read : options.types));
   for (Module& m : modules) resolve(m, side, options.instances, options.generate.flavour, diags);
   report_unused(side, diags);
   check_module_names(modules, diags);

@@ -11,10 +11,14 @@
 
 namespace bip::genom {
 
+/// Are types and data of a GenoM 3 component read, too (idl.hpp)?
+enum class Types : std::uint8_t { Skipped, Read };
+
 struct TranslateOptions {
   PreprocessOptions preprocess;
   GenerateOptions generate;
   std::size_t instances = 1;
+  Types types = Types::Skipped;
 };
 struct Description {
   std::string path;  // headers are looked for beside it
@@ -27,8 +31,6 @@ struct Translation {
   std::vector<std::pair<std::string, std::string>> c_files;  // names and texts, if codels are in C
 };
 
-/// Are types and data of a GenoM 3 component read, too (idl.hpp)?
-enum class Types : std::uint8_t { Skipped, Read };
 /// One description, parsed and not yet resolved.
 [[nodiscard]] Module read_module(SourceMap& sources, const Description& description, const PreprocessOptions& options,
                                  Diagnostics& diags, Types types = Types::Skipped);

@@ -1,6 +1,7 @@
 // The inside of the front end that goldens would need many files for: constants, numbers, macros, bytes.
 #include <catch2/catch.hpp>
 
+#include "compiler/genom/c_structs.hpp"
 #include "compiler/genom/condition.hpp"
 #include "compiler/genom/names.hpp"
 #include "compiler/genom/preprocess.hpp"
@@ -28,7 +29,57 @@ std::string replaced(const std::string& text, Diagnostics& diags, const Preproce
   return joined;
 }
 
+// "NAME(TAG): type name[3], …", a line each.
+std::string structs_of(const std::string& text) {
+  SourceMap sources;
+  Diagnostics diags;
+  std::string out;
+  for (const CStruct& s : read_c_structs(lex(sources, sources.add("s", text), diags))) {
+    out += s.name + "(" + s.tag + "):";
+    for (const CMember& m : s.members) {
+      out += " " + m.type + " " + m.name;
+      for (const std::int64_t length : m.dimensions) out += "[" + std::to_string(length) + "]";
+      out += ",";
+    }
+    out += "\n";
+  }
+  return out;
+}
+
 }  // namespace
+
+TEST_CASE("C structs are read as far as they are data") {
+  CHECK(structs_of("struct P { double x, y; unsigned long int n[0x10][K]; };") ==
+        "P(P): double x, double y, unsigned long n[16][-1],\n");
+  CHECK(structs_of("typedef struct P_ { const char name[8]; struct Q q; } P;") == "P(P_): char name[8], struct Q q,\n");
+  CHECK(
+      structs_of("typedef double metres; typedef enum E { A, B } E; typedef struct { metres m; E e; enum F f; } S;") ==
+      "S(): double m, int e, int f,\n");
+  // With a pointer, a bit field, a function or a struct inside it is no message.
+  for (const char* member : {"int *p;", "int b : 3;", "int (*f)(int);", "struct { int i; } s;", "int;"})
+    CHECK(structs_of(std::string("struct P { int a; ") + member + " int z; }; struct Q { int q; };") ==
+          "Q(Q): int q,\n");
+  for (const char* text :
+       {"struct", "struct {", "typedef struct A { int", "typedef", "struct A { ; } ; } }", "typedef enum {"})
+    CHECK_NOTHROW((void)structs_of(text));
+}
+
+TEST_CASE("a poster's data are names with paths") {
+  const auto text = [](const std::vector<std::string>& words) {
+    std::string out;
+    for (const DataRef& ref : read_data_refs(words)) {
+      out += ref.name + "=";
+      for (const std::string& step : ref.path) out += "." + step;
+      out += " ";
+    }
+    return out;
+  };
+  CHECK(text({"a", "::", "b", ",", "c", "::", "d", ".", "e"}) == "a=.b c=.d.e ");
+  CHECK(text({"a", "::", "all"}) == "a= ");
+  CHECK(text({"a"}).empty());
+  CHECK(text({"a", "::", "b", "c"}).empty());
+  CHECK(text({"POS", "a", "."}).empty());
+}
 
 TEST_CASE("constant expressions have C's precedence and no undefined corner") {
   CHECK(value_of("1 + 2 * 3") == 7);
