@@ -53,6 +53,7 @@ int command_serve(const ServeArguments& arguments) {
   if (void* const library = c.lowered->library; library != nullptr) {
     serve::Requests& requests = controller.requests();
     requests.result_of = reinterpret_cast<decltype(requests.result_of)>(::dlsym(library, "bip_reply_result"));
+    requests.poster_value = reinterpret_cast<decltype(requests.poster_value)>(::dlsym(library, "bip_poster_value"));
     requests.input_problem = reinterpret_cast<decltype(requests.input_problem)>(::dlsym(library, "bip_input_problem"));
   }
   controller.real_time_priority = arguments.real_time_priority;

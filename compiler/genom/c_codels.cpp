@@ -616,6 +616,19 @@ class Glue {
         "  try {\n" +
         checks +
         "  } catch (const std::exception& wrong) {\n    problem = wrong.what();\n  }\n  return problem.c_str();\n}\n";
+    std::string shows;
+    for (const Module& m : modules_) {
+      for (const idl::Port& p : m.component->ports) {
+        if (p.is_out && !p.is_multiple)
+          shows +=
+              fmt::format("  if (name == \"{0}.{1}\") return g3::show(OutPort_{2}_{1}::written, json), json.c_str();\n",
+                          m.name.text, p.name, m.component->name);
+      }
+    }
+    out_ +=
+        "extern \"C\" const char* bip_poster_value(const char* poster) {\n  static thread_local std::string json;\n"
+        "  [[maybe_unused]] const std::string_view name = poster;\n  json.clear();\n" +
+        shows + "  return nullptr;\n}\n";
   }
 
   const std::vector<Module>& modules_;
@@ -650,6 +663,11 @@ bool check_data(const Component& c, Diagnostics& diags) {
     check(s.codels, names.locals_of(s));
   }
   return diags.error_count() == errors;
+}
+
+std::optional<std::size_t> type_of_parameter(const Component& component, const idl::Service& service,
+                                             const idl::Parameter& parameter) {
+  return Names(component).type_of(service, parameter);
 }
 
 bool check_c_codels(const std::vector<Module>& modules, Diagnostics& diags) {

@@ -168,7 +168,11 @@ std::string codel_header(const std::vector<Module>& modules, const GenerateOptio
         "void request_input(const char* service, const char* input);\n"
         "\n// Called beside everything else when the engine stalls, by the watchdog of `bipc serve`: stops the robot "
         "whatever codels do.\n"
-        "// It must not wait for what a codel may hold.\nextern \"C\" void safe_stop(const char* why);\n";
+        "// It must not wait for what a codel may hold.\nextern \"C\" void safe_stop(const char* why);\n"
+        "\n// Need not be there: what poster \"MODULE.POSTER\" holds, as a JSON object, for `bipc serve` and `bipc "
+        "ros2`; "
+        "\"\": nothing yet, null: no such poster.\n"
+        "extern \"C\" const char* bip_poster_value(const char* poster);\n";
   if (options.executive == Executive::Cpp) {
     out +=
         "\nstd::string executive_request();\n"

@@ -174,6 +174,16 @@ Json candidates_of(const Execution& system) {
   return list;
 }
 
+// Empty, or what is wrong.
+std::string poster_of(const Requests& requests, const std::string& poster, Json& answer) {
+  if (requests.poster_value == nullptr)
+    return "the model's C++ has no function `extern \"C\" const char* bip_poster_value(const char* poster)`";
+  const char* const text = requests.poster_value(poster.c_str());
+  if (text == nullptr) return "there is no poster `" + poster + "` that shows its value";
+  answer["value"] = *text == '\0' ? Json() : Json::parse(text, nullptr, false);
+  return answer["value"].is_discarded() ? "what poster `" + poster + "` holds is no JSON" : "";
+}
+
 // A set of strings; false if it is something else.
 bool texts_of(const Json& request, const char* key, std::set<std::string>& out) {
   const auto list = request.find(key);
@@ -226,11 +236,11 @@ struct RequestKind {
 constexpr RequestKind kRequests[] = {
     {"hello", Role::Observer},    {"subscribe", Role::Observer},  {"unsubscribe", Role::Observer},
     {"state", Role::Observer},    {"candidates", Role::Observer}, {"why", Role::Observer},
-    {"requests", Role::Observer}, {"post", Role::Requester},      {"request", Role::Requester},
-    {"cancel", Role::Requester},  {"break", Role::Operator},      {"pause", Role::Operator},
-    {"resume", Role::Operator},   {"step", Role::Operator},       {"fire", Role::Operator},
-    {"back", Role::Operator},     {"snapshot", Role::Operator},   {"restore", Role::Operator},
-    {"shutdown", Role::Operator},
+    {"requests", Role::Observer}, {"poster", Role::Observer},     {"post", Role::Requester},
+    {"request", Role::Requester}, {"cancel", Role::Requester},    {"break", Role::Operator},
+    {"pause", Role::Operator},    {"resume", Role::Operator},     {"step", Role::Operator},
+    {"fire", Role::Operator},     {"back", Role::Operator},       {"snapshot", Role::Operator},
+    {"restore", Role::Operator},  {"shutdown", Role::Operator},
 };
 
 std::string with_article(Role role) { return std::string(role == Role::Requester ? "a " : "an ") + role_name(role); }
@@ -328,6 +338,13 @@ void handle_line(Controller& controller, const std::string& line, Reply reply) {
     if (!count_of(request, "request", ~0ull, count)) return refuse("`request` is a number that `request` gave");
     const std::string wrong = controller.requests().cancel(count, reply.client);
     return wrong.empty() ? reply.send(line_of(answer_to(id))) : refuse(wrong);
+  }
+  if (what == "poster") {
+    const auto name = request.find("poster");
+    if (name == request.end() || !name->is_string()) return refuse("`poster` is missing, \"MODULE.POSTER\"");
+    return ask(controller, reply, id, [poster = name->get<std::string>()](Controller& c, Json& answer) {
+      return poster_of(c.requests(), poster, answer);
+    });
   }
   if (what == "requests") {
     Json answer = answer_to(id);

@@ -43,6 +43,9 @@ class Requests {
   /// Also of the model's C++: what is wrong with an input of a service; empty if nothing is. Any thread; may be null.
   const char* (*input_problem)(const char* service, const char* input) = nullptr;
   const char* (*result_of)(const char* whose, int is_activity) = nullptr;
+  /// Also of the model's C++: what a poster holds, JSON; empty: nothing was written yet, null: there is no such poster.
+  /// The engine's thread; may be null.
+  const char* (*poster_value)(const char* poster) = nullptr;
 
   // ---- any thread
   /// "NDD.GoTo(3)" with what its codels get. Returns an empty text, and its number; or why it is refused.

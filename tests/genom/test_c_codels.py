@@ -118,8 +118,12 @@ def ports(level):
     chase = level.begin("track.chase")
     level.next(chase, "intermediate")
     check("what was not written is not there", level.ask("track.count")[0] == "OK" and (chase, "final") not in level.replies)
+    check("nor shown", (got := level.client.ask("poster", poster="eye.target")) and got["ok"] and got["value"] is None, got)
     check("another component writes", level.ask("eye.watch", where={"x": 7, "y": 8})[0] == "OK" and level.final(chase) == ("OK", None), level.replies)
     check("it writes again", level.ask("eye.watch", where={"x": -2, "y": 8})[0] == "OK")
+    check("what a port holds is shown", (got := level.client.ask("poster", poster="eye.target")).get("value") == {"x": -2, "y": 8}, got)
+    for name in ("eye.targets", "track.target", "track.gauge", 3):  # unknown, an in port, a multiple one, no name
+        check(f"{name} is not", not (got := level.client.ask("poster", poster=name))["ok"] and "poster" in got["error"], got)
     check("and is read again", level.ask("track.chase") == ("e_far", {"name": "::track::e_far", "detail": {"distance": -2, "what": "behind"}}))
 
 

@@ -10,6 +10,8 @@
 #include <cstdint>
 #include <fstream>
 #include <sstream>
+#include <stdexcept>
+#include <string_view>
 #include <thread>
 
 #include "bus.hpp"
@@ -84,6 +86,26 @@ void talk_to_rover(Bus& b) {
 
 // The watchdog's thread: it waits for nothing.
 extern "C" void safe_stop(const char* /*why*/) { is_stopped() = true; }
+
+// What posters hold, as their descriptions say; null: this one does not show it.
+extern "C" const char* bip_poster_value(const char* poster) {
+  static thread_local std::string json;
+  const World& w = world();
+  const std::string_view name = poster;
+  const auto object = [](std::initializer_list<std::pair<const char*, double>> members) {
+    std::ostringstream out;
+    out.precision(17);
+    for (const auto& [member, value] : members)
+      out << (out.tellp() == 0 ? "{" : ", ") << '"' << member << "\": " << value;
+    return out.str() + "}";
+  };
+  if (name == "POM.Pos") json = "{\"data\": " + object({{"x", w.x}, {"y", w.y}, {"theta", w.heading}}) + "}";
+  else if (name == "NDD.Speed") json = "{\"data\": " + object({{"v", w.wanted_v}, {"w", w.wanted_turn}}) + "}";
+  else if (name == "Heating.Temperature") json = object({{"data", w.temperature}});
+  else if (name == "Battery.State") json = object({{"data", w.charge}});
+  else return nullptr;
+  return json.c_str();
+}
 
 // No codel here judges what a request came with.
 void request_asked(const char*, const char*) {}
@@ -408,8 +430,10 @@ int hueblobDetectStart(int&) { return kExec; }
 int hueblobDetectMain(int&) { return kEnd; }
 int hueblobDetectEnd(int&) { return kEther; }
 int hueCheckHue() { return kOk; }
-// Faults: with the word `hang` it takes four seconds, with `crash` it writes where there is nothing.
+// Faults: with the word `hang` it takes four seconds, with `crash` it writes where there is nothing, with `throw` it
+// throws.
 int hueblobSetHueMain(int&) {
+  if (hue() == "throw") throw std::runtime_error("no such hue");
   if (hue() == "hang") std::this_thread::sleep_for(std::chrono::seconds(4));
   static volatile std::uintptr_t nowhere = 0;
   if (hue() == "crash") *reinterpret_cast<volatile int*>(nowhere) = 1;

@@ -141,6 +141,14 @@ struct InPort {
   static genom_event read(genom_context self) { return read_of("", self); }
 };
 
+/// What an out port holds, as JSON; empty: nothing was written yet.
+template <class T>
+void show(Written<T>& written, std::string& json) {
+  const std::lock_guard<std::mutex> hold(written.lock);
+  if (const auto found = written.values.find(std::string_view()); found != written.values.end())
+    to_json(json, found->second);
+}
+
 // ---- codels
 
 /// What a codel answers, as the model has it: 0 ether, 1 + k the k-th state, 101 + k after a pause, -1 none of them.
