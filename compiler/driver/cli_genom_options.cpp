@@ -1,4 +1,7 @@
 // The options of the commands that translate robot modules: `genom` and `rules`.
+#include <algorithm>
+#include <cctype>
+
 #include "compiler/driver/cli_options.hpp"
 #include "compiler/driver/option_groups.hpp"
 
@@ -110,6 +113,71 @@ void add_rules(CLI::App& app, GenomArguments& a) {
       ->type_name("S");
   add_generation(command, a);
   command->footer("Example:\n  bipc rules --prove rover.rules -o rover.bip && bipc verify rover.bip");
+}
+
+void add_ros2(CLI::App& app, Ros2Arguments& a) {
+  CLI::App* command = app.add_subcommand(
+      "ros2", "connect services and posters of a served functional level to ROS 2, as actions and topics");
+  command
+      ->add_option("FILE", a.level.files,
+                   "module descriptions (.gen), or one rules file (.rules) with the modules that it names")
+      ->required()
+      ->type_name("");
+  command
+      ->add_option("--serve", a.serve,
+                   "run the bridge to the `bipc serve` at WHERE: SOCKET, or PORT:TOKEN, or PORT with the token in "
+                   "$BIPC_TOKEN")
+      ->type_name("WHERE");
+  command
+      ->add_option("--interfaces", a.interfaces,
+                   "write the package of ROS 2 with the types of actions and topics to the folder DIR")
+      ->type_name("DIR");
+  command
+      ->add_option("--package", a.level.package,
+                   "name of that package (default: name of the rules or of the first module, with `_msgs`)")
+      ->type_name("NAME");
+  command->add_option("--module", a.modules, "offer services and posters of this module only; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("NAME");
+  command->add_option("--namespace", a.name_space, "put NAME/ in front of the names of actions and topics")
+      ->check(CLI::Validator(
+          [](std::string& text) {
+            const bool is_name =
+                !text.empty() && std::isdigit(static_cast<unsigned char>(text[0])) == 0 &&
+                std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; });
+            return is_name ? "" : not_one_of(text, "letters, digits and `_`");
+          },
+          ""))
+      ->type_name("NAME");
+  command->add_option("--domain", a.domain, "domain of ROS 2 (default: $ROS_DOMAIN_ID, or 0)")
+      ->check(is_number(0, 232))
+      ->type_name("N");
+  command
+      ->add_option("--network", a.network,
+                   "network interface, without multicast, or `auto`: as Cyclone DDS is configured (default: lo)")
+      ->check(CLI::Validator(
+          [](std::string& text) {
+            const bool is_name = !text.empty() && text.find_first_of("<>&\"'") == std::string::npos;
+            return is_name ? "" : not_one_of(text, "name of an interface, or `auto`");
+          },
+          ""))
+      ->type_name("NAME");
+  command->add_option("--rate", a.rate, "values of each poster per second, if somebody reads it (default: 10)")
+      ->check(is_real(0.01, 1000))
+      ->type_name("HZ");
+  command->add_option("--yields", a.level.side_file, "file with additional facts, as for `bipc genom`")
+      ->type_name("FILE");
+  command
+      ->add_option("-I", a.level.compile.folders,
+                   "search DIR for headers, after the folder of the file; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("DIR");
+  command->add_option("-D", a.level.defines, "define a preprocessor macro; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("NAME[=VALUE]");
+  add_diagnostics(*command, a.level.compile);
+  command->footer(
+      "Example:\n  bipc ros2 rover.gen --interfaces ws/src/rover_msgs\n  bipc ros2 rover.gen --serve /tmp/rover.sock");
 }
 
 }  // namespace bip::driver

@@ -37,6 +37,8 @@ namespace bip::driver {
 /// Robot module descriptions (.gen) to BIP.
 [[nodiscard]] int command_genom(const GenomArguments& arguments);
 [[nodiscard]] int command_rules(const GenomArguments& arguments);
+/// The bridge to ROS 2, until a signal comes.
+[[nodiscard]] int command_ros2(const Ros2Arguments& arguments);
 [[nodiscard]] int command_migrate(const MigrateArguments& arguments);
 /// `code` empty: the list of codes.
 [[nodiscard]] int command_explain(const std::string& code, ColorChoice color);

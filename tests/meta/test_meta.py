@@ -35,7 +35,7 @@ MAY_INCLUDE = {
     "base": BASE, "source": SOURCE, "diag": DIAG, "syntax": SYNTAX, "parse": DIAG | SYNTAX | {"parse"},
     "model": MODEL, "system": SYSTEM, "analysis": ANALYSIS, "lower": LOWER, "interp": LOWER | {"interp"}, "jit": LOWER | {"jit"},
     "emit_cpp": LOWER | {"emit_cpp"}, "steps": LOWER | {"analysis", "steps"}, "graph": ANALYSIS | {"graph"}, "verify": LOWER | {"analysis", "verify"},
-    "genom": DIAG | SYNTAX | {"parse", "genom"}, "rules": DIAG | SYNTAX | {"genom", "rules"},
+    "genom": DIAG | SYNTAX | {"parse", "genom"}, "ros2": DIAG | {"genom", "live", "runtime", "ros2"}, "dds": {"base", "ros2", "dds"}, "rules": DIAG | SYNTAX | {"genom", "rules"},
     "exchange": ANALYSIS | {"exchange", "verify"},
     "library": LOWER | {"graph", "interp", "verify", "pipeline", "library"},
     "pipeline": LOWER | {"parse", "steps", "interp", "jit", "zmq", "emit_cpp", "verify", "pipeline"}, "zmq": {"runtime", "zmq"},
@@ -52,6 +52,8 @@ VENDORS = {
     "Boost": (re.compile(r"^boost/"), ("compiler/live/",)),
     "zstd": (re.compile(r"^zstd"), ("compiler/traces/",)),
     "libedit": (re.compile(r"^(editline/|histedit)"), ("compiler/debug/",)),
+    "Cyclone DDS": (re.compile(r"^dds/"), ("compiler/dds/",)),
+    "Fast DDS": (re.compile(r"^fast(dds|rtps|cdr)/"), ("tests/ros2/",)),
     "CLI11": (re.compile(r"^CLI/"), ("compiler/driver/", "tools/")),
 }
 BANNED = ("no viable alternative", "mismatched input", "extraneous input", "missing '", "token recognition error",

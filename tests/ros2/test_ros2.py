@@ -1,0 +1,322 @@
+#!/usr/bin/env python3
+"""`bipc ros2` between `bipc serve` and a client of ROS 2 actions that is written from the specifications over Fast DDS (client.cpp).
+
+    tests/ros2/test_ros2.py [component|mission]      without a word: both
+
+`component`: a GenoM 3 component with codels in C: members of goals and results, refusals, cancellations, topics, type hashes, and either side that
+dies and comes back. `mission`: models/dala through a plan (dala.plan). Nothing but the loopback is used. What takes how long is printed, and
+judged by nobody. Python's library only.
+"""
+import os
+import pathlib
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+sys.path.insert(0, str(ROOT / "tests/serve"))
+sys.path.insert(0, str(HERE))
+from checks import BIPC, check, finish  # noqa: E402
+from ros_client import ABORTED, CANCELED, SUCCEEDED, Goal, RosClient  # noqa: E402
+
+BUILD = pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or pathlib.Path(BIPC).resolve().parent)
+CLIENT = BUILD / "ros2_client"
+DOMAIN = 20 + os.getpid() % 200
+EMPTY = "B:0"  # a message without members has this one, structure_needs_at_least_one_member
+VERBS = ("do", "start", "refused", "await", "cancel", "kill", "sleep", "say")
+
+
+class Program:
+    """A process whose output is read until a line comes."""
+
+    def __init__(self, command, work, log):
+        self.log = pathlib.Path(work, log)
+        self.file = open(self.log, "a", encoding="utf-8")
+        self.begin = self.log.stat().st_size
+        self.process = subprocess.Popen(command, cwd=work, stdout=self.file, stderr=self.file)
+
+    def text(self):
+        return self.log.read_text(encoding="utf-8")[self.begin:]
+
+    def until(self, words, seconds=30):
+        end = time.monotonic() + seconds
+        while words not in self.text():
+            if self.process.poll() is not None or time.monotonic() > end:
+                return False
+            time.sleep(0.01)
+        return True
+
+    def end(self, how=signal.SIGTERM):
+        if self.process.poll() is None:
+            self.process.send_signal(how)
+        code = self.process.wait(30)
+        self.file.close()
+        return code
+
+
+class Level:
+    """A served level, its bridge, a client."""
+
+    def __init__(self, work, files, serve_options=()):
+        self.work, self.files, self.options = work, files, serve_options
+        self.socket = os.path.join(tempfile.mkdtemp(prefix="ros2-"), "s")
+        self.serve()
+        self.bridge_again()
+        self.client = RosClient(CLIENT, DOMAIN)
+
+    def serve(self):
+        self.server = Program([BIPC, "serve", *self.options, "--socket", self.socket, "m.bip"], self.work, "serve.log")
+        end = time.monotonic() + 120
+        while not os.path.exists(self.socket) and self.server.process.poll() is None and time.monotonic() < end:
+            time.sleep(0.02)
+        assert os.path.exists(self.socket), self.server.text()
+
+    def bridge_again(self):
+        self.bridge = Program([BIPC, "ros2", *self.files, "--serve", self.socket, "--domain", str(DOMAIN), "--rate", "50"], self.work, "bridge.log")
+        assert self.bridge.until("connected to"), self.bridge.text()
+
+    def close(self):
+        self.client.close()
+        code = self.bridge.end()
+        self.server.end()
+        shutil.rmtree(os.path.dirname(self.socket), ignore_errors=True)
+        return code
+
+
+# ---- a component of GenoM 3
+
+def translate_track(work):
+    for source in sorted((ROOT / "tests/genom/track").iterdir()):
+        (shutil.copytree if source.is_dir() else shutil.copy)(source, os.path.join(work, source.name))
+    codels = [word for name in ("track_codels.c", "track_more.cc") for word in ("--codels", "codels/" + name)]
+    made = subprocess.run([BIPC, "genom", "--served", *codels, "track.gen", "eye.gen", "-o", "m.bip"], cwd=work, capture_output=True, text=True)
+    assert made.returncode == 0, made.stdout + made.stderr
+
+
+def path_of(*points):
+    return [f"i:{len(points)}", *(f"d:{number}" for point in points for number in point)]
+
+
+def goals(level):
+    client = level.client
+    for action, type, result in (("track/follow", "TrackFollow", "diss"), ("track/set_gains", "TrackSetGains", "ss"), ("track/set_speed", "TrackSetSpeed", "ss"),
+                                 ("track/remember", "TrackRemember", "ss"), ("track/get_note", "TrackGetNote", "sss"), ("track/chase", "TrackChase", "ss"),
+                                 ("eye/watch", "EyeWatch", "ss")):
+        check(f"there is an action {action}", client.add_action(action, "track_msgs/" + type, result))
+    check("what ROS 2 has no type for is left out", "warning[B6130]: service `weigh` is left out: `track_shape` is a union" in level.bridge.text(), level.bridge.text())
+
+    square = path_of((0.02, 0), (0.02, 0.02), (0, 0))
+    goal = client.goal("track/follow", *square, "d:0.001", "i:2")
+    check("a goal is accepted", client.answer(goal) is True)
+    check("and succeeds", client.result(goal)[0] == SUCCEEDED, goal.result)
+    check("with its outputs", goal.result and abs(goal.result[0] - 2 * (0.04 + 0.02 * 2 ** 0.5)) < 0.01 and goal.result[1:] == [0, "OK", ""], goal.result)
+    check("the status is told", client.until(lambda: client.statuses.get("track/follow", {}).get(goal.id) == SUCCEEDED), client.statuses)
+    check("and the intermediate reply", client.until(lambda: ["OK", ""] in goal.feedback), goal.feedback)
+
+    goal = client.goal("track/remember", "s:h\u00e9llo \"x\"", "B:2", "b:false")
+    check("what is over at once succeeds", client.answer(goal) is True and client.result(goal) == (SUCCEEDED, "OK"), goal.result)
+    goal = client.goal("track/get_note", EMPTY)
+    client.answer(goal)
+    check("texts come through", client.result(goal)[0] == SUCCEEDED and goal.result[0] == "h\u00e9llo \"x\"" * 2, goal.result)
+
+    goal = client.goal("track/follow", *path_of(), "d:0.1", "i:1")
+    check("`validate` refuses", client.answer(goal) is False)
+    check("with its exception", goal.report == "e_empty" and "track::e_empty" in goal.feedback[-1][1], goal.feedback)
+    check("which is a result, too", client.result(goal) == (ABORTED, "e_empty"), goal.result)
+    goal = client.goal("track/set_gains", *(f"d:{k}" for k in range(5)), "d:nan")
+    check("what `bipc serve` does not take is refused", client.answer(goal) is False and goal.report == "NOT-TAKEN" and "is a number" in goal.feedback[-1][1], goal.feedback)
+    twice = client.goal("track/get_note", EMPTY)
+    client.answer(twice)
+    client.next += 1
+    client.numbers["track/get_note", client.next] = ("goal", again := Goal("track/get_note", 0))
+    client.tell("goal", "track/get_note", twice.id, EMPTY)
+    check("no goal comes twice", client.answer(again) is False)
+
+
+def cancellations(level):
+    client = level.client
+    far = path_of((50, 0))
+    goal = client.goal("track/follow", *far, "d:0.001", "i:1")
+    check("a long goal runs", client.answer(goal) is True)
+    check("it is cancelled", client.cancel("track/follow", goal) == (0, [goal.id]))
+    check("and says so", client.result(goal) == (CANCELED, "interrupted"), goal.result)
+    check("what is over is not cancelled", client.cancel("track/follow", goal) == (3, []))
+    check("what is unknown neither", client.cancel("track/follow", Goal("track/follow", 0)) == (2, []))
+    older = client.goal("track/follow", *far, "d:0.001", "i:1")
+    client.answer(older)
+    newer = client.goal("track/follow", *path_of((0, 50)), "d:0.001", "i:1")
+    check("the last goal wins", client.answer(newer) is True and client.result(older) == (ABORTED, "interrupted"), older.result)
+    check("all are cancelled", client.cancel("track/follow")[0] == 0 and client.result(newer)[0] == CANCELED, newer.result)
+
+
+def topics(level):
+    client = level.client
+    check("there is a topic", client.add_topic("track/place", "track_msgs/GeometryPoint", "dd"))
+    check("it shows what the port holds", client.until(lambda: client.topics.get("track/place")) and len(client.topics["track/place"][-1]) == 2, client.topics)
+    goal = client.goal("track/follow", *path_of((0.02, 0.01)), "d:0.001", "i:1")
+    client.result(goal)
+    check("and what it holds later", client.until(lambda: [0.02, 0.01] in [[round(v, 3) for v in value] for value in client.topics["track/place"]]), client.topics["track/place"][-1])
+
+
+# Published with the messages of ROS 2 (Iron and later), in the .json files beside them.
+KNOWN = {"action_msgs::msg::dds_::GoalStatusArray_": "RIHS01_6c1684b00f177d37438febe6e709fc4e2b0d4248dca4854946f9ed8b30cda83e"}
+
+
+def hashes(level):
+    """Where ROS 2 looks for them: in the user data of each end, as another DDS sees it."""
+    ends = [end for end in level.client.hashes() if end["topic"].startswith(("rt/track/", "rq/track/", "rr/track/"))]
+    form = re.compile(r"(serviceid=[0-9a-f]{1,2}(\.[0-9a-f]{1,2}){15};)?typehash=RIHS01_[0-9a-f]{64};$")
+    wrong = [end for end in ends if not form.match(end["data"]) or end["data"].startswith("serviceid") == end["topic"].startswith("rt/")]
+    check("each end has its hash", len(ends) > 40 and not wrong, wrong or len(ends))
+    for type, known in KNOWN.items():
+        found = {end["data"] for end in ends if end["type"] == type}
+        check(f"the hash of {type}", found == {f"typehash={known};"}, found)
+    halves = {end["topic"].split("/")[0]: end["data"].split(";")[0] for end in ends if "track/follow/_action/send_goal" in end["topic"]}
+    check("both halves of a service have one id", len(halves) == 2 and len(set(halves.values())) == 1, halves)
+
+
+def deaths(level):
+    client = level.client
+    far = path_of((50, 0))
+    goal = client.goal("track/follow", *far, "d:0.001", "i:1")
+    client.answer(goal)
+    level.bridge.end(signal.SIGKILL)
+    level.bridge_again()
+    check("a killed bridge comes back, and finds what runs", level.bridge.until("adopted track.follow"), level.bridge.text())
+    check("its ends are found again", client.wait("track/follow", 2) and client.again("track/follow"))
+    running = {}
+    client.until(lambda: running.update({i: s for i, s in client.statuses.get("track/follow", {}).items() if s == 2 and i != goal.id}) or running)
+    check("what runs is a goal again", len(running) == 1, client.statuses)
+    check("that can be cancelled", client.cancel("track/follow") == (0, list(running)))
+    check("and ends", client.until(lambda: client.statuses["track/follow"].get(next(iter(running), "")) == CANCELED), client.statuses)
+
+    goal = client.goal("track/follow", *far, "d:0.001", "i:1")
+    client.answer(goal)
+    level.server.end(signal.SIGKILL)
+    check("a controller that dies aborts its goals", client.result(goal) == (ABORTED, "CONTROLLER-LOST"), goal.result)
+    check("the bridge says so", level.bridge.until("warning[R0080]: `bipc serve` at") and "1 goal is aborted" in level.bridge.text(), level.bridge.text())
+    refused = client.goal("track/follow", *far, "d:0.001", "i:1")
+    check("no goal is accepted meanwhile", client.answer(refused) is False and refused.report == "CONTROLLER-LOST", refused.feedback)
+    before = level.bridge.text().count("connected to")
+    os.unlink(level.socket)
+    level.serve()
+    end = time.monotonic() + 30
+    while level.bridge.text().count("connected to") == before and time.monotonic() < end:
+        time.sleep(0.02)
+    goal = client.goal("track/follow", *path_of((0.01, 0)), "d:0.001", "i:1")
+    check("a new controller is found", client.answer(goal) is True and client.result(goal)[0] == SUCCEEDED, goal.result)
+    client.close()
+    check("the bridge hears that its clients are gone", level.bridge.until("warning[R0080]: all clients"), level.bridge.text())
+
+
+def component():
+    with tempfile.TemporaryDirectory(prefix="ros2-") as work:
+        translate_track(work)
+        level = Level(work, ["track.gen", "eye.gen"], ("--asap", "--policy", "fair"))
+        try:
+            for part in (goals, cancellations, topics, hashes, deaths):
+                part(level)
+        finally:
+            code = level.close()
+    check("the bridge ends when it is told to", code == 0, code)
+
+
+# ---- the mission of models/dala
+
+class Plan:
+    """Steps of a file, one after the other: `VERB SERVICE(VALUE) INPUT gets REPORT`."""
+
+    def __init__(self, level, path):
+        self.level, self.client, self.known, self.goals = level, level.client, set(), {}
+        self.refusals = []
+        self.steps = [line.partition("#")[0].strip() for line in path.read_text(encoding="utf-8").splitlines()]
+
+    def goal(self, text):
+        bare, _, rest = text.partition(" ")
+        service, _, values = bare.rstrip(")").partition("(")
+        action = service.replace(".", "/")
+        if action not in self.known:
+            check(f"there is an action {action}", self.client.add_action(action, "dala_msgs/" + service.replace(".", ""), "ss"))
+            self.known.add(action)
+        words = [v.strip() for v in values.split(",") if v.strip()]
+        return service, self.client.goal(action, *(("d:" if re.match(r"[\d.]+$", v) else "s:") + v for v in words), "s:" + rest)
+
+    def run(self):
+        for step in filter(None, self.steps):
+            verb, _, rest = step.partition(" ")
+            rest, _, report = (part.strip() for part in rest.partition(" gets "))
+            assert verb in VERBS, step
+            if verb == "say":
+                print(f"plan: {rest}", flush=True)
+            elif verb == "sleep":
+                end = time.monotonic() + float(rest)
+                self.client.until(lambda: time.monotonic() > end, float(rest) + 1)
+            elif verb == "kill":
+                self.level.bridge.end(signal.SIGKILL)
+                self.level.bridge_again()
+                for action in sorted(self.known):
+                    check(f"{action} is there again", self.client.wait(action, 2) and self.client.again(action))
+            elif verb in ("await", "cancel"):
+                goal = self.goals[rest]
+                if verb == "cancel":
+                    check(step, self.client.cancel(goal.action, goal) == (0, [goal.id]))
+                else:
+                    self.judge(step, goal, report)
+            else:
+                service, goal = self.goal(rest)
+                self.goals[service] = goal
+                accepted = self.client.answer(goal)
+                check(f"{step}: answer", accepted is (verb != "refused"), (accepted, goal.feedback))
+                if verb == "refused":
+                    check(step, goal.report == report, goal.feedback)
+                    self.refusals.append(goal.answered_ms)
+                elif verb == "do":
+                    self.judge(step, goal, report)
+
+    def judge(self, step, goal, report):
+        status, got = self.client.result(goal, 120)
+        wanted = report or "OK"
+        expected = SUCCEEDED if wanted == "OK" else CANCELED if wanted == "CANCELED" else ABORTED
+        check(step, status == expected and got == ("ACTIVITY_INTERRUPTED" if wanted == "CANCELED" else wanted), (status, goal.result))
+
+
+def mission():
+    with tempfile.TemporaryDirectory(prefix="ros2-") as work:
+        dala = ROOT / "models/dala"
+        for name in ("world.hpp", "camera.hpp", "bus.hpp", "dala_codels.cpp"):
+            shutil.copy(dala / "mission" / name, os.path.join(work, "m_codels.cpp" if name == "dala_codels.cpp" else name))
+        source = pathlib.Path(work, "m_codels.cpp")
+        source.write_text(source.read_text(encoding="utf-8").replace('"dala_codels.hpp"', '"m_codels.hpp"'), encoding="utf-8")
+        pathlib.Path(work, "mission.yields").write_text("".join((dala / name).read_text(encoding="utf-8") for name in ("dala.yields", "mission/async.yields")), encoding="utf-8")
+        made = subprocess.run([BIPC, "rules", str(dala / "dala.rules"), "--yields", "mission.yields", "--served", "--skeleton", "--control-period", "2", "-o", "m.bip"], cwd=work, capture_output=True, text=True)
+        assert made.returncode == 0, made.stdout + made.stderr
+        level = Level(work, [str(dala / "dala.rules")], ("--asap", "--policy", "fair", "--speed", "10", "--stall-after", "10s"))
+        try:
+            check("a poster of GenoM 2 is a topic", level.client.add_topic("POM/Pos", "dala_msgs/POMPos", "ddd"))
+            plan = Plan(level, HERE / "dala.plan")
+            plan.run()
+            places = level.client.topics.get("POM/Pos", [])
+            check("the rover is seen driving", len({round(p[0], 1) for p in places}) > 10, len(places))
+            print("refusals: " + ", ".join(f"{ms:.1f} ms" for ms in plan.refusals))
+        finally:
+            code = level.close()
+    check("the bridge ends when it is told to", code == 0, code)
+
+
+def main():
+    if not CLIENT.exists() or not (BUILD / "libbipc_dds.so").exists():
+        print("skipped: bipc ros2: cyclonedds-dev or libfastrtps-dev is not installed, so there is no DDS or no client of it")
+        return finish("ros2")
+    for name, part in (("component", component), ("mission", mission)):
+        if name in (sys.argv[1:] or ["component", "mission"]):
+            part()
+    return finish("ros2")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
