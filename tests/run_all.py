@@ -129,7 +129,7 @@ def groups(options):
         ("ros2", [script("component", "tests/ros2/test_ros2.py", "component", alone=True), script("mission", "tests/ros2/test_ros2.py", "mission", alone=True)]),
         ("distributed", [script("distributed", "tests/distributed/test_processes.py", alone=True), script("hosts", "tests/distributed/test_hosts.py", alone=True)]),
         ("faults", [script("faults", "tests/faults/test_faults.py", alone=True)]),
-        ("traces", [script("traces", "tests/traces/test_traces.py", weight=3)]),
+        ("traces", [script("traces", "tests/traces/test_traces.py", weight=3), script("record", "tests/traces/test_record.py", alone=True)]),
         ("debuggers", [script("debuggers", "tests/debuggers/test_debuggers.py", alone=True)]),
         # A sanitized build cannot be installed.
         *([("package", [script("package", "tests/package/test_package.py", weight=25)])] if not is_sanitized() else []),

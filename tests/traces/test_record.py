@@ -1,0 +1,57 @@
+#!/usr/bin/env python3
+"""What `models/dala/run --record` writes (models/dala/mission/record.py), read by the strict reader of MCAP (mcap.py): a short mission with a
+refusal and an exception, and a drive. Python's library only."""
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+sys.path.insert(0, str(ROOT / "tests/traces"))
+sys.path.insert(0, str(ROOT / "tests/serve"))
+from checks import check, finish  # noqa: E402
+from mcap import Mcap  # noqa: E402
+
+MISSION = """procedure mission
+  do POM.Init
+  do RFLEX.Init
+  do NDD.Init
+  do Hueblob.Init
+  refused NDD.GoTo 3 1 gets PARAMS-OR-SPEED-NOT-SET
+  do Hueblob.SetHue throw gets ACTIVITY_FAILED
+  do RFLEX.GotoPosition 1 0
+"""
+
+
+def main():
+    with tempfile.TemporaryDirectory(prefix="record-") as work:
+        mission, file = os.path.join(work, "mission.txt"), os.path.join(work, "m.mcap")
+        pathlib.Path(mission).write_text(MISSION, encoding="utf-8")
+        ran = subprocess.run([sys.executable, str(ROOT / "models/dala/run"), "--mission", mission, "--record", file], capture_output=True, text=True)
+        check("the mission", ran.returncode == 0, ran.stdout + ran.stderr)
+        data = pathlib.Path(file).read_bytes()
+    read = Mcap(data)
+    topics = {}
+    for topic, instant, value in read.messages:
+        topics.setdefault(topic, []).append((instant, value))
+    schemas = {topic: read.schemas[schema][0] for topic, schema, _ in read.channels.values()}
+    check("topics and their schemas", schemas == {"/log": "foxglove.Log", "/rover/pose": "foxglove.PoseInFrame", "/rover/path": "foxglove.PosesInFrame",
+                                                  "/diagnostics": "diagnostic_msgs/DiagnosticArray", "/poster/NDD.Speed": "dala.Poster",
+                                                  "/poster/Heating.Temperature": "dala.Poster", "/poster/Battery.State": "dala.Poster"}, schemas)
+    log = [(value["name"], value["message"], value["level"]) for _, value in topics["/log"]]
+    check("what is accepted is in the log", ("POM.Init", "accepted: OK", 2) in log and ("POM.Init", "ended: OK", 2) in log, log)
+    check("what is refused", ("NDD.GoTo", "ended: PARAMS-OR-SPEED-NOT-SET", 3) in log, log)
+    check("what throws", ("Hueblob.SetHue", "ended: ACTIVITY_FAILED (no such hue)", 3) in log, log)
+    places = [value["pose"]["position"]["x"] for _, value in topics["/rover/pose"]]
+    check("the rover drives", places[0] == 0 and 0.8 < places[-1] < 1.1 and len(set(places)) > 5, places)
+    check("its path is where it was", len(topics["/rover/path"][-1][1]["poses"]) == len(topics["/rover/path"]) > 1)
+    check("what runs is in the diagnostics", any(row["name"] == "RFLEX.GotoPosition" for _, value in topics["/diagnostics"] for row in value["status"]))
+    check("stamps are instants", all(value["timestamp"]["sec"] * 10**9 + value["timestamp"]["nsec"] == instant for instant, value in topics["/rover/pose"]))
+    check("the indexes lead to all", sum(len(rows) for rows in read.by_index().values()) == len(read.messages))
+    print(f"{len(data)} bytes, {len(read.messages)} messages")
+    return finish("record")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
