@@ -20,11 +20,13 @@ using ros2::Sample;
 
 constexpr dds_duration_t kMostBlocked = DDS_MSECS(100);
 
-// Without multicast participants find each other by trying the ports of the first few.
+// On the loopback there is no multicast: participants find each other by trying the ports of the first few.
 std::string configuration(const BusPlan& plan) {
   if (plan.interface.empty()) return {};
-  return "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name=\"" + plan.interface +
-         "\"/></Interfaces><AllowMulticast>false</AllowMulticast></General><Discovery>"
+  const std::string interface = "<Interfaces><NetworkInterface name=\"" + plan.interface + "\"/></Interfaces>";
+  if (plan.interface != "lo") return "<CycloneDDS><Domain><General>" + interface + "</General></Domain></CycloneDDS>";
+  return "<CycloneDDS><Domain><General>" + interface +
+         "<AllowMulticast>false</AllowMulticast></General><Discovery>"
          "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>31</MaxAutoParticipantIndex>"
          "<Peers><Peer address=\"127.0.0.1\"/></Peers></Discovery></Domain></CycloneDDS>";
 }

@@ -7,8 +7,8 @@
 
 namespace bip::dds {
 
-/// Opens one participant. With an interface, discovery stays on it: without multicast, by port numbers of at most 32
-/// participants of this machine.
+/// Opens one participant. With an interface it stays on that; on the loopback it finds at most 32 participants, by
+/// their ports.
 [[nodiscard]] Result<std::unique_ptr<ros2::Bus>> open_bus(const ros2::BusPlan& plan);
 
 }  // namespace bip::dds

@@ -154,7 +154,7 @@ void add_ros2(CLI::App& app, Ros2Arguments& a) {
       ->type_name("N");
   command
       ->add_option("--network", a.network,
-                   "network interface, without multicast, or `auto`: as Cyclone DDS is configured (default: lo)")
+                   "network interface, or `auto`: as Cyclone DDS is configured (default: lo, without multicast)")
       ->check(CLI::Validator(
           [](std::string& text) {
             const bool is_name = !text.empty() && text.find_first_of("<>&\"'") == std::string::npos;

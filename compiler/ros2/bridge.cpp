@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include "compiler/ros2/names.hpp"
 
@@ -48,6 +49,27 @@ std::uint64_t number_of(const Json& line, const char* member) {
   const auto found = line.find(member);
   return found != line.end() && found->is_number_unsigned() ? found->get<std::uint64_t>() : 0;
 }
+
+bool is_true(const Json& line, const char* member) {
+  const auto found = line.find(member);
+  return found != line.end() && *found == true;
+}
+Json list_of(const Json& line, const char* member) {
+  const auto found = line.find(member);
+  return found != line.end() && found->is_array() ? *found : Json::array();
+}
+
+// `bipc serve` closes the connection of who sends a line that is longer, and does not say whose line was too deep.
+constexpr std::size_t kLongestLine = 60000;
+constexpr int kDeepestLine = 15;
+int depth_of(const Json& json) {
+  int deepest = 0;
+  for (const Json& item : json) {
+    if (item.is_structured()) deepest = std::max(deepest, depth_of(item));
+  }
+  return deepest + 1;
+}
+std::string line_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 }  // namespace
 
@@ -166,7 +188,7 @@ void Bridge::connect() {
   }
   model_ = std::move(*opened);
   next_sign_ = Clock::now() + kSign;
-  Json hello{{"do", "hello"}};
+  Json hello{{"do", "hello"}, {"role", "requester"}};
   if (!model_->token().empty()) hello["token"] = model_->token();
   ask(std::move(hello), {.kind = Asked::Hello});
 }
@@ -190,7 +212,7 @@ void Bridge::ask(Json line, Question question) {
   if (!model_) return;
   line["id"] = next_question_;
   questions_.emplace(next_question_++, question);
-  if (!model_->send(line.dump(-1, ' ', false, Json::error_handler_t::replace))) lose("it does not read");
+  if (!model_->send(line_of(line))) lose("it does not read");
 }
 
 void Bridge::hear(const std::string& line) {
@@ -200,7 +222,7 @@ void Bridge::hear(const std::string& line) {
   const auto found = questions_.find(number_of(json, "id"));
   if (found == questions_.end()) {
     // Before it knows us the model answers without a number.
-    if (!is_ready_ && json.value("ok", true) == false) lose(text_of(json, "error"));
+    if (!is_ready_ && !is_true(json, "ok")) lose(text_of(json, "error"));
     return;
   }
   const Question question = found->second;
@@ -209,12 +231,11 @@ void Bridge::hear(const std::string& line) {
 }
 
 void Bridge::hear_answer(const Question& question, const Json& answer) {
-  const auto ok = answer.find("ok");
-  const bool is_ok = ok != answer.end() && *ok == true;
+  const bool is_ok = is_true(answer, "ok");
   const std::string error = text_of(answer, "error");
   switch (question.kind) {
     case Asked::Hello: return is_ok ? begin(answer) : lose(error);
-    case Asked::Open: return is_ok ? adopt(answer.value("requests", Json::array())) : void();
+    case Asked::Open: return is_ok ? adopt(list_of(answer, "requests")) : void();
     case Asked::Subscribe:
     case Asked::Sign: return;
     case Asked::Poster: return publish_poster(question.poster, answer);
@@ -265,7 +286,7 @@ void Bridge::begin(const Json& hello) {
   was_lost_ = false;
   next_value_ = Clock::now();
   std::set<std::string> served;
-  for (const Json& row : hello.value("services", Json::array())) served.insert(text_of(row, "service"));
+  for (const Json& row : list_of(hello, "services")) served.insert(text_of(row, "service"));
   std::string missing;
   std::size_t count = 0;
   for (const Action& action : interfaces_.actions) {
@@ -298,7 +319,7 @@ void Bridge::adopt(const Json& rows) {
     const std::string service = text_of(row, "service");
     if (goals_.find_request(number_of(row, "request")) != nullptr) continue;
     for (std::size_t k = 0; k < interfaces_.actions.size(); ++k) {
-      if (interfaces_.actions[k].service != service || row.value("running", false) == false) continue;
+      if (interfaces_.actions[k].service != service || !is_true(row, "running")) continue;
       GoalId id{};
       for (std::uint8_t& byte : id) byte = static_cast<std::uint8_t>(random());
       Goal* const goal = goals_.add(k, id);
@@ -359,7 +380,10 @@ void Bridge::take_goal(std::size_t k, const Sample& sample) {
   std::string wrong;
   const std::string text = request_of(action, (*asked)["goal"], input, wrong);
   if (!wrong.empty()) return refuse(*goal, kNotTaken, wrong);
-  ask({{"do", "request"}, {"service", text}, {"input", input}}, {.kind = Asked::Goal, .goal = goal->id});
+  const Json line{{"do", "request"}, {"service", text}, {"input", input}};
+  if (depth_of(line) > kDeepestLine || line_of(line).size() > kLongestLine)
+    return refuse(*goal, kNotTaken, "the goal is larger than a request may be");
+  ask(line, {.kind = Asked::Goal, .goal = goal->id});
 }
 
 void Bridge::take_cancel(std::size_t k, const Sample& sample) {
@@ -434,7 +458,8 @@ void Bridge::finish(Goal& goal, const Json& note) {
   // What never began, unless it was over at once.
   if (goal.state == GoalState::Unknown && report != "OK") return refuse(goal, report, detail);
   accept(goal);
-  goal.result = note.value("output", Json::object());
+  const auto output = note.find("output");
+  goal.result = output != note.end() && output->is_object() ? *output : Json::object();
   goal.result[kReport] = report;
   goal.result[kDetail] = detail;
   say_(fmt::format("ended    {}: {}", service_of(goal), report));

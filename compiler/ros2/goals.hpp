@@ -3,6 +3,7 @@
 #pragma once
 #include <array>
 #include <chrono>
+#include <compare>
 #include <cstdint>
 #include <map>
 #include <optional>

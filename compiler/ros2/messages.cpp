@@ -1,6 +1,7 @@
 // See messages.hpp.
 #include "compiler/ros2/messages.hpp"
 
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <set>

@@ -130,6 +130,8 @@ def goals(level):
     check("which is a result, too", client.result(goal) == (ABORTED, "e_empty"), goal.result)
     goal = client.goal("track/set_gains", *(f"d:{k}" for k in range(5)), "d:nan")
     check("what `bipc serve` does not take is refused", client.answer(goal) is False and goal.report == "NOT-TAKEN" and "is a number" in goal.feedback[-1][1], goal.feedback)
+    goal = client.goal("track/follow", *path_of(*[(0.5, 0.25)] * 3500), "d:0.1", "i:1")
+    check("what is larger than a request is refused, and nothing else", client.answer(goal) is False and "larger" in goal.feedback[-1][1] and "gone" not in level.bridge.text(), goal.feedback)
     twice = client.goal("track/get_note", EMPTY)
     client.answer(twice)
     client.next += 1
