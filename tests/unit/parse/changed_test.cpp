@@ -37,7 +37,7 @@ struct Read {
   }
 };
 
-constexpr const char* kFile = R"(// What it is.
+constexpr const char* kChangedFile = R"(// What it is.
 @cpp(include="a.h") package p.q
 use std.ports use other
 const data string s = "a\tb", t = "port type"
@@ -75,7 +75,7 @@ end
 )";
 
 TEST_CASE("only the declaration that changed is parsed again") {
-  const std::string text = std::string(kFile) + "end\n";
+  const std::string text = std::string(kChangedFile) + "end\n";
   parse::KeptPieces kept;
   REQUIRE(Read(text, &kept).all() == Read(text, nullptr).all());
   REQUIRE(kept.whole == 0);
@@ -110,7 +110,7 @@ TEST_CASE("nothing in a tree stays with the earlier text") {
   const auto with_files = [](SourceMap& sources, std::size_t count) {
     while (sources.size() < count) sources.add("", "");
   };
-  const std::string text = std::string(kFile) + "end\n";
+  const std::string text = std::string(kChangedFile) + "end\n";
   constexpr std::size_t kEarlier = 70001;
   SourceMap earlier, later;
   Diagnostics diags;
@@ -146,7 +146,7 @@ TEST_CASE("nothing in a tree stays with the earlier text") {
 }
 
 TEST_CASE("a file that is not sound is read as a whole, and what was kept stays") {
-  const std::string text = std::string(kFile) + "end\n";
+  const std::string text = std::string(kChangedFile) + "end\n";
   parse::KeptPieces kept;
   REQUIRE(Read(text, &kept).all() == Read(text, nullptr).all());
   for (const char* odd : {"atom", "}", "/*", "\"", "\xff", "\xe2\x80\xaa// x\n", "end", "atom type X() end"}) {
