@@ -43,7 +43,7 @@ class CycloneBus final : public ros2::Bus {
  public:
   CycloneBus() : event_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {}
   ~CycloneBus() override {
-    // With the domain everything in it goes, and peers are told.
+    // Deletes everything in the domain and notifies peers.
     if (domain_ > 0) (void)dds_delete(domain_);
     else if (participant_ > 0) (void)dds_delete(participant_);
     if (event_ >= 0) (void)::close(event_);

@@ -1,4 +1,4 @@
-// A type of Cyclone DDS whose samples are bytes: CDR that somebody else writes and reads. Cyclone's own types are
+// A type of Cyclone DDS whose samples are bytes: CDR that compiler/ros2 writes and reads. Cyclone's own types are
 // tables that idlc generates; the descriptions of modules are read at run time.
 #pragma once
 #include <string>

@@ -59,7 +59,7 @@ Json list_of(const Json& line, const char* member) {
   return found != line.end() && found->is_array() ? *found : Json::array();
 }
 
-// `bipc serve` closes the connection of who sends a line that is longer, and does not say whose line was too deep.
+// `bipc serve` closes the connection after a longer line, and its answer to a line that is too deep has no number.
 constexpr std::size_t kLongestLine = 60000;
 constexpr int kDeepestLine = 15;
 int depth_of(const Json& json) {
@@ -245,7 +245,7 @@ void Bridge::hear_answer(const Question& question, const Json& answer) {
       if (!is_ok) return refuse(*goal, kNotTaken, error);
       goal->request = number_of(answer, "request");
       if (goal->is_cancel_asked) cancel(*goal);
-      // What came of it may have been told before.
+      // Its replies may have arrived before its number.
       const std::vector<Json> early = std::exchange(early_, {});
       for (const Json& note : early) hear_note(note);
       return;
@@ -311,7 +311,7 @@ void Bridge::ask_poster(std::size_t k) {
   ask({{"do", "poster"}, {"poster", interfaces_.topics[k].poster}}, {.kind = Asked::Poster, .poster = k});
 }
 
-// What runs already was asked for by somebody who is gone, perhaps a bridge before this one. It becomes a goal under a
+// An activity that runs already was requested by another client, perhaps by an earlier bridge. It becomes a goal with a
 // new id, so that clients see it and can cancel it.
 void Bridge::adopt(const Json& rows) {
   std::random_device random;
@@ -554,7 +554,7 @@ void Bridge::send_late(Clock::time_point now) {
   });
 }
 
-// Before the first goal there is nobody to be missed.
+// Before the first goal the bridge counts as a client itself.
 bool Bridge::has_clients() {
   std::erase_if(clients_, [&](const Client& client) { return !bus_.has_writer(client.reader, client.peer); });
   const bool are_gone = had_clients_ && clients_.empty();

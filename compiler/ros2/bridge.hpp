@@ -110,7 +110,7 @@ class Bridge {
   std::string hidden_posters_, hidden_why_;
   std::map<std::uint64_t, Question> questions_;
   std::uint64_t next_question_ = 1;
-  std::vector<Json> early_;  // notes that came before the answer which tells whose they are
+  std::vector<Json> early_;  // notes that arrived before the answer with their request's number
   Goals goals_;
   std::vector<GoalId> cancels_;  // to be asked for again
   std::vector<LateReply> late_;

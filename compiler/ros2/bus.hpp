@@ -1,4 +1,4 @@
-// What the bridge needs of DDS: readers and writers of serialized values, and who is at the other end. The one
+// What the bridge needs of DDS: readers and writers of serialized values, and the peers at the other end. The one
 // implementation is in compiler/dds, a plug-in; nothing here knows a vendor.
 #pragma once
 #include <array>

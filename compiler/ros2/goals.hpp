@@ -68,7 +68,7 @@ enum class CancelCode : std::int8_t { None = 0, Rejected = 1, UnknownGoal = 2, T
 
 class Goals {
  public:
-  static constexpr std::chrono::seconds kKept{60};  // a result that nobody fetched
+  static constexpr std::chrono::seconds kKept{60};  // a result that no client fetched
   static constexpr std::size_t kMostKept = 200;     // of one action
 
   /// Null: there is one of this id.

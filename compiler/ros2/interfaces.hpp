@@ -37,7 +37,7 @@ struct Interfaces {
   std::vector<Topic> topics;
 };
 
-/// Members of each action's result and feedback: why it ended so, and what else there is to tell (JSON).
+/// Members of each action's result and feedback: the report, and details as JSON.
 inline constexpr const char* kReport = "report";
 inline constexpr const char* kDetail = "detail";
 inline constexpr const char* kInput = "input";
@@ -45,7 +45,7 @@ inline constexpr const char* kData = "data";
 
 /// Is it a name that ROS 2 gives a package?
 [[nodiscard]] bool is_package_name(const std::string& name);
-/// The package's name if nobody gives one: "demo_msgs" for module Demo.
+/// The default name of the package: "demo_msgs" for module Demo.
 [[nodiscard]] std::string package_for(const std::string& name);
 
 /// Of `modules` those named in `only` (all if it is empty). What has no counterpart in ROS 2 is left out, with a

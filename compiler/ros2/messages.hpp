@@ -86,7 +86,8 @@ class Messages {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// In front of each request and reply of a service, in what rmw_cyclonedds writes: who asks, and its number.
+/// In front of each request and reply of a service, in what rmw_cyclonedds writes: the client, and the number of its
+/// request.
 struct RequestHeader {
   std::uint64_t client = 0;
   std::int64_t number = 0;

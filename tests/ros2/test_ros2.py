@@ -4,8 +4,8 @@
     tests/ros2/test_ros2.py [component|mission]      without a word: both
 
 `component`: a GenoM 3 component with codels in C: members of goals and results, refusals, cancellations, topics, type hashes, and either side that
-dies and comes back. `mission`: models/dala through a plan (dala.plan). Nothing but the loopback is used. What takes how long is printed, and
-judged by nobody. Python's library only.
+dies and comes back. `mission`: models/dala through a plan (dala.plan). Nothing but the loopback is used. Times are printed and not
+checked. Python's library only.
 """
 import os
 import pathlib
@@ -115,7 +115,7 @@ def goals(level):
     check("a goal is accepted", client.answer(goal) is True)
     check("and succeeds", client.result(goal)[0] == SUCCEEDED, goal.result)
     check("with its outputs", goal.result and abs(goal.result[0] - 2 * (0.04 + 0.02 * 2 ** 0.5)) < 0.01 and goal.result[1:] == [0, "OK", ""], goal.result)
-    check("the status is told", client.until(lambda: client.statuses.get("track/follow", {}).get(goal.id) == SUCCEEDED), client.statuses)
+    check("the status is published", client.until(lambda: client.statuses.get("track/follow", {}).get(goal.id) == SUCCEEDED), client.statuses)
     check("and the intermediate reply", client.until(lambda: ["OK", ""] in goal.feedback), goal.feedback)
 
     goal = client.goal("track/remember", "s:h\u00e9llo \"x\"", "B:2", "b:false")

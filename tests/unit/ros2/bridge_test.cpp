@@ -257,7 +257,7 @@ TEST_CASE("a goal from the request to the result") {
   CHECK(s.all_heard() == "result 4 OK");
 }
 
-TEST_CASE("what came of a request may be told before its number") {
+TEST_CASE("replies to a request may arrive before its number") {
   Scene s;
   s.goal(1, kGoal);
   const Json request = s.asked();

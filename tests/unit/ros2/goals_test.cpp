@@ -1,4 +1,4 @@
-// The table of goals: what a cancellation means, what clients are told of, what is forgotten.
+// The table of goals: which goals a cancellation selects, the status, what is removed.
 #include "compiler/ros2/goals.hpp"
 
 #include <catch2/catch.hpp>

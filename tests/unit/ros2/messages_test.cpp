@@ -70,7 +70,7 @@ TEST_CASE("CDR of big endian machines is read") {
   CHECK(*from_cdr(messages, "m/msg/Two", {0, 0, 0, 0, 0xff, 0xff, 0xff, 0xfe, 1, 2}) == Json{{"a", -2}, {"b", 258}});
 }
 
-TEST_CASE("what does not fit a type is told, with its place") {
+TEST_CASE("a value that does not fit its type is refused, with its place") {
   Messages messages;
   messages.add({"m/msg/Part", {{.name = "x", .kind = Kind::Float64}}});
   messages.add(
