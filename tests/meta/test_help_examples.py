@@ -21,6 +21,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 BIPC = os.path.abspath(cli_docs.bipc())
 ANSWERS = (0, 3, 4)
 ENDS = {"bipc dap": 1}  # what its editor did not say
+BRIDGE = "bipc ros2 rover.gen --serve"  # goes on until it is ended: here after some seconds
 SECONDS = 300
 # The names that examples use: a ring or a table of philosophers, and a root that has some of them.
 MODEL = """package model
@@ -66,6 +67,7 @@ def write_files(folder):
     for name in ("kitchen.bip", "arm.gen", "arm.rules"):
         shutil.copy(ROOT / "models/tutorial" / name, folder)
     shutil.copy(folder / "arm.gen", folder / "demo.gen")
+    shutil.copy(folder / "arm.gen", folder / "rover.gen")
     (folder / "rover.rules").write_text((folder / "arm.rules").read_text(encoding="utf-8").replace("rules arm;", "rules rover;", 1), encoding="utf-8")
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
@@ -86,6 +88,12 @@ def run(line):
     if "spin " in line and not shutil.which("spin"):
         print(f"skipped: the part of `{line}` behind the export: there is no spin")
         line = line.split("&&")[0]
+    is_bridge = line.startswith(BRIDGE)
+    if is_bridge and not pathlib.Path(BIPC).with_name("libbipc_dds.so").exists():
+        print(f"skipped: `{line}`: Cyclone DDS was not there when bipc was built")
+        return None
+    if is_bridge:
+        line = "timeout -s TERM 3 " + line
     with tempfile.TemporaryDirectory() as work:
         folder = pathlib.Path(work)
         write_files(folder)
@@ -97,6 +105,8 @@ def run(line):
         # What a debugging session or an editor reads: nothing more.
         done = subprocess.run(["sh", "-c", line], cwd=folder, env=environment, capture_output=True, text=True, timeout=SECONDS, stdin=subprocess.DEVNULL)
     said = done.stdout[-1500:] + done.stderr[-1500:]
+    if is_bridge and done.returncode == 124 and "ROS 2 domain" in said:
+        return None
     if done.returncode not in ANSWERS and done.returncode != ENDS.get(line):
         return f"exit code {done.returncode}\n{said}"
     wrong = re.search(r"^bipc: (?!seed).*|error\[B\d{4}\].*", done.stdout + done.stderr, re.M)
