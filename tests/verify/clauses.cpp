@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <sstream>
 
+#include "compiler/system/system.hpp"
+
 namespace bip::verify::test {
 
 namespace {

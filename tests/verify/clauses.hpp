@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "compiler/verify/portfolio/search_bad_state.hpp"
+#include "runtime/core/final_state.hpp"
 
 namespace bip::verify::test {
 
@@ -27,7 +28,7 @@ template <class Allows>
 bool breaks(rt::Core& core, const rt::State& state, const SearchGoal& goal, const Allows& allows) {
   if (!core.restore(state)) return goal.faults;
   const std::uint64_t steps = core.candidate_count();
-  if ((goal.stuck && steps == 0) || (goal.state && goal.state(core))) return true;
+  if ((goal.stuck && rt::is_deadlock(core)) || (goal.state && goal.state(core))) return true;
   for (std::uint64_t k = 0; k < steps; ++k) {
     if (k != 0 && !core.restore(state)) break;
     const bool is_fired = core.fire(k);

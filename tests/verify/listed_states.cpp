@@ -5,6 +5,8 @@
 #include <optional>
 #include <sstream>
 
+#include "compiler/system/system.hpp"
+
 namespace bip::verify::test {
 
 namespace {
