@@ -4,6 +4,7 @@
 #pragma once
 #include <algorithm>
 #include <charconv>
+#include <istream>
 #include <map>
 #include <optional>
 #include <set>
@@ -251,17 +252,19 @@ struct Fact {
 };
 struct Certificate {
   std::string claim;
-  std::vector<Fact> facts, sets;         // sets: of modes; without total: traps
-  std::set<std::vector<Values>> states;  // all that a search has reached: by atom, parameters as 0
-  std::vector<Class> classes;            // none: the certificate says nothing of modes
-  Rows class_of;                         // by atom
+  std::vector<Fact> facts, sets;            // sets: of modes; without total: traps
+  std::map<Values, char32_t> row_of_local;  // parameters as 0
+  std::vector<Values> locals;
+  std::set<std::u32string> states;  // all that a search has reached: by atom a row of locals
+  std::vector<Class> classes;       // none: the certificate says nothing of modes
+  Rows class_of;                    // by atom
   std::vector<Modes> reachable;
 };
 
-[[nodiscard]] Certificate read_certificate(const Model& model, const std::string& text);
+[[nodiscard]] Certificate read_certificate(const Model& model, std::istream& text);
 /// Is it a proof? Says how much was checked; throws Rejected or NotCheckable (states.cpp). Z3 is slow to give up what
 /// it holds.
-[[nodiscard]] std::string check(const Model& model, const std::string& certificate, z3::context& z);
+[[nodiscard]] std::string check(const Model& model, std::istream& certificate, z3::context& z);
 /// Modes are closed, reachable ones and sets are kept by every step (structure.cpp).
 void check_structure(const Model& model, const Certificate& certificate, z3::context& z);
 

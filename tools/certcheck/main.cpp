@@ -6,10 +6,10 @@
 
 #include "tools/certcheck/checked_model.hpp"
 
-static std::string read_file(const char* path) {
+static std::ifstream open_file(const char* path) {
   std::ifstream in(path, std::ios::binary);
   if (!in) throw certcheck::Rejected("cannot read " + certcheck::quoted(path));
-  return {std::istreambuf_iterator<char>(in), {}};
+  return in;
 }
 
 // A verdict that cannot be written is none.
@@ -23,8 +23,9 @@ int main(int argc, char** argv) {
   try {
     certcheck::Model model;
     z3::context z;
-    certcheck::read_model(read_file(argv[1]), model);
-    std::printf("accepted: %s\n", certcheck::check(model, read_file(argv[2]), z).c_str());
+    std::ifstream system = open_file(argv[1]), certificate = open_file(argv[2]);
+    certcheck::read_model({std::istreambuf_iterator<char>(system), {}}, model);
+    std::printf("accepted: %s\n", certcheck::check(model, certificate, z).c_str());
     // What is left need not be taken apart.
     std::_Exit(finish(0));
   } catch (const certcheck::NotCheckable& e) {

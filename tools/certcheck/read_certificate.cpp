@@ -20,14 +20,12 @@ class CertificateReader {
     c_.reachable.resize(m_.atoms.size());
   }
 
-  Certificate run(Text text) {
-    if (!text.ends_with("\nend\n")) throw Rejected("the certificate has no end");
-    text.remove_suffix(5);
-    for (const auto row_text : std::views::split(text, '\n')) {
-      const Text line(row_text.begin(), row_text.end());
+  Certificate run(std::istream& text) {
+    std::string line;
+    while (std::getline(text, line) && line != "end") {
       ++line_;
       words_.clear();
-      for (const auto word : std::views::split(line, ' '))
+      for (const auto word : std::views::split(Text(line), ' '))
         if (!word.empty()) words_.emplace_back(word.begin(), word.end());
       try {
         if (line_ != 1) row(line);
@@ -36,6 +34,7 @@ class CertificateReader {
         throw Rejected(place() + ": " + e.what());
       }
     }
+    if (line != "end" || text.eof() || text.get() != EOF) throw Rejected("its last row is not `end`");
     if (c_.claim.empty()) throw Rejected("the certificate does not say what it proves");
     if (!c_.classes.empty() && contains(c_.class_of, kNone)) throw Rejected("a component has no row");
     if (!c_.states.empty() && !(c_.classes.empty() && c_.facts.empty()))
@@ -136,7 +135,13 @@ class CertificateReader {
     }
     need(std::none_of(state_.begin(), state_.end(), [](const Values& local) { return contains(local, std::nullopt); }),
          "the state is not told in full");
-    c_.states.insert(state_);
+    std::u32string rows;
+    for (const Values& local : state_) {
+      const auto [at, is_new] = c_.row_of_local.try_emplace(local, static_cast<char32_t>(c_.locals.size()));
+      if (is_new) c_.locals.push_back(local);
+      rows += at->second;
+    }
+    c_.states.insert(std::move(rows));
   }
   // PATH and what is said of the atom; or "!" and that
   [[nodiscard]] Literal literal(Text name, bool is_value) const {
@@ -210,6 +215,6 @@ class CertificateReader {
 
 }  // namespace
 
-Certificate read_certificate(const Model& model, const std::string& text) { return CertificateReader(model).run(text); }
+Certificate read_certificate(const Model& model, std::istream& text) { return CertificateReader(model).run(text); }
 
 }  // namespace certcheck

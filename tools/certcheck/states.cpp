@@ -27,15 +27,15 @@ class States {
     for (const Local& local : first) all.emplace(all.size(), local);
     if (!is(fault, true) && !is_listed(*c_.states.begin(), all))
       throw Rejected("the first state is not among those that the certificate lists");
-    for (const std::vector<Values>& state : c_.states) {
-      for (std::size_t a = 0; a < first.size(); ++a) first[a] = terms_.local(m_.atoms[a], state[a]);
+    for (const std::u32string& state : c_.states) {
+      for (std::size_t a = 0; a < first.size(); ++a) first[a] = terms_.local(m_.atoms[a], c_.locals[state[a]]);
       check_from(first, true, &state);
     }
   }
 
  private:
-  // No such state is bad, and no step leads out of what the rows allow. `values`: it is one state.
-  void check_from(const State& now, bool wants_steps, const std::vector<Values>* values) {
+  // No such state is bad, and no step leads out of what the rows allow. `listed`: it is one state.
+  void check_from(const State& now, bool wants_steps, const std::u32string* listed) {
     const bool no_errors = c_.claim == "error-free";
     system_.look_at(now, wants_steps || !claim_.items.empty());
     if (no_errors)
@@ -43,7 +43,7 @@ class States {
              "a state that the certificate allows ends with an error");
     // Where the run has ended with an error nothing follows.
     if (is(system_.state_fault(), true)) return;
-    if (values != nullptr && !is(system_.state_fault(), false))
+    if (listed != nullptr && !is(system_.state_fault(), false))
       throw NotCheckable("what a state does depends on values that are not followed");
     terms_.assume(no(system_.state_fault()));
     const auto check_step = [&](const Step& step) {
@@ -54,7 +54,7 @@ class States {
       if (no_errors && can(step.fault)) throw Rejected("a step ends with an error");
       const expr goes_on = no(step.fault);
       if (is(both(step.possible, goes_on), false)) return;
-      if (values != nullptr) return check_listed(*values, step, goes_on);
+      if (listed != nullptr) return check_listed(*listed, step, goes_on);
       std::map<std::size_t, std::set<const Case*>> touched;
       for (const auto& [atom, local] : step.next) {
         const bool is_same = std::equal(local.begin(), local.end(), now[atom].begin(),
@@ -76,20 +76,24 @@ class States {
       demand(system_.claim(claim_.items[1]), "a state that the certificate allows is what should never be");
   }
   // Is all that a step can lead to listed? Where ports are merged there are several such states.
-  void check_listed(const std::vector<Values>& values, const Step& step, const expr& goes_on) {
-    if (is_listed(values, step.next)) return;
+  void check_listed(const std::u32string& state, const Step& step, const expr& goes_on) {
+    if (is_listed(state, step.next)) return;
     terms_.each_solution(both(step.possible, goes_on), step.next, [&](const std::map<std::size_t, Local>& next) {
-      if (!is_listed(values, next)) throw Rejected("a step leads out of what the certificate allows");
+      if (!is_listed(state, next)) throw Rejected("a step leads out of what the certificate allows");
     });
   }
-  // Is it a listed state, for sure, but for some atoms what `values` says?
-  [[nodiscard]] bool is_listed(std::vector<Values> values, const std::map<std::size_t, Local>& others) const {
+  // Is it a listed state, for sure, but for some atoms this one?
+  [[nodiscard]] bool is_listed(std::u32string state, const std::map<std::size_t, Local>& others) const {
     for (const auto& [atom, local] : others) {
+      Values values(local.size(), 0);
       for (std::size_t k = 0; k < local.size(); ++k) {
-        if (!m_.type_of(atom).variables[k].is_param) values[atom][k] = value_of(local[k]);
+        if (!m_.type_of(atom).variables[k].is_param) values[k] = value_of(local[k]);
       }
+      const auto row = c_.row_of_local.find(values);
+      if (row == c_.row_of_local.end()) return false;
+      state[atom] = row->second;
     }
-    return c_.states.contains(values);
+    return c_.states.contains(state);
   }
   // There is no state like that.
   void demand(const expr& bad, const std::string& otherwise) {
@@ -208,7 +212,7 @@ class States {
 
 }  // namespace
 
-std::string check(const Model& model, const std::string& text, z3::context& z) {
+std::string check(const Model& model, std::istream& text, z3::context& z) {
   const Certificate c = read_certificate(model, text);
   const std::string components = std::to_string(model.atoms.size()) + " components, ";
   if (!c.classes.empty()) check_structure(model, c, z);

@@ -12,14 +12,11 @@ namespace bip::verify {
 namespace {
 
 using u32 = std::uint32_t;
-// 400 MB of states; and a text that the checker would not be done with.
-constexpr std::size_t kMaxValues = 100'000'000, kMaxWords = 1'000'000;
-
 }  // namespace
 
 // The checker cannot follow priorities below connectors.
-StateCollector::StateCollector(const System& system, const rt::Image& image)
-    : is_listable_(system::first_inner_priority(system).empty()) {
+StateCollector::StateCollector(const System& system, const rt::Image& image, std::size_t bytes)
+    : is_listable_(system::first_inner_priority(system).empty()), bytes_(bytes) {
   u32 mark_word = 0;
   for (std::size_t a = 0; a < system.atoms.size(); ++a) {
     const Atom& instance = system.atoms[AtomId(a)];
@@ -43,7 +40,7 @@ StateCollector::StateCollector(const System& system, const rt::Image& image)
 }
 
 void StateCollector::add(const rt::State& state) {
-  if (!is_listable_ || values_.size() > kMaxValues) return;
+  if (!is_listable_ || values_.size() > bytes_ / sizeof values_[0]) return;
   BIP_ASSERT(columns_.empty() || values_.size() % columns_.size() == 0, "a state with values missing");
   for (const StateColumn& q : columns_) {
     const u32 at = q.position;
@@ -56,14 +53,13 @@ void StateCollector::add(const rt::State& state) {
 
 std::string StateCollector::rows() const {
   const std::size_t width = columns_.size(), count = width == 0 ? 0 : values_.size() / width;
-  if (!is_listable_ || values_.size() > kMaxValues) return {};
+  if (!is_listable_ || values_.size() > bytes_ / sizeof values_[0]) return {};
   std::vector<const std::int32_t*> states(count);
   for (std::size_t s = 0; s < count; ++s) states[s] = values_.data() + s * width;
   std::sort(states.begin(), states.end(), [&](const std::int32_t* a, const std::int32_t* b) {
     return std::lexicographical_compare(a, a + width, b, b + width);
   });
   std::string out;
-  std::size_t words = 0;
   for (std::size_t s = 0; s < count; ++s) {
     out += "state";
     for (std::size_t q = 0; q < width; ++q) {
@@ -74,9 +70,9 @@ std::string StateCollector::rows() const {
       out += question.name;
       if (question.about == About::Automaton) out += (*question.places)[static_cast<std::size_t>(value)];
       if (question.about == About::Value) out += std::to_string(value);
-      if (++words > kMaxWords) return {};
     }
     out += '\n';
+    if (out.size() > bytes_) return {};
   }
   return out;
 }

@@ -13,8 +13,9 @@ namespace bip::verify {
 
 class StateCollector {
  public:
-  /// Refers to `system` and `image`, of one compilation, which must outlive it.
-  StateCollector(const System& system, const rt::Image& image);
+  /// Refers to `system` and `image`, of one compilation, which must outlive it. `bytes`: of the values, and of the
+  /// text.
+  StateCollector(const System& system, const rt::Image& image, std::size_t bytes);
   /// Does all data have values that a certificate can name? Floats and FFI objects have none.
   [[nodiscard]] bool is_listable() const { return is_listable_; }
   void add(const rt::State& state);
@@ -32,6 +33,7 @@ class StateCollector {
   };
 
   bool is_listable_ = true;
+  std::size_t bytes_;
   std::vector<StateColumn> columns_;
   std::vector<std::int32_t> values_;  // a row of all questions a state
 };

@@ -156,7 +156,8 @@ const Engine kLocalDeadlockEngine{"local deadlock search",
                                   search_local_deadlock};
 
 std::string list_reached_states(ProofContext& context, const CancellationToken& cancellation) {
-  StateCollector states(context.parts.system(), context.parts.image());
+  // The search itself takes its share beside.
+  StateCollector states(context.parts.system(), context.parts.image(), context.limits.megabytes * 500'000);
   if (!states.is_listable()) return {};
   const SearchLimits limits{.cancellation = cancellation,
                             .megabytes = context.limits.megabytes,

@@ -36,11 +36,11 @@ TEST_CASE("the rows of what a search has reached") {
   REQUIRE(c.problem.empty());
   const interp::Interpreter interpreter(*c.lowered);
   const verify::Net net = verify::build_net(*c.system);
-  verify::StateCollector states(*c.system, c.lowered->image);
+  verify::StateCollector states(*c.system, c.lowered->image, 10'000), few(*c.system, c.lowered->image, 250);
   REQUIRE(states.is_listable());
   const verify::SearchLimits limits{.cancellation = verify::within_seconds(20),
                                     .report = {},
-                                    .visit = [&](const rt::State& state) { states.add(state); }};
+                                    .visit = [&](const rt::State& state) { states.add(state), few.add(state); }};
   const verify::SearchResult all = verify::search(net, c.lowered->image, {}, {}, limits);
   REQUIRE(all.end == verify::SearchEnd::Exhausted);
   CHECK(all.states == 15);
@@ -50,6 +50,8 @@ TEST_CASE("the rows of what a search has reached") {
     expected += "state ROOT.b.n=0\nstate ROOT.b.n=1\n";
   }
   CHECK(states.rows() == expected);
+  // 15 states of 6 values take 360 bytes.
+  CHECK(few.rows().empty());
 }
 
 }  // namespace
