@@ -32,6 +32,7 @@ struct KeptPiece {
   const syntax::Package* head = nullptr;  // name, annotations and `use` lines; null but for the first piece
   std::vector<const syntax::Decl*> decls;
   bool ends_package = false;
+  std::uint32_t end_word = 0;  // where its `end` begins in the piece, if it ends the package
   std::vector<syntax::Comment> comments;
 };
 
@@ -41,7 +42,8 @@ struct KeptPieces {
   // So far, for tests: what an edit costs.
   std::uint64_t parsed = 0;  // pieces
   std::uint64_t reused = 0;
-  std::uint64_t whole = 0;  // files that were not sound, and are read as a whole
+  std::uint64_t partly = 0;  // texts that were not sound, and of which only the place with the errors was read
+  std::uint64_t whole = 0;   // others that were not sound, and were read as a whole
 };
 
 }  // namespace bip::parse

@@ -19,6 +19,11 @@ inline constexpr int kMaxDepth = 500;
 [[nodiscard]] std::optional<syntax::Syntax> parse_file(const SourceMap& sources, FileId file, Diagnostics& diags,
                                                        KeptPieces* kept = nullptr);
 
+/// The same at the cost of what changed since the text of `kept`. nullopt, and no message, where that does not suffice:
+/// there is no earlier text, or the errors reach further than a few declarations.
+[[nodiscard]] std::optional<syntax::Syntax> parse_incrementally(const SourceMap& sources, FileId file,
+                                                                Diagnostics& diags, KeptPieces& kept);
+
 /// One token a line: `line:column  KIND  text` (for --emit=tokens).
 [[nodiscard]] std::string dump_tokens(const SourceMap& sources, FileId file);
 

@@ -49,6 +49,16 @@ TokensAhead first_types(const std::vector<TokenRow>& rows) {
   return types;
 }
 
+void copy_all(const Diagnostics& from, Diagnostics& to) {
+  for (const Diagnostic* d : from.sorted()) {
+    DiagnosticBuilder copy = to.add(d->kind, d->range, d->message);
+    if (!d->label.empty()) copy.label(d->label);
+    for (const Label& label : d->labels) copy.label(label.range, label.text);
+    for (const std::string& note : d->notes) copy.note(note);
+    for (const Help& help : d->helps) copy.help(help.text, help.replace, help.with);
+  }
+}
+
 class ChangedParser {
  public:
   ChangedParser(const SourceMap& sources, FileId file, KeptPieces& kept)
@@ -76,7 +86,120 @@ class ChangedParser {
     return keep_all();
   }
 
+  std::optional<syntax::Syntax> run_damaged(Diagnostics& diags, const ReadDamaged& read) {
+    cut();
+    find_same();
+    const auto is_new = [](const NewPiece& p) { return p.same == nullptr; };
+    const auto first = std::find_if(pieces_.begin(), pieces_.end(), is_new);
+    if (first == pieces_.end()) return std::nullopt;
+    const auto from = static_cast<std::size_t>(first - pieces_.begin());
+    const auto to =
+        static_cast<std::size_t>(std::find_if(pieces_.rbegin(), pieces_.rend(), is_new).base() - pieces_.begin());
+    // Where much is new, or the beginning, there is little to gain.
+    if (from == 0 || (to - from) * 4 > pieces_.size()) return std::nullopt;
+    const bool is_last = to == pieces_.size();
+    const KeptPiece& head = *pieces_.front().same;
+
+    Diagnostics found;
+    std::optional<TokenList> words = read_part(sources_, file_, 0, pieces_.front().end, found);
+    const std::uint32_t begin = pieces_[from].begin;
+    const std::uint32_t behind = is_last ? static_cast<std::uint32_t>(text_.size()) : pieces_[to].begin;
+    std::optional<TokenList> damaged = read_part(sources_, file_, begin, is_last ? behind : pieces_[to].end, found);
+    if (!words || !damaged || damaged->rows.empty()) return std::nullopt;
+    // What is kept looked at the same words ahead.
+    if (!looks_at(from, to, damaged->rows, &KeptPiece::ahead, &KeptPiece::first)) return std::nullopt;
+    TokensAhead ahead_of_head = head.ahead;
+    const auto head_end = std::find(ahead_of_head.begin(), ahead_of_head.end(), std::size_t{0});
+    if (!classify_piece(words->rows, {ahead_of_head.begin(), head_end}, text_)) return std::nullopt;
+    if (is_last) {
+      classify_tokens(damaged->rows, text_);
+    } else {
+      const TokensAhead next = ahead(to, &KeptPiece::first);
+      if (!classify_piece(damaged->rows, {next.begin(), std::find(next.begin(), next.end(), std::size_t{0})}, text_))
+        return std::nullopt;
+    }
+    if (!looks_at(from, to, damaged->rows, &KeptPiece::ahead_classified, &KeptPiece::first_classified))
+      return std::nullopt;
+    Diagnostics depth;
+    if (!check_depth(damaged->rows, file_, depth)) return std::nullopt;
+    const auto behind_row = std::find_if(damaged->rows.begin(), damaged->rows.end(),
+                                         [behind](const TokenRow& row) { return row.begin >= behind; });
+    const std::uint32_t most = behind_row == damaged->rows.end() ? behind : behind_row->end;
+    words->rows.insert(words->rows.end(), damaged->rows.begin(), damaged->rows.end());
+    if (const KeptPiece* last = pieces_.back().same; last != nullptr && to + 1 < pieces_.size() && last->ends_package) {
+      const std::uint32_t at = pieces_.back().begin + last->end_word;
+      words->rows.push_back({.type = BipParser::END, .begin = at, .end = at + 3, .line = sources_.loc(file_, at).line});
+    }
+
+    syntax::Syntax syntax;
+    syntax.file = file_;
+    syntax.arena = std::make_unique<Arena>();
+    const syntax::Package* read_package = read(*words, *syntax.arena, found);
+    if (read_package == nullptr) return std::nullopt;
+    for (const Diagnostic* d : found.sorted()) {
+      if (d->range.file != file_ || d->range.begin < begin || d->range.end > most) return std::nullopt;
+    }
+    // What stands before is as it was, and reading came to the end of the piece behind as it does without errors. (Of
+    // what that begins with, recovery may have skipped the annotations.)
+    const std::uint32_t end = is_last ? behind : pieces_[to].end;
+    std::vector<const syntax::Decl*> read_here;
+    std::size_t before = 0;
+    for (const syntax::Decl* d : read_package->decls) {
+      if (d->range.begin >= begin) read_here.push_back(d);
+      else ++before;
+    }
+    if (before != head.decls.size()) return std::nullopt;
+    if (!is_last) {
+      const KeptPiece& next = *pieces_[to].same;
+      if (read_here.empty() || next.decls.empty()) return std::nullopt;
+      const syntax::Decl& last = *read_here.back();
+      const std::uint32_t shift = pieces_[to].begin - next.begin;
+      if (last.range.begin < behind || last.range.end != next.decls.back()->range.end + shift) return std::nullopt;
+    }
+    std::vector<const syntax::Decl*> decls;
+    for (std::size_t i = 0; i < pieces_.size(); ++i) {
+      if (i == from) {
+        decls.insert(decls.end(), read_here.begin(), read_here.end());
+        syntax.comments.insert(syntax.comments.end(), damaged->comments.begin(), damaged->comments.end());
+      }
+      if (pieces_[i].begin >= begin && pieces_[i].begin < end) continue;
+      KeptPiece& piece = *pieces_[i].same;
+      move_to(piece, pieces_[i].begin);
+      decls.insert(decls.end(), piece.decls.begin(), piece.decls.end());
+      syntax.comments.insert(syntax.comments.end(), piece.comments.begin(), piece.comments.end());
+    }
+    syntax::Package package = *read_package;
+    package.decls = syntax.arena->list(decls);
+    syntax.package = syntax.arena->make(package);
+    copy_all(found, diags);
+    return syntax;
+  }
+
  private:
+  /// Do all kept pieces but those from `from` to `to` look ahead at what they were read with? `rows`: the words that
+  /// stand there.
+  [[nodiscard]] bool looks_at(std::size_t from, std::size_t to, const std::vector<TokenRow>& rows,
+                              TokensAhead KeptPiece::*ahead_of, TokensAhead KeptPiece::*first) const {
+    if (rows.size() < kAhead) return false;
+    for (std::size_t i = 0; i < pieces_.size(); ++i) {
+      if (i >= from && i < to) continue;
+      TokensAhead types{};
+      std::size_t count = 0;
+      for (std::size_t k = i + 1; k < pieces_.size() && count < kAhead; ++k) {
+        if (k == from) {
+          // No fewer than it takes.
+          for (std::size_t row = 0; count < kAhead; ++row) types[count++] = rows[row].type;
+          break;
+        }
+        const KeptPiece& next = *pieces_[k].same;
+        for (std::size_t t = 0; t < std::min(next.token_count, kAhead) && count < kAhead; ++t)
+          types[count++] = (next.*first)[t];
+      }
+      if ((*pieces_[i].same).*ahead_of != types) return false;
+    }
+    return true;
+  }
+
   void cut() {
     const std::vector<std::uint32_t> begins = cut_pieces(text_);
     pieces_.resize(begins.size());
@@ -161,6 +284,7 @@ class ChangedParser {
       if (i == 0) made.head = TreeArena(*made.arena, &made.made).make(reader.read_head());
       reader.read_decls(end, made.decls);
       made.ends_package = reader.read_end(end);
+      if (made.ends_package) made.end_word = p.rows[stream.index() - 1].begin - p.begin;
     } catch (const antlr4::ParseCancellationException&) {
       return false;
     }
@@ -228,9 +352,12 @@ class ChangedParser {
 }  // namespace
 
 std::optional<syntax::Syntax> parse_changed(const SourceMap& sources, FileId file, KeptPieces& kept) {
-  std::optional<syntax::Syntax> syntax = ChangedParser(sources, file, kept).run();
-  if (!syntax) ++kept.whole;
-  return syntax;
+  return ChangedParser(sources, file, kept).run();
+}
+
+std::optional<syntax::Syntax> parse_damaged(const SourceMap& sources, FileId file, KeptPieces& kept, Diagnostics& diags,
+                                            const ReadDamaged& read) {
+  return kept.pieces.empty() ? std::nullopt : ChangedParser(sources, file, kept).run_damaged(diags, read);
 }
 
 }  // namespace bip::parse

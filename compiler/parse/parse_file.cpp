@@ -84,9 +84,26 @@ SourceRange head_of_bip1(const SourceMap& sources, FileId file) {
 
 }  // namespace
 
+std::optional<syntax::Syntax> parse_incrementally(const SourceMap& sources, FileId file, Diagnostics& diags,
+                                                  KeptPieces& kept) {
+  if (head_of_bip1(sources, file).is_valid()) return std::nullopt;
+  if (std::optional<syntax::Syntax> syntax = parse_changed(sources, file, kept)) return syntax;
+  const ReadDamaged read = [&](const TokenList& list, Arena& arena, Diagnostics& found) {
+    const syntax::Package* package = nullptr;
+    with_tree(list, sources, file, found, &BipParser::file, [&](BipParser::FileContext* tree) {
+      package = Converter(sources, file, TreeArena(arena), found).file(tree);
+    });
+    return package;
+  };
+  std::optional<syntax::Syntax> syntax = parse_damaged(sources, file, kept, diags, read);
+  kept.partly += syntax.has_value() ? 1 : 0;
+  return syntax;
+}
+
 std::optional<syntax::Syntax> parse_file(const SourceMap& sources, FileId file, Diagnostics& diags, KeptPieces* kept) {
-  if (kept != nullptr && !head_of_bip1(sources, file).is_valid()) {
-    if (std::optional<syntax::Syntax> syntax = parse_changed(sources, file, *kept)) return syntax;
+  if (kept != nullptr) {
+    if (std::optional<syntax::Syntax> syntax = parse_incrementally(sources, file, diags, *kept)) return syntax;
+    ++kept->whole;
   }
   if (const SourceRange head = head_of_bip1(sources, file); head.is_valid()) {
     diags.report(Diag::kB0001, head, "`package`", "", "`model`: this is BIP1, and bipc reads BIP2")

@@ -61,6 +61,29 @@ void each_token(std::string_view text, std::uint32_t begin, Take take) {
   }
 }
 
+/// Adds a token to the list, or reports it.
+void add_token(const TokenRow& row, const SourceMap& sources, FileId file, TokenList& list, Diagnostics& diags) {
+  BIP_ASSERT(list.rows.empty() || list.rows.back().end <= row.begin, "token at {} overlaps the one before", row.begin);
+  const SourceRange range{file, row.begin, row.end};
+  switch (row.type) {
+    case BipLexer::LINE_COMMENT:
+    case BipLexer::BLOCK_COMMENT: list.comments.push_back({range}); break;
+    case BipLexer::UNCLOSED_COMMENT:
+      diags.report(Diag::kB0003, SourceRange{file, row.begin, row.begin + 2})
+          .label("opened here, open to the end of the file");
+      break;
+    case BipLexer::UNCLOSED_STRING:
+      diags.report(Diag::kB0004, range)
+          .label("the line ends inside the string")
+          .help("a line break in a string is written `\\n`");
+      list.rows.push_back(row);
+      list.rows.back().type = BipLexer::STRING;
+      break;
+    case BipLexer::STRAY: report_stray(sources.text(range), sources.text(file).substr(row.end), range, diags); break;
+    default: list.rows.push_back(row);
+  }
+}
+
 // Once for each line that has such a character, so that a text written from right to left gives few warnings.
 void warn_of_bidi_controls(std::string_view text, FileId file, Diagnostics& diags) {
   std::size_t next = 0;
@@ -139,30 +162,27 @@ TokenList read_tokens(const SourceMap& sources, FileId file, Diagnostics& diags)
   warn_of_bidi_controls(text, file, diags);
   // ANTLR would swallow a byte order mark and count positions from after it.
   const std::uint32_t skipped = text.substr(0, 3) == "\xEF\xBB\xBF" ? 3 : 0;
-  each_token(text.substr(skipped), skipped, [&](const TokenRow& row) {
-    BIP_ASSERT(list.rows.empty() || list.rows.back().end <= row.begin, "token at {} overlaps the one before",
-               row.begin);
-    const SourceRange range{file, row.begin, row.end};
-    switch (row.type) {
-      case BipLexer::LINE_COMMENT:
-      case BipLexer::BLOCK_COMMENT: list.comments.push_back({range}); break;
-      case BipLexer::UNCLOSED_COMMENT:
-        diags.report(Diag::kB0003, SourceRange{file, row.begin, row.begin + 2})
-            .label("opened here, open to the end of the file");
-        break;
-      case BipLexer::UNCLOSED_STRING:
-        diags.report(Diag::kB0004, range)
-            .label("the line ends inside the string")
-            .help("a line break in a string is written `\\n`");
-        list.rows.push_back(row);
-        list.rows.back().type = BipLexer::STRING;
-        break;
-      case BipLexer::STRAY: report_stray(sources.text(range), sources.text(file).substr(row.end), range, diags); break;
-      default: list.rows.push_back(row);
-    }
-  });
+  each_token(text.substr(skipped), skipped, [&](const TokenRow& row) { add_token(row, sources, file, list, diags); });
   classify_tokens(list.rows, sources.text(file));
   return list;
+}
+
+std::optional<TokenList> read_part(const SourceMap& sources, FileId file, std::uint32_t begin, std::uint32_t end,
+                                   Diagnostics& diags) {
+  const std::string_view text = sources.text(SourceRange{file, begin, end});
+  if (find_bad_utf8(text) != std::string_view::npos || text.starts_with("\xEF\xBB\xBF")) return std::nullopt;
+  Diagnostics remarks;
+  warn_of_bidi_controls(text, file, remarks);
+  if (remarks.warning_count() != 0) return std::nullopt;
+  const std::uint32_t lines = sources.loc(file, begin).line - 1;
+  TokenList list;
+  bool is_closed = true;
+  each_token(text, begin, [&](TokenRow row) {
+    row.line += lines;
+    is_closed = is_closed && row.type != BipLexer::UNCLOSED_COMMENT;
+    if (is_closed) add_token(row, sources, file, list, diags);
+  });
+  return is_closed ? std::optional(std::move(list)) : std::nullopt;
 }
 
 std::optional<TokenList> read_sound_tokens(const SourceMap& sources, FileId file, std::uint32_t begin,

@@ -33,6 +33,11 @@ struct TokenList {
 [[nodiscard]] std::optional<TokenList> read_sound_tokens(const SourceMap& sources, FileId file, std::uint32_t begin,
                                                          std::uint32_t end);
 
+/// The tokens of a part of a text that begins between two words, not classified, with their places in the whole.
+/// Reports as read_tokens(). Nothing, and no message, if what surrounds the part may matter.
+[[nodiscard]] std::optional<TokenList> read_part(const SourceMap& sources, FileId file, std::uint32_t begin,
+                                                 std::uint32_t end, Diagnostics& diags);
+
 /// Classifies the tokens of a piece that begins and ends between two declarations. `ahead`: the types of the tokens
 /// that follow it in the file, at most three; fewer if the file ends there. False if the piece ends elsewhere, or if a
 /// token of it depends on more.

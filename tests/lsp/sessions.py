@@ -617,23 +617,23 @@ def test_an_edit_parses_one_declaration():
     c = started(text)
     work = lambda: c.result("bip/checks")
     c.diagnostics(URI)
-    equal(work(), {"checks": 1, "parsed": 42, "reused": 0, "whole": 0})
+    equal(work(), {"checks": 1, "parsed": 42, "reused": 0, "partly": 0, "whole": 0})
     line = 2 + 6 * 30 + 1
     where = {"line": line, "character": len("    export port Signal p")}
     c.change(URI, 2, [{"range": {"start": where, "end": where}, "text": "q"}])
     # `on p` has no port any more; the places below it are those of the new text.
     found = c.diagnostics(URI, 2)
     equal({d["range"]["start"]["line"] for d in found}, {line + 3})
-    equal(work(), {"checks": 2, "parsed": 43, "reused": 41, "whole": 0})
+    equal(work(), {"checks": 2, "parsed": 43, "reused": 41, "partly": 0, "whole": 0})
     # Formatting takes the tree of the last text.
     c.result("textDocument/formatting", {**document(), "options": {}})
-    equal(work(), {"checks": 2, "parsed": 43, "reused": 83, "whole": 0})
+    equal(work(), {"checks": 2, "parsed": 43, "reused": 83, "partly": 0, "whole": 0})
     # What cannot be read is read as a whole, and afterwards the rest is still known.
     c.change(URI, 3, [{"range": {"start": where, "end": where}, "text": "("}])
     equal(len(c.diagnostics(URI, 3)), 1)
     c.change(URI, 4, [{"text": text}])
     equal(c.diagnostics(URI, 4), [])
-    equal(work(), {"checks": 4, "parsed": 45, "reused": 124, "whole": 1})
+    equal(work(), {"checks": 4, "parsed": 45, "reused": 124, "partly": 1, "whole": 0})
 
 
 def test_completion_of_a_large_file_does_not_wait_for_its_check():
@@ -666,6 +666,26 @@ def test_completion_of_a_large_file_does_not_wait_for_its_check():
     order, answer = edit(2, "completion")
     equal(order, ["answer", "diagnostics"])
     equal([i["label"] for i in answer["items"]], ["S"])
-    order, _ = edit(3, "hover")
+    # Names of the new text need no check.
+    order, answer = edit(3, "documentHighlight")
+    equal(order, ["answer", "diagnostics"])
+    equal(answer, None)
+    order, _ = edit(4, "prepareRename")
+    equal(order[0], "diagnostics")
+    # So it is of a text with an error of syntax; where the whole is read the check comes first.
+    c.change(URI, 5, [{"range": {"start": begin, "end": begin}, "text": "("}])
+    order, answer = edit(6, "hover")
+    equal(order, ["answer", "diagnostics"])
+    c.change(URI, 7, [{"range": {"start": begin, "end": begin}, "text": "/*"}])
+    order, answer = edit(8, "hover")
     equal(order, ["diagnostics", "answer"])
+    # Back to the first text: the names are read, then its check finds nothing, and nothing is left of the one before.
+    c.change(URI, 9, [{"text": text}])
+    where = {"line": line, "character": len("    initial to ")}
+    equal([h["range"]["start"]["line"] for h in ask(c, "documentHighlight", where)], [line - 1, line, line + 1, line + 1])
+    equal(c.diagnostics(URI, 9), [])
+    checks = c.result("bip/checks")["checks"]
+    c.result("textDocument/documentSymbol", document())
+    equal(c.result("textDocument/diagnostic", document())["items"], [])
+    equal(c.result("bip/checks")["checks"], checks)
     equal(c.stop(), 0)

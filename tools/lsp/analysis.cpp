@@ -7,35 +7,55 @@
 
 namespace bip::lsp {
 
-const std::string* Analysis::path_of(FileId id) const {
+namespace {
+
+const std::string* path_in(const pipeline::Compilation* compilation, FileId id) {
   if (compilation == nullptr) return nullptr;
   const auto found = compilation->paths.find(id);
   return found == compilation->paths.end() ? nullptr : &found->second;
 }
 
-Analysis take_names(std::unique_ptr<pipeline::Compilation> c) {
-  Analysis a;
-  a.diagnostics = c->diags.sorted();
-  a.file = c->file;
-  if (c->syntax.has_value() && c->syntax->package != nullptr && c->packages.empty()) c->packages.push_back(&*c->syntax);
-  a.index = index::build_index(c->packages, c->sources);
-  const auto count = [&a](const auto& types) {
+}  // namespace
+
+const std::string* Analysis::path_of(FileId id) const { return path_in(compilation.get(), id); }
+const std::string* Findings::path_of(FileId id) const { return path_in(compilation, id); }
+
+Findings take_findings(const pipeline::Compilation& c) {
+  Findings f;
+  f.compilation = &c;
+  f.diagnostics = c.diags.sorted();
+  f.file = c.file;
+  const auto count = [&f](const auto& types) {
     for (const ConnectorType& type : types) {
       // Types of other packages have their package before the name.
-      a.interactions.emplace(std::pair(type.name.substr(type.name.rfind('.') + 1), type.loc.line),
+      f.interactions.emplace(std::pair(type.name.substr(type.name.rfind('.') + 1), type.loc.line),
                              model::interaction_count(type));
     }
   };
   // Instantiation takes the types that it uses out of the model.
-  if (c->system) count(c->system->connector_types);
-  if (c->model) count(c->model->connector_types);
-  // The index needs texts only, and an instantiated system may be large.
-  c->system.reset();
-  c->model.reset();
-  c->packages.clear();
-  c->used.clear();
-  c->syntax.reset();
-  c->open_texts.clear();
+  if (c.system) count(c.system->connector_types);
+  if (c.model) count(c.model->connector_types);
+  return f;
+}
+
+void forget_products(pipeline::Compilation& c) {
+  // An instantiated system may be large.
+  c.system.reset();
+  c.model.reset();
+  c.packages.clear();
+  c.used.clear();
+  c.syntax.reset();
+  c.open_texts.clear();
+  c.kept = nullptr;
+}
+
+Analysis take_names(std::unique_ptr<pipeline::Compilation> c) {
+  Analysis a;
+  a.file = c->file;
+  if (c->syntax.has_value() && c->syntax->package != nullptr && c->packages.empty()) c->packages.push_back(&*c->syntax);
+  a.index = index::build_index(c->packages, c->sources);
+  // The index needs texts only.
+  forget_products(*c);
   a.compilation = std::move(c);
   return a;
 }

@@ -21,11 +21,11 @@ Reply formatting(Workspace& w, const Document& d) {
 
 Reply code_actions(Workspace& w, const Document& d, std::uint32_t begin, std::uint32_t end) {
   Json actions = Json::array();
-  for (const Diagnostic* from : d.analysis.diagnostics) {
-    if (from->range.file != d.analysis.file || from->range.end < begin || from->range.begin > end) continue;
+  for (const Diagnostic* from : d.findings.diagnostics) {
+    if (from->range.file != d.findings.file || from->range.end < begin || from->range.begin > end) continue;
     for (const Help& help : from->helps) {
-      if (!help.replace.is_valid() || help.replace.file != d.analysis.file) continue;
-      Json edit{{"range", w.range(d.analysis, help.replace)}, {"newText", help.with}};
+      if (!help.replace.is_valid() || help.replace.file != d.findings.file) continue;
+      Json edit{{"range", w.range(d.findings, help.replace)}, {"newText", help.with}};
       Json changes = Json::object();
       changes[d.uri].push_back(std::move(edit));
       actions.push_back({{"title", help.text}, {"kind", "quickfix"}, {"edit", {{"changes", std::move(changes)}}}});

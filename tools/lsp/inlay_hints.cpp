@@ -105,8 +105,8 @@ class HintCollector {
     if (path == nullptr) return;
     const Json range = w_.range(d_.analysis, type.name_range);
     const auto line = range["start"]["line"].get<std::uint32_t>() + 1;
-    const auto found = d_.analysis.interactions.find({std::string(type.name), line});
-    if (found == d_.analysis.interactions.end()) return;
+    const auto found = d_.findings.interactions.find({std::string(type.name), line});
+    if (found == d_.findings.interactions.end()) return;
     const double count = found->second;
     add(at,
         count == 1     ? "1 interaction"

@@ -67,12 +67,32 @@ void Server::handle(std::string_view body, Queue queue) {
   const Json message = Json::parse(body, nullptr, /*allow_exceptions=*/false);
   if (message.is_discarded()) return fail(nullptr, ErrorCode::ParseError, "the message is not JSON");
   const std::string* method = string_member(message, "method");
-  // Answers come after the diagnostics of all changes before them.
+  // Answers come after the diagnostics of all changes before them, but for questions about names in large documents.
   const bool is_change = method != nullptr && *method == "textDocument/didChange";
   const bool takes_old_names = method != nullptr && *method == "textDocument/completion" && can_wait();
-  if (!is_change && !takes_old_names) check_changed();
+  if (!is_change && !takes_old_names &&
+      !(method != nullptr && asks_for_names(*method, message) && can_wait() && read_names(message)))
+    check_changed();
   dispatch(message);
   if (queue == Queue::Empty && !can_wait()) check_changed();
+}
+
+// In this document alone: what others say of it needs a check of them.
+bool Server::asks_for_names(std::string_view method, const Json& message) {
+  constexpr std::string_view kMethods[] = {
+      "textDocument/documentSymbol",    "textDocument/semanticTokens/full", "textDocument/semanticTokens/range",
+      "textDocument/codeLens",          "textDocument/foldingRange",        "textDocument/selectionRange",
+      "textDocument/documentLink",      "textDocument/definition",          "textDocument/hover",
+      "textDocument/documentHighlight", "textDocument/signatureHelp",       "textDocument/formatting"};
+  return member(message, "params") != nullptr &&
+         std::find(std::begin(kMethods), std::end(kMethods), method) != std::end(kMethods);
+}
+
+bool Server::read_names(const Json& message) {
+  const std::string* uri = uri_in(*member(message, "params"));
+  Document* const d = uri == nullptr ? nullptr : workspace_.find(*uri);
+  // Another document that changed may be a package that this one uses.
+  return d != nullptr && changed_.size() == 1 && changed_.front() == d->path && workspace_.read_names(*d);
 }
 
 // A check of a large document takes longer than a person needs for a key.

@@ -24,8 +24,9 @@ class Server {
   enum class Queue : std::uint8_t { Empty, HasMore };
   void handle(std::string_view body, Queue queue = Queue::Empty);
   void handle(const Framing::Frame& frame, Queue queue = Queue::Empty);
-  /// Whether a change of a large document is not checked yet, as more may come: it is at once before every request but
-  /// completion, which takes the names of the last check. Else catch_up() does it after a pause.
+  /// Whether a change of a large document is not checked yet, as more may come: it is at once before requests
+  /// that need a check; completion takes the names of the last one, questions about names read those of the new text
+  /// alone. Else catch_up() does it after a pause.
   [[nodiscard]] bool is_behind() const { return !changed_.empty(); }
   void catch_up() { check_changed(); }
   [[nodiscard]] bool is_finished() const { return state_ == State::Finished; }
@@ -53,6 +54,9 @@ class Server {
   void check_later(const std::string& path);
   void check_changed();
   [[nodiscard]] bool can_wait();
+  [[nodiscard]] static bool asks_for_names(std::string_view method, const Json& message);
+  /// Of the document of a request, without a check. False if only the check gives them.
+  [[nodiscard]] bool read_names(const Json& message);
   void log(const std::string& text);
   void fail(const Json& id, ErrorCode code, const std::string& message);
   void notify(const char* method, Json params);

@@ -36,21 +36,52 @@ std::map<std::string, std::string> Workspace::open_texts() const {
   return texts;
 }
 
-void Workspace::analyse(Document& d) {
-  ++checks;
-  d.checked_edits = d.edits;
+std::unique_ptr<pipeline::Compilation> Workspace::compilation_of(Document& d) const {
   pipeline::CompileOptions options;
   options.folders = folders;
   auto c = std::make_unique<pipeline::Compilation>(std::move(options));
   c->kept = &d.kept;
   for (const auto& [path, other] : documents_) c->open_texts.emplace(path, other->text.str());
+  return c;
+}
+
+bool Workspace::read_names(Document& d) {
+  if (d.named_edits == d.edits && d.analysis.compilation != nullptr) return true;
+  std::unique_ptr<pipeline::Compilation> c = compilation_of(d);
+  c->path = d.path;
+  const Result<FileId> file = pipeline::load_text(*c, d.path);
+  if (!file) return false;
+  c->file = *file;
+  Diagnostics known_by_check;
+  c->syntax = parse::parse_incrementally(c->sources, *file, known_by_check, d.kept[d.path]);
+  if (!c->syntax.has_value() || c->syntax->package == nullptr) return false;
+  (void)pipeline::load_packages(*c);
+  if (d.findings.compilation != nullptr && d.findings.own == nullptr)
+    d.findings.own = std::move(d.analysis.compilation);
+  d.analysis = take_names(std::move(c));
+  d.last_names = {};
+  d.last_compilation.reset();
+  d.named_edits = d.edits;
+  return true;
+}
+
+void Workspace::analyse(Document& d) {
+  ++checks;
+  const bool has_names = d.named_edits == d.edits && d.edits != d.checked_edits && d.analysis.compilation != nullptr;
+  d.checked_edits = d.edits;
+  std::unique_ptr<pipeline::Compilation> c = compilation_of(d);
   (void)pipeline::check(*c, d.path);
-  // `check` stops at the first stage with errors; names are wanted whatever it found. Diagnostics were complete before.
+  Findings findings = take_findings(*c);
   const bool has_tree = c->syntax.has_value() && c->syntax->package != nullptr;
-  std::vector<const Diagnostic*> found = c->diags.sorted();
+  if (has_names && has_tree) {
+    forget_products(*c);
+    findings.own = std::move(c);
+    d.findings = std::move(findings);
+    return;
+  }
+  // `check` stops at the first stage with errors; names are wanted whatever it found. Diagnostics were complete before.
   if (has_tree && c->packages.empty()) (void)pipeline::load_packages(*c);
   Analysis a = take_names(std::move(c));
-  a.diagnostics = std::move(found);
   if (!has_tree && d.analysis.index.symbols.size() > 0) {
     d.last_names = std::move(d.analysis.index);
     d.last_compilation = std::move(d.analysis.compilation);
@@ -58,7 +89,9 @@ void Workspace::analyse(Document& d) {
     d.last_names = {};
     d.last_compilation.reset();
   }
+  d.findings = std::move(findings);
   d.analysis = std::move(a);
+  d.named_edits = d.edits;
 }
 
 std::vector<Json> Workspace::check(const std::string& path) {
@@ -67,7 +100,7 @@ std::vector<Json> Workspace::check(const std::string& path) {
                                                                   : document->analysis.compilation->paths;
     const bool uses_it = std::any_of(paths.begin(), paths.end(), [&](const auto& row) { return row.second == path; });
     // A package that was missing may have appeared.
-    const bool misses_one = std::any_of(document->analysis.diagnostics.begin(), document->analysis.diagnostics.end(),
+    const bool misses_one = std::any_of(document->findings.diagnostics.begin(), document->findings.diagnostics.end(),
                                         [](const Diagnostic* d) { return d->kind == Diag::kB1060; });
     if (other == path || uses_it || misses_one) analyse(*document);
   }
@@ -75,24 +108,26 @@ std::vector<Json> Workspace::check(const std::string& path) {
 }
 
 Json Workspace::work_done() const {
-  std::uint64_t parsed = 0, reused = 0, whole = 0;
+  std::uint64_t parsed = 0, reused = 0, partly = 0, whole = 0;
   for (const auto& [path, document] : documents_) {
     const auto kept = document->kept.find(path);
     if (kept == document->kept.end()) continue;
     parsed += kept->second.parsed;
     reused += kept->second.reused;
+    partly += kept->second.partly;
     whole += kept->second.whole;
   }
-  return {{"checks", checks}, {"parsed", parsed}, {"reused", reused}, {"whole", whole}};
+  return {{"checks", checks}, {"parsed", parsed}, {"reused", reused}, {"partly", partly}, {"whole", whole}};
 }
 
 std::optional<std::string> Workspace::formatted(const std::string& uri) {
   Document* const d = find(uri);
   if (d == nullptr) return std::nullopt;
-  // Of an error of syntax something is missing in the tree.
-  const FileId file = d->analysis.file;
+  // Of an error of syntax something is missing in the tree. Where the check knows of one the text is not read again.
+  const FileId file = d->findings.file;
   const bool is_whole =
-      std::none_of(d->analysis.diagnostics.begin(), d->analysis.diagnostics.end(), [file](const Diagnostic* found) {
+      d->edits != d->checked_edits ||
+      std::none_of(d->findings.diagnostics.begin(), d->findings.diagnostics.end(), [file](const Diagnostic* found) {
         return found->severity == Severity::Error && found->range.file == file && found->kind < Diag::kB0090;
       });
   if (!is_whole) return std::nullopt;
@@ -104,22 +139,32 @@ std::optional<std::string> Workspace::formatted(const std::string& uri) {
   return syntax::print(*c.syntax, c.sources);
 }
 
-Json Workspace::range(const Analysis& a, SourceRange r) const {
-  const std::string* path = a.path_of(r.file);
+Json Workspace::range(const pipeline::Compilation* c, const std::string* path, SourceRange r, Texts texts) const {
   const auto open = path == nullptr ? documents_.end() : documents_.find(*path);
-  // An open document was checked with the text that it has: any other text here would be a stale answer.
+  // An open document was read with the text that it has: any other text here would be a stale answer.
   // To compare the texts for each range would be quadratic.
-  const auto is_checked = [&](const Document& d) {
-    return (&d.analysis == &a && r.file == a.file && d.edits == d.checked_edits) ||
-           a.compilation->sources.text(r.file) == d.text.str();
-  };
-  if (open != documents_.end() && is_checked(*open->second)) {
+  if (open != documents_.end() && (texts == Texts::Equal || c->sources.text(r.file) == open->second->text.str())) {
     const Text& text = open->second->text;
     return {{"start", json_of(text.position(r.begin, encoding))}, {"end", json_of(text.position(r.end, encoding))}};
   }
-  const Text text{r.is_valid() && a.compilation != nullptr ? std::string(a.compilation->sources.text(r.file))
-                                                           : std::string()};
+  const Text text{r.is_valid() && c != nullptr ? std::string(c->sources.text(r.file)) : std::string()};
   return {{"start", json_of(text.position(r.begin, encoding))}, {"end", json_of(text.position(r.end, encoding))}};
+}
+
+Json Workspace::range(const Analysis& a, SourceRange r) const {
+  const std::string* path = a.path_of(r.file);
+  const auto open = path == nullptr ? documents_.end() : documents_.find(*path);
+  const bool is_own = open != documents_.end() && &open->second->analysis == &a && r.file == a.file &&
+                      open->second->edits == open->second->named_edits;
+  return range(a.compilation.get(), path, r, is_own ? Texts::Equal : Texts::Unknown);
+}
+
+Json Workspace::range(const Findings& f, SourceRange r) const {
+  const std::string* path = f.path_of(r.file);
+  const auto open = path == nullptr ? documents_.end() : documents_.find(*path);
+  const bool is_own = open != documents_.end() && &open->second->findings == &f && r.file == f.file &&
+                      open->second->edits == open->second->checked_edits;
+  return range(f.compilation, path, r, is_own ? Texts::Equal : Texts::Unknown);
 }
 
 Json Workspace::location(const Analysis& a, SourceRange r) const {
@@ -134,11 +179,13 @@ Json Workspace::diagnostic(const Document& d, const Diagnostic& from) const {
           {"severity", from.severity == Severity::Error ? 1 : 2},
           {"source", "bipc"},
           {"message", from.message}};
-  to["range"] = range(d.analysis, from.range);
+  to["range"] = range(d.findings, from.range);
   Json related = Json::array();
   const auto add = [&](SourceRange at, const std::string& text) {
-    Json where = location(d.analysis, at);
-    if (where.is_null()) where = {{"uri", d.uri}, {"range", range(d.analysis, {})}};
+    const std::string* path = d.findings.path_of(at.file);
+    const auto open = path == nullptr ? documents_.end() : documents_.find(*path);
+    const std::string uri = path == nullptr ? d.uri : open == documents_.end() ? uri_of(*path) : open->second->uri;
+    Json where{{"uri", uri}, {"range", range(d.findings, path == nullptr ? SourceRange{} : at)}};
     related.push_back({{"location", std::move(where)}, {"message", text}});
   };
   if (!from.label.empty()) add(from.range, from.label);
@@ -151,8 +198,8 @@ Json Workspace::diagnostic(const Document& d, const Diagnostic& from) const {
 
 Json Workspace::diagnostics_in(const Document& d) const {
   Json list = Json::array();
-  for (const Diagnostic* found : d.analysis.diagnostics) {
-    const std::string* in = d.analysis.path_of(found->range.file);
+  for (const Diagnostic* found : d.findings.diagnostics) {
+    const std::string* in = d.findings.path_of(found->range.file);
     if (in == nullptr || *in == d.path) list.push_back(diagnostic(d, *found));
   }
   return list;
@@ -163,8 +210,8 @@ std::vector<Json> Workspace::publish() {
   std::map<std::string, Json> found;
   for (const auto& [path, document] : documents_) found[document->uri] = Json::array();
   for (const auto& [path, document] : documents_) {
-    for (const Diagnostic* d : document->analysis.diagnostics) {
-      const std::string* in = document->analysis.path_of(d->range.file);
+    for (const Diagnostic* d : document->findings.diagnostics) {
+      const std::string* in = document->findings.path_of(d->range.file);
       const bool is_own = in == nullptr || *in == path;
       if (!is_own && documents_.contains(*in)) continue;
       Json& list = found.try_emplace(is_own ? document->uri : uri_of(*in), Json::array()).first->second;

@@ -19,10 +19,12 @@ struct Document {
   std::string uri;
   std::string path;
   std::int64_t version = 0;
-  std::uint64_t edits = 0, checked_edits = 0;  // of the text, and of the one that was checked
+  // Edits of the text, of the one whose names are known, and of the one that was checked.
+  std::uint64_t edits = 0, named_edits = 0, checked_edits = 0;
   Text text{std::string()};
   std::map<std::string, parse::KeptPieces> kept;  // of this file and those it uses, by path
-  Analysis analysis;
+  Analysis analysis;                              // its names
+  Findings findings;
   /// Names as they were when the text could last be read: for completion while it cannot.
   index::Index last_names;
   std::unique_ptr<pipeline::Compilation> last_compilation;
@@ -47,6 +49,10 @@ class Workspace {
   /// Checks the document and those that use its package. Returns the parameters of publishDiagnostics that are due.
   [[nodiscard]] std::vector<Json> check(const std::string& path);
 
+  /// Reads the names of a document that changed, without a check; its diagnostics stay those of the last one. False if
+  /// it has to be read as a whole for that: then a check may as well do it.
+  [[nodiscard]] bool read_names(Document& d);
+
   /// The numbers of checks so far, and of the pieces of open documents that were parsed, that were not parsed again,
   /// and of the texts that were read as a whole.
   [[nodiscard]] Json work_done() const;
@@ -58,11 +64,15 @@ class Workspace {
   [[nodiscard]] Json diagnostics_in(const Document& d) const;
   /// A range of an analysis in the protocol's form. Files that are not open are read from the analysis' own text.
   [[nodiscard]] Json range(const Analysis& a, SourceRange r) const;
+  [[nodiscard]] Json range(const Findings& f, SourceRange r) const;
   /// {uri, range}
   [[nodiscard]] Json location(const Analysis& a, SourceRange r) const;
 
  private:
   void analyse(Document& d);
+  [[nodiscard]] std::unique_ptr<pipeline::Compilation> compilation_of(Document& d) const;
+  enum class Texts : std::uint8_t { Equal, Unknown };
+  [[nodiscard]] Json range(const pipeline::Compilation* c, const std::string* path, SourceRange r, Texts texts) const;
   [[nodiscard]] Json diagnostic(const Document& d, const Diagnostic& from) const;
   [[nodiscard]] std::vector<Json> publish();
 

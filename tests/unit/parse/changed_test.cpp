@@ -154,7 +154,8 @@ TEST_CASE("a file that is not sound is read as a whole, and what was kept stays"
     broken.insert(broken.find("  place S"), odd);
     REQUIRE(Read(broken, &kept).all() == Read(broken, nullptr).all());
   }
-  REQUIRE(kept.whole == 8);
+  REQUIRE(kept.whole + kept.partly == 8);
+  REQUIRE(kept.partly >= 3);
   const std::uint64_t parsed = kept.parsed;
   REQUIRE(Read(text, &kept).all() == Read(text, nullptr).all());
   REQUIRE(kept.parsed == parsed);
@@ -165,6 +166,62 @@ TEST_CASE("comments and strings are not cut") {
   REQUIRE(parse::cut_pieces("/*\natom type A()\n*/ \"\natom type B()\n// \"\natom\ttype C()\n").size() == 3);
   REQUIRE(parse::cut_pieces("\"/*\"\nport type P()\n@a\n// c\n\n@b(\nport type\n)\nport type Q()").size() == 3);
   REQUIRE(parse::cut_pieces("x\nport typeX\nport x\n  port\t type X\n") == std::vector<std::uint32_t>{0, 20});
+}
+
+TEST_CASE("of a text with an error only its surroundings are read") {
+  std::string text = "package many\n  port type S()\n";
+  for (int k = 0; k < 12; ++k) {
+    const std::string n = std::to_string(k);
+    text += "  // The one with number " + n + ".\n  @mark(a = " + n + ")\n  atom type A" + n +
+            "()\n    data int x = 1\n    export port S p(), q()\n    place P, Q\n    initial to P do { x = 2; }\n"
+            "    on p from P to Q provided (x > 0) do { if (x > 1) then x = 0; fi }\n    on q from Q to P\n  end\n";
+    if (k % 3 == 2)
+      text += "  compound type C" + n + "()\n    component A" + n +
+              " a(), b()\n    connector k(a.p, b.p) define a.p' b.p\n  end\n";
+  }
+  text += "end\n";
+  const char* const words[] = {"end",
+                               "atom",
+                               "(",
+                               ")",
+                               "{",
+                               "}",
+                               "\"",
+                               "@",
+                               ";",
+                               "on",
+                               "to",
+                               "x",
+                               "port type",
+                               "component",
+                               "if",
+                               "fi",
+                               "/*",
+                               "package",
+                               "$",
+                               "end\n  end",
+                               "on p from",
+                               "when",
+                               "property x {",
+                               "compound type Z()",
+                               "connector k(",
+                               "1..",
+                               "é"};
+  std::mt19937 random(3);
+  const auto below = [&random](std::size_t n) { return static_cast<std::size_t>(random() % n); };
+  parse::KeptPieces kept;
+  for (int step = 0; step < 1000; ++step) {
+    if (step % 2 == 0) REQUIRE(Read(text, &kept).all().size() > 1000);
+    std::string broken = text;
+    const std::size_t at = below(text.size());
+    if (below(3) == 0) broken.erase(at, 1 + below(8));
+    else broken.insert(at, words[below(std::size(words))]);
+    if (below(4) == 0) broken.insert(std::min(broken.size(), at + below(30)), words[below(std::size(words))]);
+    const std::string want = Read(broken, nullptr).all();
+    INFO(broken);
+    REQUIRE(Read(broken, &kept).all() == want);
+  }
+  REQUIRE(kept.partly > 250);
 }
 
 // Random edits of all models: as a person makes them, most of them undone after a while.
