@@ -297,7 +297,7 @@ def odd_servers():
     def answers(**more):
         return lambda request: {"hello": hello, "subscribe": {"ok": True}, "state": state, **more}.get(request["do"], {"ok": True})
 
-    for what, answer, wanted in (("closes", lambda _: None, "nobody answers"), ("refuses", lambda _: {"ok": False, "error": "no"}, ": no"), ("another protocol", lambda _: {"ok": True}, "no `bipc serve`"),
+    for what, answer, wanted in (("closes", lambda _: None, "no server answers"), ("refuses", lambda _: {"ok": False, "error": "no"}, ": no"), ("another protocol", lambda _: {"ok": True}, "no `bipc serve`"),
                                  ("a later version", answers(hello={**hello, "version": 2}), "version 1"), ("no state", answers(state={"ok": False}), "does not say its state"), ("no atoms", answers(state={"ok": True, "atoms": 7}), "does not say its state"),
                                  ("an atom is missing", answers(state={**state, "atoms": {"ROOT.c": atoms["ROOT.c"]}}), "no component `ROOT.l`"), ("another atom", answers(state={**state, "atoms": {**atoms, "ROOT.x": {}}}), "a component `ROOT.x`"),
                                  ("another place", answers(state={**state, "atoms": {**atoms, "ROOT.l": {"place": "ODD"}}}), "is at `ODD`")):
