@@ -13,6 +13,7 @@
 #include "runtime/core/profile.hpp"
 #include "runtime/core/programs/batch_plan.hpp"
 #include "runtime/core/programs/team.hpp"
+#include "runtime/core/state/state_memory.hpp"
 
 namespace bip::rt {
 
@@ -57,7 +58,7 @@ struct InOrder {
   }
 };
 
-void fill_cells(const Image& image, const Cell* all, std::vector<ColumnCell>& cells) {
+void fill_cells(const Image& image, const Cell* all, CacheLineVector<ColumnCell>& cells) {
   cells.resize(image.step_cells);
   for (const StepColumn& column : image.step_columns) {
     const Cell* const from = all + column.cell;
@@ -66,7 +67,7 @@ void fill_cells(const Image& image, const Cell* all, std::vector<ColumnCell>& ce
   }
 }
 
-void empty_cells(const Image& image, const std::vector<ColumnCell>& cells, Cell* all) {
+void empty_cells(const Image& image, const CacheLineVector<ColumnCell>& cells, Cell* all) {
   for (const StepColumn& column : image.step_columns) {
     const ColumnCell* const from = cells.data() + column.column_cell;
     Cell* const to = all + column.cell;
@@ -166,7 +167,7 @@ u64 CompiledSteps::run_watched(Choose& given, u64 limit, bool (*is_stopped)(), b
   const bool has_cells = image.step_cells != 0;
   constexpr bool kTakesMany = Choose::kTakesMany && std::is_same_v<Watch, Unwatched>;
   const StepsFn takes_many = kTakesMany && (!has_cells || limit >= image.step_cells_pay) ? image.steps_fn : nullptr;
-  std::vector<ColumnCell> cells;
+  CacheLineVector<ColumnCell> cells;
   bool in_cells = false;  // are data there, and not in core_.memory.cells?
   while (done < limit && s.count != 0) {
     if (done >= look) {
@@ -243,9 +244,9 @@ u64 CompiledSteps::run_inner(Prng& prng, u64 limit, bool (*is_stopped)()) {
   const InnerSteps& inner = core_.tables.image->inner_steps;
   const EnabledSet::List list = core_.enabled.open_list();
   const StepState outer = state_of(list);
-  std::vector<Cell> cells;
-  std::vector<u32> places, members, position;
-  std::vector<std::int32_t> values;
+  CacheLineVector<Cell> cells;
+  CacheLineVector<u32> places, members, position;
+  CacheLineVector<std::int32_t> values;
   cells.reserve(std::size_t{inner.cells.size} + 1);
   for (const u32 cell : inner.cells) cells.push_back(outer.all[cell]);
   cells.push_back({});

@@ -23,14 +23,17 @@ struct InCacheLines {
   friend bool operator==(const InCacheLines&, const InCacheLines&) { return true; }
 };
 
+template <class T>
+using CacheLineVector = std::vector<T, InCacheLines<T>>;
+
 struct StateMemory {
   explicit StateMemory(const Image& image) : cells(image.cell_count, Cell{0}), ffi_data(image) {}
 
-  std::vector<u32> places;                      // by atom; of Petri types kNone before the initial state, then 0
-  std::vector<u64> marks;                       // bitsets of the Petri types' atoms (Tables::first_mark)
-  std::vector<Cell, InCacheLines<Cell>> cells;  // atoms' variables, then the frames of connectors
-  FfiData ffi_data;                             // the objects behind cells of FFI types
-  Binds binds;                                  // made when code that needs them may run
+  std::vector<u32> places;      // by atom; of Petri types kNone before the initial state, then 0
+  std::vector<u64> marks;       // bitsets of the Petri types' atoms (Tables::first_mark)
+  CacheLineVector<Cell> cells;  // atoms' variables, then the frames of connectors
+  FfiData ffi_data;             // the objects behind cells of FFI types
+  Binds binds;                  // made when code that needs them may run
 };
 
 }  // namespace bip::rt
