@@ -150,6 +150,15 @@ class RosClient:
                 return True
         return False
 
+    def goal_of_new_bridge(self, action, *values):
+        """The first goal that is answered: each service finds the new bridge by itself, and what is sent before is lost."""
+        goal = None
+        for _ in range(15):
+            goal = self.goal(action, *values)
+            if self.answer(goal, 3) is not None:
+                break
+        return goal
+
     def hashes(self):
         self.ends = []
         self.tell("hashes")

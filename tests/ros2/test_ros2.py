@@ -197,8 +197,8 @@ def deaths(level):
     check("that can be cancelled", client.cancel("track/follow") == (0, list(running)))
     check("and ends", client.until(lambda: client.statuses["track/follow"].get(next(iter(running), "")) == CANCELED), client.statuses)
 
-    goal = client.goal("track/follow", *far, "d:0.001", "i:1")
-    client.answer(goal)
+    goal = client.goal_of_new_bridge("track/follow", *far, "d:0.001", "i:1")
+    check("the new bridge takes goals", goal.accepted is True, goal.accepted)
     level.server.end(signal.SIGKILL)
     check("a controller that dies aborts its goals", client.result(goal) == (ABORTED, "CONTROLLER-LOST"), goal.result)
     check("the bridge says so", level.bridge.until("warning[R0080]: `bipc serve` at") and "1 goal is aborted" in level.bridge.text(), level.bridge.text())
