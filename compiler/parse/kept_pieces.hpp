@@ -1,4 +1,4 @@
-// What is kept of a file between two parses of it, so that the second parses only the declarations that changed.
+// The trees of a file's declarations, kept between two parses so that the second parses only those that changed.
 #pragma once
 #include <array>
 #include <cstddef>

@@ -106,7 +106,7 @@ class ChangedParser {
     const std::uint32_t behind = is_last ? static_cast<std::uint32_t>(text_.size()) : pieces_[to].begin;
     std::optional<TokenList> damaged = read_part(sources_, file_, begin, is_last ? behind : pieces_[to].end, found);
     if (!words || !damaged || damaged->rows.empty()) return std::nullopt;
-    // What is kept looked at the same words ahead.
+    // Requires that the kept pieces were parsed with the same lookahead tokens.
     if (!looks_at(from, to, damaged->rows, &KeptPiece::ahead, &KeptPiece::first)) return std::nullopt;
     TokensAhead ahead_of_head = head.ahead;
     const auto head_end = std::find(ahead_of_head.begin(), ahead_of_head.end(), std::size_t{0});

@@ -61,7 +61,7 @@ struct Compilation {
 /// `name`: what it is called in messages; empty: its path.
 [[nodiscard]] Result<FileId> load_text(Compilation& c, const std::string& path, std::string name = {});
 
-/// Parses a file of this compilation, with what is kept of its earlier text.
+/// Parses a file of this compilation; reuses the kept trees of declarations that did not change.
 [[nodiscard]] std::optional<syntax::Syntax> parse_text(Compilation& c, FileId file);
 
 /// Runs the stages up to `last` on a .bip or .bsys file. False as soon as one reported an error.

@@ -447,14 +447,6 @@ void drop_implied_marks(Automaton& automaton) {
   }
 }
 
-// Does the state accept whatever follows?
-bool accepts_all(const Automaton& automaton, FormulaRow state) {
-  const std::vector<AutomatonEdge>& edges = automaton.edges[state];
-  return std::any_of(edges.begin(), edges.end(), [&](const AutomatonEdge& edge) {
-    return edge.required == 0 && edge.forbidden == 0 && edge.to == state && edge.marks == automaton.marks;
-  });
-}
-
 // A deterministic monitor of the operators that look back: one bit for each, which the next position reads (Havelund,
 // Rosu 2002). It runs beside the automaton, whose edges require values of these operators; what is left requires
 // conditions alone. A position is followed by cases: conditions are decided one by one until all values are known that
@@ -564,7 +556,7 @@ class PastMonitor {
   }
 
   void follow(const State& from, const AutomatonEdge& edge, std::vector<AutomatonEdge>& edges) {
-    const bool ends_here = accepts_all(automaton_, edge.to);
+    const bool ends_here = automaton_.accepts_whatever_follows(edge.to);
     struct Case {
       ConditionMask required, forbidden;
     };
@@ -616,7 +608,11 @@ class PastMonitor {
 
 }  // namespace
 
-bool Automaton::accepts_whatever_follows(std::uint32_t state) const { return accepts_all(*this, state); }
+bool Automaton::accepts_whatever_follows(std::uint32_t state) const {
+  return std::any_of(edges[state].begin(), edges[state].end(), [&](const AutomatonEdge& edge) {
+    return edge.required == 0 && edge.forbidden == 0 && edge.to == state && edge.marks == marks;
+  });
+}
 
 Result<Automaton> make_automaton(const Formula& formula, bool is_negated) {
   Result<Automaton> made = Tableau().run(formula, is_negated);

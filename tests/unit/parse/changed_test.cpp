@@ -1,4 +1,4 @@
-// A file that is parsed again, with what is kept of its earlier text, has the tree that it has without.
+// A file that is parsed again with kept trees has the same tree as without them.
 #include <catch2/catch.hpp>
 
 #include <cstdint>
