@@ -152,7 +152,10 @@ class LevelWriter {
       reads.push_back(wire(std::move(abort)));
     }
     recoveries(m, reads);
-    if (is_served()) wire({.name = p.component + "_told", .ports = {prefix + "told", executives_[m] + ".told"}});
+    if (is_served()) {
+      wire({.name = p.component + "_woken", .ports = {prefix + "woken", executives_[m] + ".waits"}});
+      wire({.name = p.component + "_told", .ports = {prefix + "told", executives_[m] + ".told"}});
+    }
     if (!executives_.empty()) {
       // What is asked for is not left for the next cycle.
       const std::string none = wire({.name = p.component + "_none", .ports = {prefix + "none"}});

@@ -3,6 +3,9 @@
 //
 //   NONE   nothing waits               DUE    `wanted` waits for its module
 //   STOP   `first`, which overtakes    BOTH   both; `first` goes first
+//
+// `waits` wakes the control task, so that a request does not wait for the end of its period: once for each request,
+// so that one that cannot be read yet does not keep the control task busy.
 #include "compiler/genom/mailbox.hpp"
 
 #include <fmt/format.h>
@@ -117,11 +120,12 @@ std::string mailbox_type(const Plan& plan, const std::vector<Asked>& requests) {
       "    data string wanted = \"\", wanted_input = \"\", wanted_service = \"\", first = \"\", first_input = \"\"\n"
       "    data string due = \"\", due_service = \"\", due_input = \"\", asked = \"\", asked_input = \"\"\n"
       "    data int wanted_number = 0, first_number = 0, due_number = 0, asked_number = 0, gone = 0, waited = 0\n"
-      "    data bool known = false, wanted_is_gone = false, first_is_gone = false\n"
+      "    data bool known = false, wanted_is_gone = false, first_is_gone = false, wakes = false\n"
       "    extern port Posts request(wanted, wanted_input, wanted_number) remember\n"
       "    extern port Posts urgent(first, first_input, first_number) remember\n"
       "    extern port Numbered withdraw(gone) remember\n"
-      "    export port Signal tick()\n    export port Asks ask(due, due_service, due_input, due_number)\n"
+      "    export port Signal tick()\n    export port Signal waits()\n"
+      "    export port Asks ask(due, due_service, due_input, due_number)\n"
       "    export port Signal recover()\n    export port Numbered told(asked_number)\n",
       plan.module->name.text, plan.mailbox_type, directory(requests));
   std::vector<const Asked*> stops;
@@ -135,9 +139,9 @@ std::string mailbox_type(const Plan& plan, const std::vector<Asked>& requests) {
       "    port Asks lost(due, due_service, due_input, due_number)\n"
       "    port Asks dropped(due, due_service, due_input, due_number)\n"
       "\n    place NONE, DUE, STOP, BOTH\n\n    initial to NONE\n";
-  const std::string takes_wanted = takes("wanted", "wanted_input", "wanted_number");
+  const std::string takes_wanted = takes("wanted", "wanted_input", "wanted_number") + "      wakes = true;\n";
   const std::string takes_first = "      first_is_gone = first_number != 0 && first_number == gone;\n" +
-                                  takes("first", "first_input", "first_number");
+                                  takes("first", "first_input", "first_number") + "      wakes = true;\n";
   out += fmt::format(
       "\n    on request from NONE to DUE eager do {{\n      wanted_service = request_service(wanted);\n"
       "      wanted_is_gone = wanted_number != 0 && wanted_number == gone;\n{}    }}\n",
@@ -155,6 +159,8 @@ std::string mailbox_type(const Plan& plan, const std::vector<Asked>& requests) {
     const std::string then = next.empty() ? "" : " do {\n" + next + "    }";
     out += fmt::format("\n    on ask from {} to {} provided (!{}) do {{\n{}{}    }}\n", row.from, row.to, row.is_gone,
                        asks, next);
+    out += fmt::format("    on waits from {0} to {0} provided (wakes && known && !{1}) do {{ wakes = false; }}\n",
+                       row.from, row.is_gone);
     out += fmt::format("    on dropped from {} to {} provided ({}){}\n", row.from, row.to, row.is_gone, then);
     out += fmt::format("    on lost from {} to {} provided (!{} && (!known || waited >= patience)){}\n", row.from,
                        row.to, row.is_gone, then);

@@ -2,6 +2,7 @@
 //
 // A control cycle, place by place:
 //   idle   -chck->    coll   the timer says so; the module's lock is taken
+//   idle   -woken->   coll   a request has arrived in the mailbox (Executive::Served); the timer runs on
 //   coll   -collect-> read   all final replies that are due
 //   read   -read_X->  asked  at most one request (with the semaphore), or -none-> laun
 //   asked  -accept->  allowed, or -refuse-> laun by the state of the module; control requests begin at `allowed`
@@ -83,6 +84,10 @@ void write_control(std::string& out, const Plan& plan) {
   box.on("err", "off", "fini");
   box.on("stop", "idle", "fini");
   box.on("chck", "idle", "coll");
+  if (is_served) {
+    box.signal("woken");
+    box.on("woken", "idle", "coll");
+  }
   box.on("collect", "coll", "read");
   requests(box, plan);
   if (any_checked) {

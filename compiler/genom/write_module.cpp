@@ -167,6 +167,10 @@ void ModuleWriter::control_cycle() {
   std::vector<std::string> chck{control("chck")};
   add_module_lock(chck, "take");
   wire({.name = "chck", .ports = chck});
+  if (plan_.executive == Executive::Served) {
+    chck[0] = control("woken");
+    wire({.name = "woken", .ports = chck, .exported = true});
+  }
   std::vector<std::string> replies{control("collect")};
   for (std::size_t k = 0; k < plan_.activities.size(); ++k) {
     if (plan_.service_of(k).kind == ServiceKind::Execution) replies.push_back(of_activity(k, "reply"));

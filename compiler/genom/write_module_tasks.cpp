@@ -329,6 +329,7 @@ void ModuleWriter::exports() {
   for (const char* name : {"err", "stop"}) write_export(out_, control(name), name);
   if (plan_.is_launched_by_rules) write_export(out_, out_of("done"), "done");
   if (plan_.executive != Executive::Anybody) write_export(out_, out_of("none"), "none");
+  if (plan_.executive == Executive::Served) write_export(out_, out_of("woken"), "woken");
   if (plan_.executive == Executive::Served) write_export(out_, control("told"), "told");
   write_export(out_, out_of("give"), "give");
   for (std::size_t i = 0; i < module_.tasks.size(); ++i) {
