@@ -89,7 +89,7 @@ def unit_jobs():
     if not (BUILD / "CMakeCache.txt").exists():
         sys.exit(f"test: {BUILD} is no build directory (tools/build makes one)")
     folders = sorted(p.name for p in (ROOT / "tests/unit").iterdir() if any(p.glob("*.cpp")))
-    if re.search(r"^BIPC_JIT:BOOL=(OFF|0|FALSE|NO)$", (BUILD / "CMakeCache.txt").read_text(), re.M):
+    if build_option("BIPC_JIT") in ("OFF", "0", "FALSE", "NO"):
         print("unit_jit and all runs by machine code are left out: the build has no LLVM (BIPC_JIT=OFF)", flush=True)
         folders.remove("jit")
     if not (BUILD / "libbipc_zmq.so").exists():
@@ -101,8 +101,14 @@ def unit_jobs():
         yield from needs(program.name, Job(folder, lambda p=program: run_unit(p), weights.get(folder, 2), alone=folder == "pipeline"))
 
 
+def build_option(name):
+    """A value of the build's CMake cache; empty if it is not there."""
+    found = re.search(rf"^{name}:\w+=(.*)$", (BUILD / "CMakeCache.txt").read_text(), re.M)
+    return found.group(1) if found else ""
+
+
 def is_sanitized():
-    return re.search(r"^BIPC_SANITIZE:STRING=.", (BUILD / "CMakeCache.txt").read_text(), re.M) is not None
+    return build_option("BIPC_SANITIZE") != ""
 
 
 def groups(options):
@@ -162,6 +168,9 @@ def main():
     options = arguments.parse_args()
     wanted = set(options.groups)
     everything = groups(options)
+    if is_sanitized():
+        # Emitted programs link the runtime of the build, so they need its compiler and sanitizers.
+        os.environ.setdefault("CXX", f"{build_option('CMAKE_CXX_COMPILER')} -fsanitize={build_option('BIPC_SANITIZE')}")
     unknown = wanted - {name for name, _ in everything} - {f"{name}:{job.name}" for name, jobs in everything for job in jobs}
     if unknown:
         sys.exit(f"test: no group {', '.join(sorted(unknown))}")

@@ -6,11 +6,10 @@
 #include <vector>
 
 #include "compiler/base/result.hpp"
+#include "compiler/jit/opt_level.hpp"
 #include "compiler/lower/lower.hpp"
 
 namespace bip::jit {
-
-enum class OptLevel : std::uint8_t { O0, O2 };
 
 struct JitOptions {
   OptLevel level = OptLevel::O2;

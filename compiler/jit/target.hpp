@@ -8,7 +8,7 @@
 #include <string>
 
 #include "compiler/base/result.hpp"
-#include "compiler/jit/jit.hpp"
+#include "compiler/jit/opt_level.hpp"
 
 namespace bip::jit {
 
