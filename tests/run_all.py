@@ -169,8 +169,8 @@ def main():
     wanted = set(options.groups)
     everything = groups(options)
     if is_sanitized():
-        # Emitted programs link the runtime of the build, so they need its compiler and sanitizers.
-        os.environ.setdefault("CXX", f"{build_option('CMAKE_CXX_COMPILER')} -fsanitize={build_option('BIPC_SANITIZE')}")
+        # Programs that link the runtime of the build need its compiler and sanitizers; what bipc loads must not have them.
+        os.environ.setdefault("BIPC_TEST_CXX", f"{build_option('CMAKE_CXX_COMPILER')} -fsanitize={build_option('BIPC_SANITIZE')}")
     unknown = wanted - {name for name, _ in everything} - {f"{name}:{job.name}" for name, jobs in everything for job in jobs}
     if unknown:
         sys.exit(f"test: no group {', '.join(sorted(unknown))}")

@@ -20,7 +20,7 @@ BIPC = os.path.abspath(os.environ.get("BIPC") or BUILD / "bipc")
 
 
 def compiler():
-    wanted = os.environ.get("CXX", "c++").split()
+    wanted = (os.environ.get("BIPC_TEST_CXX") or os.environ.get("CXX", "c++")).split()
     return (["ccache"] if shutil.which("ccache") and "ccache" not in wanted[0] else []) + wanted
 
 
@@ -33,7 +33,7 @@ def day_of(model, hours, steps, work):
     built = emitted
     for command in ([*compiler(), *flags, "-c", str(work / "model.cpp"), "-o", str(work / "model.o")],
                     [*compiler(), *flags, "-c", str(here / "day.cpp"), "-o", str(work / "day.o")],
-                    [*compiler()[-1:], str(work / "model.o"), str(work / "day.o"), str(BUILD / "libbip_runtime.a"), "-pthread", "-o", str(work / "day")]):
+                    [*compiler(), str(work / "model.o"), str(work / "day.o"), str(BUILD / "libbip_runtime.a"), "-pthread", "-o", str(work / "day")]):
         built = subprocess.run(command, capture_output=True) if built.returncode == 0 else built
     if emitted.returncode or built.returncode:
         return False, built.stderr.decode("utf-8", "replace")

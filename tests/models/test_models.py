@@ -49,7 +49,7 @@ def executors():
 
 
 def compiler():
-    wanted = os.environ.get("CXX", "g++").split()
+    wanted = (os.environ.get("BIPC_TEST_CXX") or os.environ.get("CXX", "g++")).split()
     return (["ccache"] if shutil.which("ccache") and "ccache" not in wanted[0] else []) + wanted
 
 
@@ -91,7 +91,7 @@ def check_embedding(model, program, work):
     emitted = subprocess.run([BIPC, "emit", "--emit=cpp", str(model)], capture_output=True, timeout=TIMEOUT)
     source.write_bytes(emitted.stdout)
     flags = ["-std=c++20", "-O1", "-Wall", "-Wextra", "-DBIP_NO_MAIN", "-I", str(ROOT / "runtime/include"), "-I", str(ROOT)]
-    done = subprocess.run([*compiler()[-1:], *flags, str(source), str(model.parent / program), str(BUILD / "libbip_runtime.a"), "-pthread", "-o", str(built)],
+    done = subprocess.run([*compiler(), *flags, str(source), str(model.parent / program), str(BUILD / "libbip_runtime.a"), "-pthread", "-o", str(built)],
                           capture_output=True, timeout=10 * TIMEOUT)
     if emitted.returncode == 0 and done.returncode == 0:
         done = subprocess.run([str(built)], capture_output=True, timeout=TIMEOUT)
