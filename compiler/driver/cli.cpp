@@ -9,17 +9,12 @@
 #include "compiler/driver/cli_options.hpp"
 #include "compiler/driver/help_formatter.hpp"
 #include "compiler/driver/commands.hpp"
+#include "compiler/driver/report.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/pipeline/host_compiler.hpp"
 
 namespace bip::driver {
 namespace {
-
-int usage_error(const std::string& problem, const std::string& hint) {
-  const std::string text = fmt::format("bipc: {}\n  = help: {}\n", problem, hint);
-  std::fwrite(text.data(), 1, text.size(), stderr);
-  return kUsage;
-}
 
 bool is_command(const CLI::App& app, const std::string& word) {
   for (const CLI::App* command : app.get_subcommands(nullptr)) {

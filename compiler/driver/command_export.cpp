@@ -158,8 +158,7 @@ Result<std::string> exported(Compilation& c, const ExportArguments& arguments, c
 int command_export(const ExportArguments& arguments) {
   if (!arguments.property.empty() && arguments.format != ExportFormat::Aiger &&
       arguments.format != ExportFormat::Promela) {
-    std::fputs("bipc export: `--property` is for `--format=promela` and `--format=aiger`\n", stderr);
-    return kUsage;
+    return usage_error("`--property` is for `--format=promela` and `--format=aiger`");
   }
   Compilation c(arguments.compile);
   if (arguments.compile.emit != EmitKind::None) {
@@ -169,7 +168,7 @@ int command_export(const ExportArguments& arguments) {
   std::string text;
   if (compile(c, arguments.file, Stage::Image) && check_outputs(c, {arguments.output})) {
     const std::optional<verify::Question> question =
-        read_question("export", arguments.property, library::read_question(arguments.property, *c.system), *c.system);
+        read_question(arguments.property, library::read_question(arguments.property, *c.system), *c.system);
     if (!question) return kUsage;
     Result<std::string> made = exported(c, arguments, *question);
     if (!made) {

@@ -11,9 +11,8 @@ namespace bip::driver {
 int command_genom(const GenomArguments& arguments) {
   Compilation c(arguments.compile);
   if ((arguments.skeleton || !arguments.codels.empty()) && arguments.output.empty()) {
-    std::fprintf(stderr, "bipc: `--%s` writes files beside the output\n  = help: add `-o FILE`\n",
-                 arguments.skeleton ? "skeleton" : "codels");
-    return kUsage;
+    return usage_error(fmt::format("`--{}` writes files beside the output", arguments.skeleton ? "skeleton" : "codels"),
+                       "add `-o FILE`");
   }
   const genom::TranslateOptions options = translate_options(arguments, arguments.files, "");
   if (const auto modules = load_modules(c, arguments.files, arguments.side_file, options)) {

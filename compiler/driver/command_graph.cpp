@@ -31,10 +31,8 @@ std::optional<GraphFormat> format_of(const GraphArguments& arguments) {
                                                                                {".json", GraphFormat::Json}}};
   for (const auto& [name, format] : kSuffixes)
     if (suffix == name) return format;
-  std::fprintf(stderr,
-               "bipc: the suffix of `%s` says no format: .svg, .png, .html, .dot or .json\n"
-               "  = help: `--format` says it for any name\n",
-               arguments.output.c_str());
+  usage_error(fmt::format("the suffix of `{}` says no format: .svg, .png, .html, .dot or .json", arguments.output),
+              "`--format` says it for any name");
   return std::nullopt;
 }
 
@@ -64,8 +62,7 @@ int command_graph(const GraphArguments& arguments) {
       Result<std::string> image = svg_to_png(text);
       if (!image) {
         (void)report(c);
-        std::fprintf(stderr, "bipc: %s\n", image.error().c_str());
-        return kUsage;
+        return usage_error(image.error());
       }
       text = std::move(*image);
     }

@@ -25,12 +25,6 @@
 namespace bip::driver {
 namespace {
 
-int usage_problem(const std::string& problem, const std::string& help = {}) {
-  std::fprintf(stderr, "bipc: %s\n", problem.c_str());
-  if (!help.empty()) std::fprintf(stderr, "  = help: %s\n", help.c_str());
-  return kUsage;
-}
-
 struct LoadedLevel {
   std::vector<genom::Module> modules;
   genom::Constraints constraints;
@@ -94,24 +88,24 @@ void print_event(const std::string& line) {
 int run_bridge(const ros2::Interfaces& interfaces, const Ros2Arguments& a) {
   ros2::BusPlan plan;
   plan.interface = a.network == "auto" ? "" : a.network;
-  if (!domain_of(a.domain, plan.domain)) return usage_problem("$ROS_DOMAIN_ID is a number from 0 to 232");
+  if (!domain_of(a.domain, plan.domain)) return usage_error("$ROS_DOMAIN_ID is a number from 0 to 232");
   const Result<const ros2::BusFactory*> factory = load_dds();
-  if (!factory) return usage_problem(factory.error());
+  if (!factory) return usage_error(factory.error());
   // Before there are threads, which would take the signals.
   sigset_t ends{};
   sigemptyset(&ends);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&ends, signal);
-  if (::pthread_sigmask(SIG_BLOCK, &ends, nullptr) != 0) return usage_problem("signals cannot be blocked");
+  if (::pthread_sigmask(SIG_BLOCK, &ends, nullptr) != 0) return usage_error("signals cannot be blocked");
   const int stop = ::signalfd(-1, &ends, SFD_CLOEXEC | SFD_NONBLOCK);
-  if (stop < 0) return usage_problem("signals cannot be waited for");
+  if (stop < 0) return usage_error("signals cannot be waited for");
   auto bus = (*factory)->open(plan);
-  if (!bus) return usage_problem("DDS cannot be used: " + bus.error());
+  if (!bus) return usage_error("DDS cannot be used: " + bus.error());
   const char* const token = std::getenv("BIPC_TOKEN");
   ros2::Bridge bridge(
       interfaces, **bus,
       {.where = a.serve, .token = token == nullptr ? "" : token, .name_space = a.name_space, .rate = a.rate},
       print_event);
-  if (const std::string wrong = bridge.open(); !wrong.empty()) return usage_problem("DDS cannot be used: " + wrong);
+  if (const std::string wrong = bridge.open(); !wrong.empty()) return usage_error("DDS cannot be used: " + wrong);
   print_event("ROS 2 domain " + std::to_string(plan.domain) + ": " + std::to_string(interfaces.actions.size()) +
               " actions, " + std::to_string(interfaces.topics.size()) + " topics");
   bridge.run(stop);
@@ -123,10 +117,10 @@ int run_bridge(const ros2::Interfaces& interfaces, const Ros2Arguments& a) {
 
 int command_ros2(const Ros2Arguments& a) {
   if (a.serve.empty() && a.interfaces.empty())
-    return usage_problem("`bipc ros2` needs `--serve` or `--interfaces`", "`bipc ros2 --help`");
+    return usage_error("`bipc ros2` needs `--serve` or `--interfaces`", "`bipc ros2 --help`");
   if (!a.level.package.empty() && !ros2::is_package_name(a.level.package))
-    return usage_problem("`" + a.level.package +
-                         "` is no name of a package of ROS 2: small letters, digits, `_` between");
+    return usage_error("`" + a.level.package +
+                       "` is no name of a package of ROS 2: small letters, digits, `_` between");
   Compilation c(a.level.compile);
   const auto level = load_level(c, a.level);
   std::optional<ros2::Interfaces> interfaces;

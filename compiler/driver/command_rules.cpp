@@ -37,10 +37,8 @@ void translate_rules(Compilation& c, const GenomArguments& a) {
 
 int command_rules(const GenomArguments& arguments) {
   Compilation c(arguments.compile);
-  if (arguments.skeleton && arguments.output.empty()) {
-    std::fputs("bipc: `--skeleton` writes files beside the output\n  = help: add `-o FILE`\n", stderr);
-    return kUsage;
-  }
+  if (arguments.skeleton && arguments.output.empty())
+    return usage_error("`--skeleton` writes files beside the output", "add `-o FILE`");
   translate_rules(c, arguments);
   return report(c);
 }

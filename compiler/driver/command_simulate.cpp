@@ -200,7 +200,7 @@ class RunsProgressLine {
 };
 
 bool refuse(const char* option, const std::string& why) {
-  std::fputs(fmt::format("bipc simulate: {}, {}\n", option, why).c_str(), stderr);
+  usage_error(fmt::format("{}, {}", option, why));
   return false;
 }
 

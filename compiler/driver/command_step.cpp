@@ -57,11 +57,8 @@ int command_step(const StepArguments& arguments) {
   const OpenSession opened = open_session(c, executor, arguments, options);
   if (opened.session == nullptr) return opened.exit_code;
   rt::DebugSession& session = *opened.session;
-  if (arguments.has_at && arguments.at != session.position() && session.go_to(arguments.at) == rt::Halt::Refused) {
-    std::fprintf(stderr, "bipc: --at %llu: %s\n", static_cast<unsigned long long>(arguments.at),
-                 session.problem().c_str());
-    return kUsage;
-  }
+  if (arguments.has_at && arguments.at != session.position() && session.go_to(arguments.at) == rt::Halt::Refused)
+    return usage_error(fmt::format("--at {}: {}", arguments.at, session.problem()));
   return read_commands(session, debug::DebugModel(*c.system, c.lowered->image), options.seed);
 }
 

@@ -25,12 +25,6 @@ namespace bip::driver {
 
 namespace {
 
-int usage(const std::string& problem, const char* help = nullptr) {
-  std::fprintf(stderr, "bipc trace: %s\n", problem.c_str());
-  if (help != nullptr) std::fprintf(stderr, "  = help: %s\n", help);
-  return kUsage;
-}
-
 // Nothing: the name of the file does not say it.
 std::optional<TraceOutput> output_of(const TraceArguments& arguments) {
   if (arguments.format != TraceOutput::BySuffix) return arguments.format;
@@ -98,20 +92,21 @@ int command_trace(const TraceArguments& arguments) {
   const std::optional<TraceOutput> output = output_of(arguments);
   const bool counts = arguments.action == TraceAction::Stats;
   if (!counts && !output)
-    return usage("the suffix of `" + arguments.output + "` says no format: .jsonl, .bin, .mcap, .csv, .vcd or .svg",
-                 "`--format` says it for any name");
+    return usage_error(
+        "the suffix of `" + arguments.output + "` says no format: .jsonl, .bin, .mcap, .csv, .vcd or .svg",
+        "`--format` says it for any name");
   if (arguments.action == TraceAction::Convert && !selection.is_all())
-    return usage("convert writes all of the run", "`bipc trace filter` writes a part of it");
-  if (arguments.json && !counts) return usage("--json is of stats", "`--format json` writes JSON lines");
+    return usage_error("convert writes all of the run", "`bipc trace filter` writes a part of it");
+  if (arguments.json && !counts) return usage_error("--json is of stats", "`--format json` writes JSON lines");
   if (counts && arguments.format != TraceOutput::BySuffix)
-    return usage("stats has no --format", "`--json` prints JSON");
-  if (arguments.compress && (counts || *output != TraceOutput::Mcap)) return usage("--compress is of mcap");
-  if (arguments.compress && !traces::has_zstd()) return usage("this bipc was built without libzstd");
+    return usage_error("stats has no --format", "`--json` prints JSON");
+  if (arguments.compress && (counts || *output != TraceOutput::Mcap)) return usage_error("--compress is of mcap");
+  if (arguments.compress && !traces::has_zstd()) return usage_error("this bipc was built without libzstd");
   const std::optional<rt::TraceFormat> format = counts ? std::nullopt : trace_format(*output);
   if (!counts && arguments.action == TraceAction::Filter &&
       (*output == TraceOutput::Bip2 || *output == TraceOutput::Binary))
-    return usage("a part of a run can be written as json, mcap, perfetto, csv, vcd or svg",
-                 "the other formats are read as whole runs: `bipc trace convert`");
+    return usage_error("a part of a run can be written as json, mcap, perfetto, csv, vcd or svg",
+                       "the other formats are read as whole runs: `bipc trace convert`");
 
   Compilation c(arguments.compile);
   Executor executor;
@@ -119,7 +114,7 @@ int command_trace(const TraceArguments& arguments) {
   if (!compile(c, arguments.file, Stage::Image) || !check_outputs(c, {arguments.output})) return report(c);
   if (const std::string unknown = selection.unknown(c.lowered->image); !unknown.empty()) {
     (void)report(c);
-    return usage("the model has no " + unknown);
+    return usage_error("the model has no " + unknown);
   }
   const OpenSession opened = open_session(c, executor, arguments, options);
   if (opened.session == nullptr) return opened.exit_code;
@@ -131,7 +126,7 @@ int command_trace(const TraceArguments& arguments) {
   rt::McapWriter mcap(arguments.compress ? rt::McapWriter::Compression{"zstd", traces::zstd}
                                          : rt::McapWriter::Compression{});
   const auto cannot_repeat = [&session] {
-    return usage("the run cannot be repeated: " + session.problem(), debug::kGoesBackHelp);
+    return usage_error("the run cannot be repeated: " + session.problem(), debug::kGoesBackHelp);
   };
   // Which steps are in a part is known before it is written: of MCAP files, which are not cut afterwards.
   const bool is_part_of_mcap = format && *output == TraceOutput::Mcap && !selection.is_all();
@@ -162,7 +157,7 @@ int command_trace(const TraceArguments& arguments) {
     } else if (writer == nullptr) {
       text = *output == TraceOutput::Json ? traces::wanted_lines(text, wanted)
                                           : traces::wanted_events(text, wanted, selection);
-    } else if (const std::string problem = writer->problem(); !problem.empty()) return usage(problem);
+    } else if (const std::string problem = writer->problem(); !problem.empty()) return usage_error(problem);
     else writer->end(text);
   }
   if (arguments.output.empty() || arguments.output == "-") {

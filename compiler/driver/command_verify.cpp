@@ -58,7 +58,7 @@ struct NamedQuestion {
 std::optional<std::vector<NamedQuestion>> read_questions(const VerifyArguments& arguments, const System& system) {
   std::vector<NamedQuestion> questions;
   std::optional<verify::Question> asked =
-      read_question("verify", arguments.property, library::read_question(arguments, system), system);
+      read_question(arguments.property, library::read_question(arguments, system), system);
   if (!asked) return std::nullopt;
   questions.push_back({"deadlock", std::move(*asked)});
   if (!arguments.property.empty() || arguments.partial) return questions;
@@ -98,11 +98,9 @@ bool may_write_files(const VerifyArguments& arguments, const std::vector<NamedQu
   for (std::size_t k = 0; k < questions.size() && k < kNamesShown; ++k)
     names += fmt::format("{}`{}`", k == 0 ? "" : ", ", questions[k].name);
   if (questions.size() > kNamesShown) names += ", …";
-  std::fputs(
-      fmt::format("bipc verify: {} is of one answer, and {} are asked for\n  = help: choose one by --property: {}\n",
-                  arguments.certificate.empty() ? "--trace" : "--certificate", questions.size(), names)
-          .c_str(),
-      stderr);
+  usage_error(fmt::format("{} is of one answer, and {} are asked for",
+                          arguments.certificate.empty() ? "--trace" : "--certificate", questions.size()),
+              "choose one by --property: " + names);
   return false;
 }
 

@@ -26,11 +26,6 @@ struct Selection {
   int lesson = 0, exercise = 0;  // exercise 0: all of them
 };
 
-int print_usage_error(const std::string& text) {
-  print_error_text("bipc check: " + text + "\n");
-  return kUsage;
-}
-
 // `3` or `3.2`.
 std::optional<Selection> read_selection(std::string_view text) {
   Selection selection;
@@ -149,8 +144,7 @@ int judge_exercise(const CheckArguments& arguments, int lesson, const Exercise& 
 }  // namespace
 
 int judge_lesson(const CheckArguments& arguments) {
-  if (arguments.files.size() != 1 || arguments.files.front() == "-")
-    return print_usage_error("--lesson judges one file");
+  if (arguments.files.size() != 1 || arguments.files.front() == "-") return usage_error("--lesson judges one file");
   const std::span<const LessonText> texts = lesson_texts();
   const std::optional<Selection> selection = read_selection(arguments.lesson);
   const LessonText* chosen = nullptr;
@@ -158,13 +152,12 @@ int judge_lesson(const CheckArguments& arguments) {
     if (selection && text.number == selection->lesson) chosen = &text;
   }
   if (chosen == nullptr)
-    return print_usage_error(
-        fmt::format("there is no lesson `{}`\n  = help: --lesson 1 to --lesson {}; --lesson 1.2 is the second exercise "
-                    "of the first",
-                    arguments.lesson, texts.back().number));
+    return usage_error(fmt::format("there is no lesson `{}`", arguments.lesson),
+                       fmt::format("--lesson 1 to --lesson {}; --lesson 1.2 is the second exercise of the first",
+                                   texts.back().number));
   const std::vector<Exercise> exercises = parse_lesson(chosen->text);
   if (selection->exercise > static_cast<int>(exercises.size()))
-    return print_usage_error(fmt::format("lesson {} has {} exercises", selection->lesson, exercises.size()));
+    return usage_error(fmt::format("lesson {} has {} exercises", selection->lesson, exercises.size()));
   // Warnings are said once; the checks compile the file again.
   Compilation c(arguments.compile);
   (void)check(c, arguments.files.front());

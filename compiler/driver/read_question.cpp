@@ -6,14 +6,15 @@
 #include <cstdio>
 #include <utility>
 
+#include "compiler/driver/report.hpp"
 #include "compiler/library/suggest_property.hpp"
 
 namespace bip::driver {
 
-std::optional<verify::Question> read_question(const char* command, const std::string& text,
-                                              Result<verify::Question> read, const System& system) {
+std::optional<verify::Question> read_question(const std::string& text, Result<verify::Question> read,
+                                              const System& system) {
   if (read) return std::move(*read);
-  std::fputs(fmt::format("bipc {}: --property, {}\n  {}\n", command, read.error(), text).c_str(), stderr);
+  usage_error(fmt::format("--property, {}\n  {}", read.error(), text));
   if (const std::optional<library::PropertySuggestion> meant = library::suggest_property(text, system)) {
     if (!meant->note.empty()) std::fputs(fmt::format("  = note: {}\n", meant->note).c_str(), stderr);
     if (!meant->property.empty())

@@ -8,9 +8,9 @@
 
 namespace bip::driver {
 
-/// The question that was read. Nothing: the text is none, and that has been said on stderr in the name of the command,
-/// with what may have been meant.
-[[nodiscard]] std::optional<verify::Question> read_question(const char* command, const std::string& text,
-                                                            Result<verify::Question> read, const System& system);
+/// The question that was read. Nothing: the text is none, and that has been said on stderr, with what may have been
+/// meant.
+[[nodiscard]] std::optional<verify::Question> read_question(const std::string& text, Result<verify::Question> read,
+                                                            const System& system);
 
 }  // namespace bip::driver

@@ -62,6 +62,11 @@ bool wants_color(ColorChoice choice, int file_descriptor) {
   return ::isatty(file_descriptor) == 1;
 }
 
+int usage_error(const std::string& problem, const std::string& help) {
+  print_error_text("bipc: " + problem + (help.empty() ? "\n" : "\n  = help: " + help + "\n"));
+  return kUsage;
+}
+
 int report(const Compilation& c) {
   RenderOptions options = c.options.render;
   options.color = wants_color(c.options.color, STDERR_FILENO) ? Color::On : Color::Off;

@@ -11,6 +11,9 @@ namespace bip::driver {
 /// Writes to standard error.
 void print_error_text(const std::string& text);
 
+/// Writes what is wrong with the command line to standard error, and if there is one a line of help. Returns kUsage.
+int usage_error(const std::string& problem, const std::string& help = {});
+
 /// Writes diagnostics and, if asked for, the time table to standard error. Call once, before a run starts.
 /// 1 if there are errors (or warnings under --Werror), else 0.
 [[nodiscard]] int report(const Compilation& c);

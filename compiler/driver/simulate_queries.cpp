@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "compiler/driver/report.hpp"
 #include "compiler/library/markov_chain.hpp"
 #include "compiler/library/read_observer.hpp"
 #include "compiler/pipeline/ffi_build.hpp"
@@ -26,7 +27,7 @@ using QueryJson = nlohmann::ordered_json;
 constexpr std::uint32_t kMostChainStates = 2'000'000;
 
 bool refuse_query(const std::string& text, const std::string& why) {
-  std::fputs(fmt::format("bipc simulate: --query '{}': {}\n", text, why).c_str(), stderr);
+  usage_error(fmt::format("--query '{}': {}", text, why));
   return false;
 }
 
@@ -97,7 +98,7 @@ std::optional<std::vector<Query>> read_queries(const SimulateArguments& a, const
     queries.push_back(std::move(*query));
   }
   if (queries.empty() && (a.exact || !a.importance.empty())) {
-    std::fputs("bipc simulate: --exact and --importance need a --query\n", stderr);
+    usage_error("--exact and --importance need a --query");
     return std::nullopt;
   }
   return queries;
@@ -209,7 +210,7 @@ bool report_split(const std::vector<Query>& queries, const SimulateArguments& a,
   if (uses_ffi(c)) return refuse_query(queries[0].text, "splitting is for models without C++");
   Result<std::function<double(const rt::Core&)>> importance = library::read_number(a.importance, *c.system);
   if (!importance) {
-    std::fputs(fmt::format("bipc simulate: --importance, {}\n", importance.error()).c_str(), stderr);
+    usage_error("--importance, " + importance.error());
     return false;
   }
   for (const Query& query : queries) {

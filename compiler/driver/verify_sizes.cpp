@@ -13,20 +13,11 @@
 
 namespace bip::driver {
 
-namespace {
-
-int wrong_use(const std::string& text) {
-  std::fputs(("bipc verify: " + text + "\n").c_str(), stderr);
-  return pipeline::kUsage;
-}
-
-}  // namespace
-
 int verify_for_all_sizes(const VerifyArguments& arguments) {
   const Result<library::SizeQuestion> asked = library::read_size_question(arguments.for_all);
-  if (!asked) return wrong_use("--for-all: " + asked.error());
+  if (!asked) return usage_error("--for-all: " + asked.error());
   if (arguments.file.ends_with(".bsys"))
-    return wrong_use("--for-all needs a model with sizes, and a .bsys file is a system of one size");
+    return usage_error("--for-all needs a model with sizes, and a .bsys file is a system of one size");
   CompileOptions options = arguments.compile;
   const std::string root = options.root;
   options.root.clear();
@@ -39,7 +30,7 @@ int verify_for_all_sizes(const VerifyArguments& arguments) {
   const verify::CancellationToken token =
       arguments.wall_timeout > 0 ? interrupt.token().within_wall_clock(arguments.wall_timeout) : interrupt.token();
   const library::SizeVerdict found = library::decide_for_all_sizes(request, c, root, *asked, token);
-  if (!found.usage_error.empty()) return wrong_use(found.usage_error);
+  if (!found.usage_error.empty()) return usage_error(found.usage_error);
   if (found.refused) return report(*found.refused);
   if (!arguments.trace_path.empty() && found.verdict.counterexample) {
     if (const Result<bool> written = write_file(arguments.trace_path, found.verdict.counterexample->trace); !written)
