@@ -184,13 +184,11 @@ RuntimeLocation find_runtime() {
     found.tried.push_back(candidate.string());
     if (!fs::exists(candidate / "include/bip/run.hpp", ignored)) continue;
     found.directory = candidate.string();
-#ifdef BIPC_PREBUILT_RUNTIME
-    for (const fs::path& library : places_of_part("libbip_runtime.a")) {
+    for (const fs::path& library : places_of_part(BIPC_PREBUILT_RUNTIME)) {
       std::error_code unknown;
       // Where the file system cannot say whether it exists, the builds that link it look again.
       if (found.library.empty() && (fs::exists(library, unknown) || unknown)) found.library = library.string();
     }
-#endif
     break;
   }
   return found;

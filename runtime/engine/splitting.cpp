@@ -60,8 +60,7 @@ class Splitter {
       std::uint64_t reached = 0;
       next.clear();
       for (std::uint64_t k = 0; k < options_.effort; ++k) {
-        const RunEnd end =
-            run(from[choices.below(from.size())], choices.next(), level == levels.size() ? nullptr : &levels[level]);
+        const RunEnd end = run_from(from, choices, level == levels.size() ? nullptr : &levels[level]);
         if (end == RunEnd::Fault || end == RunEnd::Stopped) return -1;
         if (end == RunEnd::Open) ++open_;
         if (end == RunEnd::Reached) ++reached;
@@ -86,7 +85,7 @@ class Splitter {
       std::uint64_t reached = 0;
       highest.clear();
       for (std::uint64_t k = 0; k < options_.effort; ++k) {
-        const RunEnd end = run(from[choices.below(from.size())], choices.next(), nullptr);
+        const RunEnd end = run_from(from, choices, nullptr);
         if (end == RunEnd::Fault || end == RunEnd::Stopped) return levels;
         if (end == RunEnd::Reached) ++reached;
         highest.push_back(highest_);
@@ -100,7 +99,7 @@ class Splitter {
       const double level = std::max(*above, highest[highest.size() - highest.size() / kOneIn - 1]);
       next.clear();
       for (std::uint64_t k = 0; k < options_.effort; ++k) {
-        if (run(from[choices.below(from.size())], choices.next(), &level) == RunEnd::Climbed) next.push_back(last_);
+        if (run_from(from, choices, &level) == RunEnd::Climbed) next.push_back(last_);
       }
       if (next.empty()) break;
       levels.push_back(level);
@@ -110,6 +109,11 @@ class Splitter {
   }
 
  private:
+  // From one of the entrances. The two draws are ordered here: as arguments of one call their order is the compiler's.
+  RunEnd run_from(const std::vector<Entrance>& from, Prng& choices, const double* level) {
+    const std::uint64_t seed = choices.next();
+    return run(from[choices.below(from.size())], seed, level);
+  }
   // Until the level is climbed, if there is one, or the run is answered or ends.
   RunEnd run(const Entrance& from, std::uint64_t seed, const double* level) {
     last_.steps = from.steps;
