@@ -34,13 +34,18 @@ Signal Aig::make_and(Signal a, Signal b) {
 }
 
 Signal Aig::make_xor(Signal a, Signal b) {
-  return negated(make_and(negated(make_and(a, negated(b))), negated(make_and(negated(a), b))));
+  // Nodes are numbered as they are made. Arguments of one call are evaluated in an order that is the compiler's, so
+  // here and below each call of one that makes nodes is a statement.
+  const Signal only_b = make_and(negated(a), b);
+  const Signal only_a = make_and(a, negated(b));
+  return make_or(only_a, only_b);
 }
 
 Signal Aig::make_ite(Signal condition, Signal yes, Signal no) {
   if (yes == no || condition == kTrue) return yes;
   if (condition == kFalse) return no;
-  return make_or(make_and(condition, yes), make_and(negated(condition), no));
+  const Signal otherwise = make_and(negated(condition), no);
+  return make_or(make_and(condition, yes), otherwise);
 }
 
 Signal Aig::make_and_of(const std::vector<Signal>& signals) {
@@ -130,7 +135,8 @@ Word add(Aig& aig, const Word& a, const Word& b, Signal carry) {
     const Signal x = bit(a, k), y = bit(b, k);
     const Signal sum = aig.make_xor(x, y);
     w.push_back(aig.make_xor(sum, carry));
-    carry = aig.make_or(aig.make_and(x, y), aig.make_and(sum, carry));
+    const Signal is_passed_on = aig.make_and(sum, carry);
+    carry = aig.make_or(aig.make_and(x, y), is_passed_on);
   }
   return trimmed(w);
 }
@@ -155,7 +161,8 @@ Word multiply(Aig& aig, const Word& a, const Word& b) {
       const Signal x = sum[i], y = aig.make_and(digit, bit(a, i - k));
       const Signal half = aig.make_xor(x, y);
       sum[i] = aig.make_xor(half, carry);
-      carry = aig.make_or(aig.make_and(x, y), aig.make_and(half, carry));
+      const Signal is_passed_on = aig.make_and(half, carry);
+      carry = aig.make_or(aig.make_and(x, y), is_passed_on);
     }
   }
   return trimmed(sum);

@@ -118,7 +118,8 @@ void TransitionSystemBuilder::add_state() {
 Signal TransitionSystemBuilder::fits(const Word& word, const Range& range) {
   if (word.empty() || range == kAnyInt) return kTrue;
   const Word low = word_of(static_cast<std::int32_t>(range.low)), high = word_of(static_cast<std::int32_t>(range.high));
-  return aig_.make_and(negated(less(aig_, word, low)), negated(less(aig_, high, word)));
+  const Signal is_above = less(aig_, high, word);
+  return aig_.make_and(negated(less(aig_, word, low)), negated(is_above));
 }
 
 // Which ports are enabled; faults of guards, of two transitions at once and of priorities end the run in this state.

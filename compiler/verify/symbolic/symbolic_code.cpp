@@ -86,8 +86,9 @@ Word SymbolicCode::divided(const Expr& e, const Word& a, const Word& b, Symbolic
     return any(Type::Int);
   }
   const Signal by_zero = equal(aig_, b, word_of(0));
-  const Signal overflows =
-      aig_.make_and(equal(aig_, a, word_of(std::numeric_limits<std::int32_t>::min())), equal(aig_, b, word_of(-1)));
+  const Signal by_minus_one = equal(aig_, b, word_of(-1));
+  const Signal of_least = equal(aig_, a, word_of(std::numeric_limits<std::int32_t>::min()));
+  const Signal overflows = aig_.make_and(of_least, by_minus_one);
   at.fault = aig_.make_or(at.fault, aig_.make_and(at.condition, aig_.make_or(by_zero, overflows)));
   const Division d = divide(aig_, a, b);
   return e.op == Op::Div ? d.quotient : d.remainder;
