@@ -77,7 +77,16 @@ std::string ModelBuilder::key(const syntax::Decl& decl) const {
 }
 
 const TypeName* ModelBuilder::find_type(const syntax::Path& path) {
-  return find_visible(model, model.type_names, text(path), path.range, diags);
+  const bool is_plain = path.parts.size() == 1 && !path.parts.front().star && path.parts.front().index == nullptr;
+  if (!is_plain) return find_visible(model, model.type_names, text(path), path.range, diags);
+  auto& known = found_types[path.range.file.value];
+  const std::string_view name = path.parts.front().name.text;
+  if (const auto found = known.find(name); found != known.end()) return found->second;
+  const std::size_t errors = diags.error_count();
+  const TypeName* type = find_visible(model, model.type_names, text(path), path.range, diags);
+  // What is missing, or has two meanings, is reported wherever it is written.
+  if (type != nullptr && diags.error_count() == errors) known.emplace(name, type);
+  return type;
 }
 
 SourceRange ModelBuilder::declared(const syntax::Path& type) {

@@ -1,6 +1,8 @@
 // What the passes of build_model share. One ModelBuilder a model; each pass is a function in its own file.
 #pragma once
+#include <cstdint>
 #include <string>
+#include <string_view>
 #include <unordered_map>
 #include <unordered_set>
 
@@ -14,6 +16,8 @@ struct ModelBuilder {
   const SourceMap& sources;
   // Paper notation: the data that some instance initialises by name, by atom type name.
   std::unordered_map<std::string, std::unordered_set<std::string>> initialised_data;
+  // Answers of find_type, by file and by the name as written: most types are named many times.
+  std::unordered_map<std::uint32_t, std::unordered_map<std::string_view, const TypeName*>> found_types = {};
 
   [[nodiscard]] Loc loc(SourceRange r) const { return sources.loc(r); }
   [[nodiscard]] std::string text(const syntax::Path& p) const { return path_key(p, sources); }
