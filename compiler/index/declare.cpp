@@ -55,7 +55,6 @@ SymbolId IndexBuilder::add(SymbolKind kind, const Name& name, SourceRange range,
                 .detail = {},
                 .doc = {}};
   symbol.doc = doc_above(range.begin, range.end);
-  symbol.detail = one_line(range);
   const SymbolId id = out_.symbols.push(std::move(symbol));
   BIP_ASSERT(id.value < kFileScope - files_.size(), "symbol {} has the number of a file's scope", id.value);
   names_.emplace(key, id);
@@ -144,7 +143,7 @@ void IndexBuilder::declare_data(const DataDecl& d, SymbolId owner, SymbolKind ki
     symbol.detail = (kind == SymbolKind::Constant ? "const data " : "data ") + std::string(symbol.type_text) + " " +
                     std::string(v.name.text);
     if (d.exported) symbol.detail.insert(0, "export ");
-    if (v.init != nullptr) symbol.detail += " = " + one_line(v.init->range);
+    if (v.init != nullptr) symbol.detail += " = " + one_line(sources_, v.init->range);
   }
 }
 
@@ -206,8 +205,8 @@ void IndexBuilder::declare_items(std::span<const CompoundItem* const> items, Sym
                     .members = {},
                     .detail = {},
                     .doc = {}};
-      symbol.detail = "for " + std::string(item->name.text) + " in " + one_line(item->low->range) + ".." +
-                      one_line(item->high->range);
+      symbol.detail = "for " + std::string(item->name.text) + " in " + one_line(sources_, item->low->range) + ".." +
+                      one_line(sources_, item->high->range);
       const SymbolId id = out_.symbols.push(std::move(symbol));
       use(item->name.range, id, UseKind::Declaration);
       loops_.emplace(item, id);
@@ -229,7 +228,7 @@ void IndexBuilder::declare_items(std::span<const CompoundItem* const> items, Sym
       std::uint32_t end = item->name.range.end;
       if (item->index != nullptr) end = item->index->range.end + 1;
       symbol.detail = "component " + std::string(symbol.type_text) + " " +
-                      one_line({item->name.range.file, item->name.range.begin, end});
+                      one_line(sources_, {item->name.range.file, item->name.range.begin, end});
     }
     if (item->inline_body != nullptr) declare_connector(*item->inline_body, id);
   }

@@ -71,9 +71,9 @@ std::string IndexBuilder::doc_above(std::uint32_t begin, std::uint32_t /*end*/) 
   return doc;
 }
 
-std::string IndexBuilder::one_line(SourceRange range) const {
+std::string one_line(const SourceMap& sources, SourceRange range) {
   std::string out;
-  const std::string_view text = sources_.text(range);
+  const std::string_view text = sources.text(range);
   for (std::size_t at = 0; at < text.size() && out.size() <= kLongestLine;) {
     // A word, then a blank for all that follow it.
     std::size_t end = at;
@@ -90,9 +90,13 @@ std::string IndexBuilder::one_line(SourceRange range) const {
   return out + "…";
 }
 
+std::string detail_of(const Symbol& symbol, const SourceMap& sources) {
+  return symbol.detail.empty() ? one_line(sources, symbol.range) : symbol.detail;
+}
+
 std::string IndexBuilder::header(const Decl& d) const {
   if (d.kind != DeclKind::ConnectorType && d.kind != DeclKind::AtomType && d.kind != DeclKind::CompoundType)
-    return one_line(d.range);
+    return one_line(sources_, d.range);
   std::string out = d.notation == Notation::Paper       ? "component "
                     : d.kind == DeclKind::ConnectorType ? "connector type "
                     : d.kind == DeclKind::AtomType      ? "atom type "
@@ -102,7 +106,7 @@ std::string IndexBuilder::header(const Decl& d) const {
   out += '(';
   for (const Param& p : d.params) {
     if (&p != d.params.data()) out += ", ";
-    if (p.type.is_written()) out += one_line(p.type.name.range) + " ";
+    if (p.type.is_written()) out += one_line(sources_, p.type.name.range) + " ";
     out += p.name.text;
   }
   return out + ")";

@@ -2,6 +2,8 @@
 #include "compiler/index/index.hpp"
 
 #include <algorithm>
+#include <array>
+#include <numeric>
 #include <tuple>
 
 #include "compiler/index/index_builder.hpp"
@@ -35,16 +37,44 @@ const char* name_of(SymbolKind kind) {
   return "name";
 }
 
+namespace {
+
+std::uint64_t begin_of(const Use& u) { return (std::uint64_t{u.range.file.value} << 32u) | u.range.begin; }
+
+/// Stable. A radix sort from the lowest digit up (Knuth, TAOCP 3, algorithm 5.2.5R): linear, where a merge sort of the
+/// uses of a large file took a quarter of the time of its index.
+void sort_by_begin(std::vector<Use>& uses) {
+  constexpr unsigned kDigitBits = 11;
+  constexpr std::uint64_t kDigit = (std::uint64_t{1} << kDigitBits) - 1;
+  std::uint64_t varying = 0;
+  for (const Use& u : uses) varying |= begin_of(u) ^ begin_of(uses.front());
+  std::vector<Use> sorted(uses.size());
+  for (unsigned shift = 0; shift < 64 && (varying >> shift) != 0; shift += kDigitBits) {
+    if (((varying >> shift) & kDigit) == 0) continue;
+    std::array<std::size_t, kDigit + 1> next{};
+    for (const Use& u : uses) ++next[(begin_of(u) >> shift) & kDigit];
+    std::exclusive_scan(next.begin(), next.end(), next.begin(), std::size_t{0});
+    for (const Use& u : uses) sorted[next[(begin_of(u) >> shift) & kDigit]++] = u;
+    uses.swap(sorted);
+  }
+}
+
+}  // namespace
+
 Index build_index(std::span<const syntax::Syntax* const> files, const SourceMap& sources) {
   Index index = IndexBuilder(sources).run(files);
   const auto place = [](const Use& u) { return std::tuple(u.range.file.value, u.range.begin, u.range.end); };
-  const auto begin = [](const Use& u) { return (std::uint64_t{u.range.file.value} << 32u) | u.range.begin; };
-  std::stable_sort(index.uses.begin(), index.uses.end(), [&](const Use& a, const Use& b) {
-    // Few uses begin at one place.
-    if (const std::uint64_t at = begin(a), other = begin(b); at != other) return at < other;
-    return std::pair(a.range.end, a.kind == UseKind::Declaration ? 0 : 1) <
-           std::pair(b.range.end, b.kind == UseKind::Declaration ? 0 : 1);
-  });
+  sort_by_begin(index.uses);
+  // Few uses begin at one place.
+  for (auto from = index.uses.begin(); from != index.uses.end();) {
+    const auto to = std::find_if(from, index.uses.end(), [&](const Use& u) { return begin_of(u) != begin_of(*from); });
+    if (to - from > 1)
+      std::stable_sort(from, to, [](const Use& a, const Use& b) {
+        return std::pair(a.range.end, a.kind == UseKind::Declaration ? 0 : 1) <
+               std::pair(b.range.end, b.kind == UseKind::Declaration ? 0 : 1);
+      });
+    from = to;
+  }
   // A state is a place and the `from` of its transitions, `port T p, q` names T for both: one use each.
   const auto last = std::unique(index.uses.begin(), index.uses.end(),
                                 [&](const Use& a, const Use& b) { return place(a) == place(b); });
@@ -99,14 +129,19 @@ std::vector<SymbolId> Index::members_behind_dot(SymbolId owner) const {
   return found;
 }
 
+bool Index::is_around(SymbolId symbol, FileId file, std::uint32_t offset) const {
+  const Symbol& s = symbols[symbol];
+  const bool is_inline = s.kind == SymbolKind::Connector && s.type_text.empty();
+  const bool is_type =
+      s.kind == SymbolKind::ConnectorType || s.kind == SymbolKind::AtomType || s.kind == SymbolKind::CompoundType;
+  return (is_inline || is_type) && s.range.file == file && s.range.begin <= offset && offset <= s.range.end;
+}
+
 SymbolId Index::enclosing(FileId file, std::uint32_t offset) const {
   SymbolId best;
   for (std::uint32_t row = 0; row < symbols.size(); ++row) {
     const Symbol& s = symbols[SymbolId(row)];
-    const bool is_inline = s.kind == SymbolKind::Connector && s.type_text.empty();
-    const bool is_type =
-        s.kind == SymbolKind::ConnectorType || s.kind == SymbolKind::AtomType || s.kind == SymbolKind::CompoundType;
-    if ((!is_inline && !is_type) || s.range.file != file || offset < s.range.begin || offset > s.range.end) continue;
+    if (!is_around(SymbolId(row), file, offset)) continue;
     if (!best.is_valid() || s.range.end - s.range.begin <= symbols[best].range.end - symbols[best].range.begin)
       best = SymbolId(row);
   }

@@ -3,7 +3,7 @@
 //
 // Needs parsed files, a package after those it uses (as the driver orders them). The texts must outlive the index, the
 // trees need not. Rules of scope are those of the model; where a wrong program leaves a choice the first declaration
-// wins. Cost: linear in the trees, times log of the number of names.
+// wins. Cost: linear in the trees.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -53,7 +53,7 @@ struct Symbol {
   std::string_view type_text;     // the same as written
   bool is_visible = false;        // may be named from outside its parent as `a.name`
   std::vector<SymbolId> members;  // in source order
-  std::string detail;             // the declaration on one line
+  std::string detail;             // the declaration on one line, where that is not the text of `range`; see detail_of
   std::string doc;                // the comment above it, without its slashes
 };
 
@@ -78,7 +78,12 @@ struct Index {
   [[nodiscard]] std::vector<SymbolId> members_behind_dot(SymbolId owner) const;
   /// The innermost declaration of a type (or inline connector) around the offset.
   [[nodiscard]] SymbolId enclosing(FileId file, std::uint32_t offset) const;
+  /// May `enclosing` return it for the offset, or a parent's parent of what it returns?
+  [[nodiscard]] bool is_around(SymbolId symbol, FileId file, std::uint32_t offset) const;
 };
+
+/// The declaration on one line.
+[[nodiscard]] std::string detail_of(const Symbol& symbol, const SourceMap& sources);
 
 [[nodiscard]] Index build_index(std::span<const syntax::Syntax* const> files, const SourceMap& sources);
 

@@ -9,6 +9,9 @@
 
 namespace bip::index {
 
+/// The text of a range with a blank for each gap, cut where it becomes too long for one line.
+[[nodiscard]] std::string one_line(const SourceMap& sources, SourceRange range);
+
 class IndexBuilder {
  public:
   explicit IndexBuilder(const SourceMap& sources) : sources_(sources) {}
@@ -51,7 +54,6 @@ class IndexBuilder {
 
   // doc.cpp
   [[nodiscard]] std::string doc_above(std::uint32_t begin, std::uint32_t end) const;
-  [[nodiscard]] std::string one_line(SourceRange range) const;
   [[nodiscard]] std::string header(const syntax::Decl& d) const;
 
   // resolve_uses.cpp: types and the parts of atoms

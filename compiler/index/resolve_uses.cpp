@@ -212,6 +212,11 @@ void IndexBuilder::resolve(const DeclRow& row) {
 
 Index IndexBuilder::run(std::span<const Syntax* const> files) {
   std::map<std::string, std::size_t> by_name;
+  // A guess: growing would hash all names again.
+  constexpr std::size_t kBytesPerName = 40;
+  std::size_t bytes = 0;
+  for (const Syntax* syntax : files) bytes += syntax == nullptr ? 0 : sources_.text(syntax->file).size();
+  names_.reserve(bytes / kBytesPerName);
   for (const Syntax* syntax : files) {
     if (syntax == nullptr || syntax->package == nullptr) continue;
     files_.emplace_back().syntax = syntax;

@@ -90,8 +90,9 @@ Texts keywords(Region region) {
 
 class Completer {
  public:
-  Completer(const Index& index, FileId file, std::uint32_t offset, std::string_view before)
-      : index_(index), words_(cut_into_words(before)) {
+  /// `sources`: of the index; null only if that is empty.
+  Completer(const Index& index, const SourceMap* sources, FileId file, std::uint32_t offset, std::string_view before)
+      : index_(index), sources_(sources), words_(cut_into_words(before)) {
     std::vector<Word>& list = words_.list;
     // What is being typed is no context.
     if (!list.empty() && list.back().begin + list.back().text.size() == before.size() &&
@@ -214,7 +215,7 @@ class Completer {
   void add(SymbolId id) {
     const Symbol& s = index_.symbols[id];
     if (!seen_.insert(std::string(s.name)).second) return;
-    Json item{{"label", s.name}, {"kind", item_kind(s.kind)}, {"detail", s.detail}};
+    Json item{{"label", s.name}, {"kind", item_kind(s.kind)}, {"detail", detail_of(s, *sources_)}};
     if (!s.doc.empty()) item["documentation"] = s.doc;
     items_.push_back(std::move(item));
   }
@@ -226,6 +227,7 @@ class Completer {
   }
 
   const Index& index_;
+  const SourceMap* sources_;
   Words words_;
   std::vector<SymbolId> scope_;
   std::set<std::string> seen_;
@@ -237,10 +239,13 @@ class Completer {
 Reply completion(Workspace& /*w*/, const Document& d, std::uint32_t offset) {
   const bool is_readable = d.analysis.index.symbols.size() > 0;
   const Index& index = is_readable ? d.analysis.index : d.last_names;
+  const pipeline::Compilation* read = is_readable ? d.analysis.compilation.get() : d.last_compilation.get();
   // Offsets of an older state are near enough to tell the declaration around.
   const FileId file = index.symbols.size() > 0 ? d.analysis.file : FileId();
   return Json{{"isIncomplete", false},
-              {"items", Completer(index, file, offset, std::string_view(d.text.str()).substr(0, offset)).run()}};
+              {"items", Completer(index, read == nullptr ? nullptr : &read->sources, file, offset,
+                                  std::string_view(d.text.str()).substr(0, offset))
+                            .run()}};
 }
 
 }  // namespace bip::lsp

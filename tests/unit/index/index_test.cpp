@@ -1,5 +1,6 @@
 // The index on small files: `^` marks a name whose declaration and number of uses are expected.
 #include <catch2/catch.hpp>
+#include <tuple>
 
 #include "compiler/index/index.hpp"
 #include "compiler/parse/parse.hpp"
@@ -138,4 +139,43 @@ TEST_CASE("a broken declaration leaves the others") {
   REQUIRE(m.symbol("U to") != nullptr);
   CHECK(m.uses("U to") == 4);
   CHECK(m.symbol("P q()") != nullptr);
+}
+
+TEST_CASE("a declaration on one line") {
+  const Indexed m({kModel});
+  const auto line = [&m](std::string_view at, std::uint32_t skip = 0) {
+    const Symbol* symbol = m.symbol(at, skip);
+    return symbol == nullptr ? "" : detail_of(*symbol, m.sources);
+  };
+  CHECK(line("Value(int v)") == "port type Value(int v)");
+  CHECK(line("Pass(Value a") == "connector type Pass(Value a, Value b)");
+  CHECK(line("in(x), out") == "export port Value in(x)");
+  CHECK(line("x = n") == "data int x = n");
+  CHECK(line("T\n    initial") == "place T");
+  // Where nothing else is said it is the text.
+  CHECK(line("c[i](a.out") == "connector Pass c[i](a.out, b[i].in)");
+  CHECK(line("rule in < out") == "priority rule in < out");
+  CHECK(line("start") == "export port a.in as start");
+}
+
+TEST_CASE("uses of large files are in the order of the text") {
+  std::string text = "package m\n port type P()\n";
+  for (int k = 0; k < 3000; ++k)
+    text += " atom type A" + std::to_string(k) +
+            "()\n  export port P p()\n  place S\n  initial to S\n  on p from S to S\n end\n";
+  const Indexed m({text + "end\n", "package other\n port type P()\nend\n", text + "end\n"});
+  const auto place = [](const Use& u) { return std::tuple(u.range.file.value, u.range.begin, u.range.end); };
+  for (std::size_t k = 1; k < m.index.uses.size(); ++k) REQUIRE(place(m.index.uses[k - 1]) < place(m.index.uses[k]));
+  // A type and its port's type, the port twice, the place four times; the package, and the port type.
+  CHECK(m.index.uses.size() == 2 * (3000 * 8 + 2) + 2);
+}
+
+TEST_CASE("what is around an offset") {
+  const Indexed m({kModel});
+  const auto at = [&m](std::string_view what) { return static_cast<std::uint32_t>(m.sources.text(m.file).find(what)); };
+  for (const std::string_view what : {"a.v", "x < n", "c[i]", "none p", "package"}) {
+    const SymbolId inner = m.index.enclosing(m.file, at(what));
+    for (std::uint32_t row = 0; row < m.index.symbols.size(); ++row)
+      CHECK(m.index.is_around(SymbolId(row), m.file, at(what)) == (SymbolId(row) == inner));
+  }
 }
