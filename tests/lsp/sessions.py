@@ -7,6 +7,7 @@ import subprocess
 import tempfile
 
 import client
+import fresh
 
 MODEL = """package m
   // What is exchanged.
@@ -636,8 +637,31 @@ def test_an_edit_parses_one_declaration():
     equal(work(), {"checks": 4, "parsed": 45, "reused": 124, "partly": 1, "whole": 0})
 
 
+def test_names_behind_pulled_diagnostics_of_a_large_file():
+    """A check of a large document leaves its names unread; the first answer that needs them is of the new text all the same."""
+    text = "package m\n  port type Signal()\n" + "".join(f"  atom type A{k}()\n    data int x\n    export port Signal p()\n    place S\n    initial to S\n    on p from S to S\n  end\n" for k in range(4000)) + "end\n"
+    c = started(text)
+    c.diagnostics(URI)
+    begin = {"line": 0, "character": 0}
+    line = 2 + 7 * 3000 + 5
+    for version, name in enumerate(("references", "rename", "prepareRename", "definition", "hover", "documentHighlight", "documentSymbol", "semanticTokens/full", "foldingRange", "selectionRange", "inlayHint", "formatting", "symbol"), 2):
+        # Each edit moves everything down by a line.
+        line += 1
+        where = {"line": line, "character": len("    on p from ")}
+        near = {"range": {"start": {"line": line - 9, "character": 0}, "end": {"line": line, "character": 0}}}
+        asked = {**document(), "position": where, "positions": [where], "newName": "Other", "context": {"includeDeclaration": True}, **near, "options": {}, "query": "A3000"}
+        method = ("workspace/" if name == "symbol" else "textDocument/") + name
+        c.change(URI, version, [{"range": {"start": begin, "end": begin}, "text": "\n"}])
+        answers = fresh.ask_together(c, [("pulled", ("textDocument/diagnostic", document())), ("behind", (method, asked))])
+        equal(answers["pulled"]["result"], {"kind": "full", "items": []})
+        alone = c.call(method, asked)
+        equal(answers["behind"]["result"], alone["result"])
+        assert alone["result"], name
+    equal(c.stop(), 0)
+
+
 def test_completion_of_a_large_file_does_not_wait_for_its_check():
-    """A key and the completion after it: the answer comes before the diagnostics of the new text, with its words; every other request waits for them."""
+    """A key and the completion after it: the answer comes before the diagnostics of the new text, with its words; so do answers about names, and every other request waits for them."""
     text = "package m\n  port type Signal()\n" + "".join(f"  atom type A{k}()\n    export port Signal p()\n    place S\n    initial to S\n    on p from S to S\n  end\n" for k in range(4000)) + "end\n"
     c = started(text)
     c.diagnostics(URI)
@@ -671,6 +695,8 @@ def test_completion_of_a_large_file_does_not_wait_for_its_check():
     equal(order, ["answer", "diagnostics"])
     equal(answer, None)
     order, _ = edit(4, "prepareRename")
+    equal(order, ["answer", "diagnostics"])
+    order, _ = edit(4, "diagnostic")
     equal(order[0], "diagnostics")
     # So it is of a text with an error of syntax; where the whole is read the check comes first.
     c.change(URI, 5, [{"range": {"start": begin, "end": begin}, "text": "("}])

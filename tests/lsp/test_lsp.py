@@ -60,6 +60,9 @@ def main():
     if wanted("fresh"):
         good, bad = fresh.run(sorted(models.rglob("*.bip")), max(2, options.edits // 100), options.seed, report)
         passed, failed = passed + good, failed + bad
+    if wanted("large"):
+        good, bad = fresh.run_large(max(4, options.edits // 30), options.seed, report)
+        passed, failed = passed + good, failed + bad
     if wanted("malformed"):
         good, bad = malformed.run(5000, options.seed, report)
         passed, failed = passed + good, failed + bad

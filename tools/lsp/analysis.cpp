@@ -25,6 +25,10 @@ Findings take_findings(const pipeline::Compilation& c) {
   f.compilation = &c;
   f.diagnostics = c.diags.sorted();
   f.file = c.file;
+  return f;
+}
+
+void count_interactions(Findings& f, const pipeline::Compilation& c) {
   const auto count = [&f](const auto& types) {
     for (const ConnectorType& type : types) {
       // Types of other packages have their package before the name.
@@ -35,7 +39,6 @@ Findings take_findings(const pipeline::Compilation& c) {
   // Instantiation takes the types that it uses out of the model.
   if (c.system) count(c.system->connector_types);
   if (c.model) count(c.model->connector_types);
-  return f;
 }
 
 void forget_products(pipeline::Compilation& c) {
@@ -54,8 +57,6 @@ Analysis take_names(std::unique_ptr<pipeline::Compilation> c) {
   a.file = c->file;
   if (c->syntax.has_value() && c->syntax->package != nullptr && c->packages.empty()) c->packages.push_back(&*c->syntax);
   a.index = index::build_index(c->packages, c->sources);
-  // The index needs texts only.
-  forget_products(*c);
   a.compilation = std::move(c);
   return a;
 }

@@ -33,10 +33,11 @@ struct Findings {
   [[nodiscard]] const std::string* path_of(FileId id) const;
 };
 
-/// What a check found, as `compilation` holds it. Call it before take_names().
+/// What a check found, as `compilation` holds it, but for the interactions. Call both before take_names().
 [[nodiscard]] Findings take_findings(const pipeline::Compilation& compilation);
+void count_interactions(Findings& findings, const pipeline::Compilation& compilation);
 
-/// Names of a parsed file and of the packages that were loaded with it. What is not needed for names is freed.
+/// Names of a parsed file and of the packages that were loaded with it. Names do not need its other products.
 [[nodiscard]] Analysis take_names(std::unique_ptr<pipeline::Compilation> compilation);
 /// Frees all but texts and diagnostics.
 void forget_products(pipeline::Compilation& compilation);

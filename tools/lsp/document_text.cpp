@@ -15,6 +15,7 @@ struct Step {
   std::uint32_t units;
 };
 Step step(std::string_view text, Encoding encoding) {
+  if (static_cast<unsigned char>(text.front()) < 0x80) return {1, 1};
   const auto bytes = static_cast<std::uint32_t>(std::max<std::size_t>(utf8_length(text), 1));
   return {bytes, encoding == Encoding::Utf8 ? bytes : bytes == 4 ? 2u : 1u};
 }

@@ -1,6 +1,7 @@
 // Inlay hints: what a text leaves out. Names of parameters before arguments, how many interactions a connector has, and
 // with which value data without an initial one begin.
 #include <algorithm>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -24,20 +25,20 @@ struct Arguments {
   std::uint32_t end = 0;  // behind the closing parenthesis; 0: there are none
 };
 
-// Of `name(a, b)` or `name[3](a, b)`, from behind the name on.
-Arguments arguments_from(std::string_view text, std::uint32_t begin) {
-  constexpr std::size_t kMostLookedAt = 4096;
+// Of `(a, b)` or `[3](a, b)` at the begin of the text, which is at the offset. nullopt: the text ends before that is
+// known.
+std::optional<Arguments> arguments_in(std::string_view text, std::uint32_t offset) {
   Arguments found;
-  const Words words = cut_into_words(text.substr(begin, kMostLookedAt));
+  const Words words = cut_into_words(text);
   int parentheses = 0, brackets = 0;
   Argument next;
   bool is_begun = false;
   for (const Word& word : words.list) {
-    const std::uint32_t at = begin + word.begin;
+    const std::uint32_t at = offset + word.begin;
     const bool is_outer = parentheses == 1 && brackets == 0;
     if (word.text == "[") ++brackets;
     if (word.text == "]") --brackets;
-    if (parentheses == 0 && brackets == 0 && word.text != "(" && word.text != "]") return {};
+    if (parentheses == 0 && brackets == 0 && word.text != "(" && word.text != "]") return Arguments();
     if (word.text == "(" && ++parentheses == 1) continue;
     if (word.text == ")") --parentheses;
     if (parentheses == 0 && word.text != ")") continue;
@@ -52,6 +53,15 @@ Arguments arguments_from(std::string_view text, std::uint32_t begin) {
     }
     if (!std::exchange(is_begun, true)) next.begin = at;
     next.end = at + static_cast<std::uint32_t>(word.text.size());
+  }
+  return std::nullopt;
+}
+
+// From behind a name on. Most lists of arguments are short.
+Arguments arguments_from(std::string_view text, std::uint32_t begin) {
+  constexpr std::size_t kFirstLookedAt = 128, kMostLookedAt = 4096;
+  for (std::size_t length = kFirstLookedAt; length <= kMostLookedAt; length *= 2) {
+    if (const std::optional<Arguments> found = arguments_in(text.substr(begin, length), begin)) return *found;
   }
   return {};
 }
@@ -101,10 +111,7 @@ class HintCollector {
   enum class Kind : std::uint8_t { Parameter, Value };
 
   void add_interactions(const Symbol& type, std::uint32_t at) {
-    const std::string* path = d_.analysis.path_of(type.name_range.file);
-    if (path == nullptr) return;
-    const Json range = w_.range(d_.analysis, type.name_range);
-    const auto line = range["start"]["line"].get<std::uint32_t>() + 1;
+    const std::uint32_t line = d_.analysis.compilation->sources.loc(type.name_range).line;
     const auto found = d_.findings.interactions.find({std::string(type.name), line});
     if (found == d_.findings.interactions.end()) return;
     const double count = found->second;

@@ -70,37 +70,56 @@ void Server::handle(std::string_view body, Queue queue) {
   // Answers come after the diagnostics of all changes before them, but for questions about names in large documents.
   const bool is_change = method != nullptr && *method == "textDocument/didChange";
   const bool takes_old_names = method != nullptr && *method == "textDocument/completion" && can_wait();
-  if (!is_change && !takes_old_names &&
-      !(method != nullptr && asks_for_names(*method, message) && can_wait() && read_names(message)))
+  if (!is_change && !takes_old_names && !(method != nullptr && can_wait() && read_names(needs_of(*method), message)))
     check_changed();
   dispatch(message);
   if (queue == Queue::Empty && !can_wait()) check_changed();
 }
 
-// In this document alone: what others say of it needs a check of them.
-bool Server::asks_for_names(std::string_view method, const Json& message) {
-  constexpr std::string_view kMethods[] = {
+Server::Needs Server::needs_of(std::string_view method) {
+  constexpr std::string_view kOfAll[] = {"textDocument/references", "textDocument/rename", "textDocument/prepareRename",
+                                         "workspace/symbol"};
+  constexpr std::string_view kOfOne[] = {
       "textDocument/documentSymbol",    "textDocument/semanticTokens/full", "textDocument/semanticTokens/range",
       "textDocument/codeLens",          "textDocument/foldingRange",        "textDocument/selectionRange",
       "textDocument/documentLink",      "textDocument/definition",          "textDocument/hover",
       "textDocument/documentHighlight", "textDocument/signatureHelp",       "textDocument/formatting"};
-  return member(message, "params") != nullptr &&
-         std::find(std::begin(kMethods), std::end(kMethods), method) != std::end(kMethods);
+  const auto is_among = [method](const auto& list) {
+    return std::find(std::begin(list), std::end(list), method) != std::end(list);
+  };
+  return is_among(kOfOne) ? Needs::OwnNames : is_among(kOfAll) ? Needs::AllNames : Needs::Check;
 }
 
-bool Server::read_names(const Json& message) {
-  const std::string* uri = uri_in(*member(message, "params"));
-  Document* const d = uri == nullptr ? nullptr : workspace_.find(*uri);
-  // Another document that changed may be a package that this one uses.
-  return d != nullptr && changed_.size() == 1 && changed_.front() == d->path && workspace_.read_names(*d);
+bool Server::read_names(Needs needs, const Json& message) {
+  switch (needs) {
+    case Needs::Check: return false;
+    case Needs::OwnNames: {
+      const Json* params = member(message, "params");
+      const std::string* uri = params == nullptr ? nullptr : uri_in(*params);
+      Document* const d = uri == nullptr ? nullptr : workspace_.find(*uri);
+      // Another document that changed may be a package that this one uses.
+      return d != nullptr && changed_.size() == 1 && changed_.front() == d->path && workspace_.read_names(*d);
+    }
+    case Needs::AllNames:
+      // The users of a changed package have to be read again as well: their check does that.
+      return std::all_of(changed_.begin(), changed_.end(), [this](const std::string& path) {
+        Document* const d = workspace_.find_path(path);
+        return d != nullptr && !workspace_.is_used_by_others(path) && workspace_.read_names(*d);
+      });
+  }
+  return false;
+}
+
+void Server::catch_up() {
+  check_changed();
+  finish();
 }
 
 // A check of a large document takes longer than a person needs for a key.
 bool Server::can_wait() {
-  constexpr std::size_t kLarge = std::size_t{256} << 10;
   return std::any_of(changed_.begin(), changed_.end(), [this](const std::string& path) {
     const Document* const d = workspace_.find_path(path);
-    return d != nullptr && d->text.str().size() > kLarge;
+    return d != nullptr && Workspace::is_large(*d);
   });
 }
 
@@ -165,7 +184,9 @@ Reply Server::answer(const std::string& method, const Json& params) {
   }
   if (method == "workspace/symbol") {
     const std::string* query = string_member(params, "query");
-    return query == nullptr ? Reply(bad_params("`query` is missing")) : workspace_symbols(workspace_, *query);
+    if (query == nullptr) return bad_params("`query` is missing");
+    workspace_.read_names_of_checks();
+    return workspace_symbols(workspace_, *query);
   }
   // For tests: which requests read a document again, and how much of it.
   if (method == "bip/checks") return workspace_.work_done();
@@ -180,6 +201,7 @@ Reply Server::answer(const std::string& method, const Json& params) {
                      name == "prepareRename" || name == "completion" || name == "documentHighlight" ||
                      name == "signatureHelp";
   if (!is_whole && !is_at) return RpcError{ErrorCode::MethodNotFound, "no method `" + method + "`"};
+  if (name != "diagnostic" && name != "codeAction" && name != "formatting") workspace_.read_names_of_checks();
   if (is_at) return at_position(name, params);
   const std::string* uri = uri_in(params);
   if (uri == nullptr) return bad_params("`textDocument.uri` is missing");

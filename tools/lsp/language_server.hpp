@@ -28,7 +28,11 @@ class Server {
   /// that need a check; completion takes the names of the last one, questions about names read those of the new text
   /// alone. Else catch_up() does it after a pause.
   [[nodiscard]] bool is_behind() const { return !changed_.empty(); }
-  void catch_up() { check_changed(); }
+  void catch_up();
+  /// Whether answers left work that they did not need: names of a large document that was checked (they are read before
+  /// the first answer from names, too), and memory to free. For finish(), when no message waits.
+  [[nodiscard]] bool is_unfinished() const { return changed_.empty() && workspace_.is_unfinished(); }
+  void finish() { workspace_.finish(); }
   [[nodiscard]] bool is_finished() const { return state_ == State::Finished; }
   /// 0 after an orderly shutdown, 1 if `exit` came without.
   [[nodiscard]] int exit_code() const { return exit_code_; }
@@ -54,9 +58,11 @@ class Server {
   void check_later(const std::string& path);
   void check_changed();
   [[nodiscard]] bool can_wait();
-  [[nodiscard]] static bool asks_for_names(std::string_view method, const Json& message);
-  /// Of the document of a request, without a check. False if only the check gives them.
-  [[nodiscard]] bool read_names(const Json& message);
+  /// What an answer comes from: a check of what changed, or names alone, of its document or of all.
+  enum class Needs : std::uint8_t { Check, OwnNames, AllNames };
+  [[nodiscard]] static Needs needs_of(std::string_view method);
+  /// The names that a request needs, without a check. False if only the check gives them.
+  [[nodiscard]] bool read_names(Needs needs, const Json& message);
   void log(const std::string& text);
   void fail(const Json& id, ErrorCode code, const std::string& message);
   void notify(const char* method, Json params);

@@ -201,9 +201,7 @@ Reply workspace_symbols(Workspace& w, const std::string& query) {
     }
   };
   for (const auto& [path, document] : w.documents()) add(document->analysis);
-  for (const auto& [path, analysis] : w.unopened.declarations()) {
-    if (!w.documents().contains(path)) add(analysis);
-  }
+  for (const auto& [path, analysis] : w.unopened.declarations(w.open_texts())) add(analysis);
   return out;
 }
 

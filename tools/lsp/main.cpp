@@ -49,6 +49,7 @@ int serve() {
       if (server.is_finished()) return server.exit_code();
     }
     if (server.is_behind() && !has_input(kPauseMs)) server.catch_up();
+    if (server.is_unfinished() && !has_input(0)) server.finish();
     chunk.resize(std::clamp<std::size_t>(framing.missing(), 4096, kMostAtOnce));
     const ssize_t got = ::read(STDIN_FILENO, chunk.data(), chunk.size());
     if (got < 0 && errno == EINTR) continue;

@@ -3,7 +3,7 @@
 //
 // A symbol is known across files by where it is declared: path and offset. Cost: linear in the open documents' uses and
 // in the text of the folders.
-#include <algorithm>
+#include <map>
 #include <set>
 
 #include "tools/lsp/features.hpp"
@@ -73,6 +73,14 @@ Uses all_uses(Workspace& w, const Document& d, const Symbol& symbol, Files files
   return found;
 }
 
+std::vector<SymbolId> symbols_named(const index::Index& index, std::string_view name) {
+  std::vector<SymbolId> found;
+  for (std::uint32_t row = 0; row < index.symbols.size(); ++row) {
+    if (index.symbols[SymbolId(row)].name == name) found.push_back(SymbolId(row));
+  }
+  return found;
+}
+
 /// Why the symbol's name is not to be changed from here; empty if it may be.
 std::string objection(Workspace& w, const Document& d, const Symbol& s) {
   const std::string* in = d.analysis.path_of(s.name_range.file);
@@ -138,14 +146,17 @@ Reply rename(Workspace& w, const Document& d, std::uint32_t offset, const std::s
   if (name == symbol.name) return Json{{"changes", Json::object()}};
   Json changes = Json::object();
   const Uses uses = all_uses(w, d, symbol, Files::Ours);
+  std::map<const Analysis*, std::vector<SymbolId>> of_that_name;
   for (const Found& f : uses.list) {
     // Whatever has the name already where this one is used would catch it, or be caught.
     const index::Index& index = f.analysis->index;
+    const auto [others, is_new] = of_that_name.try_emplace(f.analysis);
+    if (is_new) others->second = symbols_named(index, name);
     const std::string_view text = f.analysis->compilation->sources.text(f.use.range.file);
     const bool is_behind_dot = f.use.range.begin > 0 && text[f.use.range.begin - 1] == '.';
-    for (const SymbolId other :
-         is_behind_dot ? std::vector<SymbolId>() : names_in_scope(index, f.use.range.file, f.use.range.begin)) {
-      if (index.symbols[other].name == name)
+    for (const SymbolId other : is_behind_dot ? std::vector<SymbolId>() : others->second) {
+      const SymbolId owner = index.symbols[other].parent;
+      if (!owner.is_valid() || index.is_around(owner, f.use.range.file, f.use.range.begin))
         return RpcError{
             ErrorCode::RequestFailed,
             "there is a " + std::string(index::name_of(index.symbols[other].kind)) + " `" + name + "` already"};

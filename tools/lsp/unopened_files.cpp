@@ -27,7 +27,9 @@ Analysis names_in(const std::string& path, const std::vector<std::string>& folde
   (void)pipeline::compile(*c, path, pipeline::Stage::Syntax);
   if (c->syntax.has_value() && c->syntax->package != nullptr && used == Used::Loaded && c->packages.empty())
     (void)pipeline::load_packages(*c);
-  return take_names(std::move(c));
+  Analysis names = take_names(std::move(c));
+  forget_products(*names.compilation);
+  return names;
 }
 
 std::string text_of(const std::string& path) {
@@ -75,8 +77,9 @@ std::vector<Analysis> UnopenedFiles::with_name(std::string_view name, const std:
   return found;
 }
 
-const std::map<std::string, Analysis>& UnopenedFiles::declarations() {
+const std::map<std::string, Analysis>& UnopenedFiles::declarations(const std::map<std::string, std::string>& open) {
   std::map<std::string, Version> now = files();
+  std::erase_if(now, [&](const auto& row) { return open.contains(row.first); });
   std::erase_if(declarations_, [&](const auto& row) {
     const auto same = now.find(row.first);
     return same == now.end() || same->second != versions_[row.first];

@@ -24,8 +24,9 @@ class UnopenedFiles {
   /// files of used packages. Reads all files and parses those that hold the name. Order: by path.
   [[nodiscard]] std::vector<Analysis> with_name(std::string_view name, const std::vector<std::string>& folders,
                                                 const std::map<std::string, std::string>& open) const;
-  /// What each file declares, by path; a file is parsed again when it has changed. Valid until the next call.
-  [[nodiscard]] const std::map<std::string, Analysis>& declarations();
+  /// What each file that is not among `open` declares, by path; a file is parsed again when it has changed. Valid until
+  /// the next call.
+  [[nodiscard]] const std::map<std::string, Analysis>& declarations(const std::map<std::string, std::string>& open);
 
  private:
   struct Version {

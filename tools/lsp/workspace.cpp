@@ -2,6 +2,7 @@
 #include "tools/lsp/workspace.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "compiler/pipeline/load_packages.hpp"
 #include "compiler/syntax/print.hpp"
@@ -45,8 +46,28 @@ std::unique_ptr<pipeline::Compilation> Workspace::compilation_of(Document& d) co
   return c;
 }
 
+bool Workspace::is_large(const Document& d) {
+  constexpr std::size_t kLarge = std::size_t{256} << 10;
+  return d.text.str().size() > kLarge;
+}
+
+bool Workspace::uses(const Document& d, const std::string& path) {
+  const auto has = [&path](const pipeline::Compilation* c) {
+    return c != nullptr &&
+           std::any_of(c->paths.begin(), c->paths.end(), [&path](const auto& row) { return row.second == path; });
+  };
+  return has(d.analysis.compilation.get()) || has(d.findings.compilation);
+}
+
+bool Workspace::is_used_by_others(const std::string& path) const {
+  return std::any_of(documents_.begin(), documents_.end(),
+                     [&path](const auto& row) { return row.first != path && uses(*row.second, path); });
+}
+
 bool Workspace::read_names(Document& d) {
   if (d.named_edits == d.edits && d.analysis.compilation != nullptr) return true;
+  // They are of an earlier text, and parsing ends its trees.
+  if (std::exchange(d.has_unread_names, false)) forget_products(*d.findings.own);
   std::unique_ptr<pipeline::Compilation> c = compilation_of(d);
   c->path = d.path;
   const Result<FileId> file = pipeline::load_text(*c, d.path);
@@ -59,6 +80,7 @@ bool Workspace::read_names(Document& d) {
   if (d.findings.compilation != nullptr && d.findings.own == nullptr)
     d.findings.own = std::move(d.analysis.compilation);
   d.analysis = take_names(std::move(c));
+  d.has_products = true;
   d.last_names = {};
   d.last_compilation.reset();
   d.named_edits = d.edits;
@@ -69,19 +91,31 @@ void Workspace::analyse(Document& d) {
   ++checks;
   const bool has_names = d.named_edits == d.edits && d.edits != d.checked_edits && d.analysis.compilation != nullptr;
   d.checked_edits = d.edits;
+  d.has_unread_names = false;
   std::unique_ptr<pipeline::Compilation> c = compilation_of(d);
   (void)pipeline::check(*c, d.path);
   Findings findings = take_findings(*c);
   const bool has_tree = c->syntax.has_value() && c->syntax->package != nullptr;
   if (has_names && has_tree) {
-    forget_products(*c);
+    count_interactions(findings, *c);
+    d.has_products = true;
     findings.own = std::move(c);
     d.findings = std::move(findings);
     return;
   }
   // `check` stops at the first stage with errors; names are wanted whatever it found. Diagnostics were complete before.
   if (has_tree && c->packages.empty()) (void)pipeline::load_packages(*c);
-  Analysis a = take_names(std::move(c));
+  findings.own = std::move(c);
+  d.findings = std::move(findings);
+  d.has_unread_names = true;
+  if (!is_large(d)) read_names_of_check(d);
+}
+
+void Workspace::read_names_of_check(Document& d) {
+  if (!std::exchange(d.has_unread_names, false)) return;
+  const bool has_tree = d.findings.own->syntax.has_value() && d.findings.own->syntax->package != nullptr;
+  count_interactions(d.findings, *d.findings.own);
+  Analysis a = take_names(std::move(d.findings.own));
   if (!has_tree && d.analysis.index.symbols.size() > 0) {
     d.last_names = std::move(d.analysis.index);
     d.last_compilation = std::move(d.analysis.compilation);
@@ -89,20 +123,36 @@ void Workspace::analyse(Document& d) {
     d.last_names = {};
     d.last_compilation.reset();
   }
-  d.findings = std::move(findings);
   d.analysis = std::move(a);
-  d.named_edits = d.edits;
+  d.named_edits = d.checked_edits;
+  d.has_products = true;
+}
+
+void Workspace::read_names_of_checks() {
+  for (const auto& [path, document] : documents_) read_names_of_check(*document);
+}
+
+void Workspace::finish() {
+  read_names_of_checks();
+  for (const auto& [path, document] : documents_) {
+    if (!std::exchange(document->has_products, false)) continue;
+    for (pipeline::Compilation* c : {document->analysis.compilation.get(), document->findings.own.get()}) {
+      if (c != nullptr) forget_products(*c);
+    }
+  }
+}
+
+bool Workspace::is_unfinished() const {
+  return std::any_of(documents_.begin(), documents_.end(),
+                     [](const auto& row) { return row.second->has_unread_names || row.second->has_products; });
 }
 
 std::vector<Json> Workspace::check(const std::string& path) {
   for (auto& [other, document] : documents_) {
-    const auto& paths = document->analysis.compilation == nullptr ? std::map<FileId, std::string>()
-                                                                  : document->analysis.compilation->paths;
-    const bool uses_it = std::any_of(paths.begin(), paths.end(), [&](const auto& row) { return row.second == path; });
     // A package that was missing may have appeared.
     const bool misses_one = std::any_of(document->findings.diagnostics.begin(), document->findings.diagnostics.end(),
                                         [](const Diagnostic* d) { return d->kind == Diag::kB1060; });
-    if (other == path || uses_it || misses_one) analyse(*document);
+    if (other == path || uses(*document, path) || misses_one) analyse(*document);
   }
   return publish();
 }
@@ -131,6 +181,8 @@ std::optional<std::string> Workspace::formatted(const std::string& uri) {
         return found->severity == Severity::Error && found->range.file == file && found->kind < Diag::kB0090;
       });
   if (!is_whole) return std::nullopt;
+  // Parsing ends the trees that they would be read from.
+  read_names_of_check(*d);
   pipeline::Compilation c{pipeline::CompileOptions()};
   c.kept = &d->kept;
   c.open_texts.emplace(d->path, d->text.str());

@@ -1,7 +1,8 @@
 // The open documents, and the compiler's diagnostics for each.
 //
 // Every change is followed by a full check with the code of `bipc check`, so both report the same diagnostics. A
-// document that uses the package of a changed one is checked again. Open texts replace the files on disk.
+// document that uses the package of a changed one is checked again. Open texts replace the files on disk. Of large
+// documents no more is read than an answer needs.
 #pragma once
 #include <map>
 #include <memory>
@@ -25,6 +26,10 @@ struct Document {
   std::map<std::string, parse::KeptPieces> kept;  // of this file and those it uses, by path
   Analysis analysis;                              // its names
   Findings findings;
+  /// The names of the text that was checked last are still to be read, from the trees that `findings.own` has. They
+  /// are valid until the next parse with `kept`.
+  bool has_unread_names = false;
+  bool has_products = false;  // that nothing needs any more, and that take their time to be freed
   /// Names as they were when the text could last be read: for completion while it cannot.
   index::Index last_names;
   std::unique_ptr<pipeline::Compilation> last_compilation;
@@ -53,6 +58,16 @@ class Workspace {
   /// it has to be read as a whole for that: then a check may as well do it.
   [[nodiscard]] bool read_names(Document& d);
 
+  /// A check of a large document leaves the names of its text unread, as its diagnostics do not need them: they are
+  /// here, for all documents. Call it before answers from names.
+  void read_names_of_checks();
+  /// That, and what else the last answers left undone.
+  void finish();
+  [[nodiscard]] bool is_unfinished() const;
+  [[nodiscard]] static bool is_large(const Document& d);
+  /// Does another open document use the file as a package?
+  [[nodiscard]] bool is_used_by_others(const std::string& path) const;
+
   /// The numbers of checks so far, and of the pieces of open documents that were parsed, that were not parsed again,
   /// and of the texts that were read as a whole.
   [[nodiscard]] Json work_done() const;
@@ -70,6 +85,8 @@ class Workspace {
 
  private:
   void analyse(Document& d);
+  static void read_names_of_check(Document& d);
+  [[nodiscard]] static bool uses(const Document& d, const std::string& path);
   [[nodiscard]] std::unique_ptr<pipeline::Compilation> compilation_of(Document& d) const;
   enum class Texts : std::uint8_t { Equal, Unknown };
   [[nodiscard]] Json range(const pipeline::Compilation* c, const std::string* path, SourceRange r, Texts texts) const;
