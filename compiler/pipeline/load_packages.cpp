@@ -71,15 +71,8 @@ class Loader {
     if (std::find(folders_.begin(), folders_.end(), path) == folders_.end()) folders_.push_back(path);
   }
 
-  // Of the compiled file: what is left of its path without a/b/C.bip, if it ends so.
   [[nodiscard]] std::string own_folder() const {
-    const fs::path path(compilation_.path);
-    fs::path expected(file_of_package(text_of(compilation_.syntax->package->name)));
-    fs::path folder = path;
-    for (; !expected.empty(); expected = expected.parent_path(), folder = folder.parent_path()) {
-      if (expected.filename() != folder.filename()) return path.parent_path().string();
-    }
-    return folder.string();
+    return folder_of_packages(compilation_.path, text_of(compilation_.syntax->package->name));
   }
 
   void enter(const syntax::Syntax& syntax, const std::string& name, SourceRange from) {
@@ -169,27 +162,9 @@ class Loader {
       tried += (tried.empty() ? "`" : ", `") + (folder / file_of_package(name)).lexically_normal().string() + "`";
     }
     d.note("looked for " + tried);
-    for (const std::string& similar : similar_names(name, known_packages()))
+    for (const std::string& similar : similar_names(name, packages_below(folders_)))
       d.help(fmt::format("there is `{}`", similar), path.range, similar);
     d.help("`-I DIR` adds a folder in which packages are looked for");
-  }
-
-  // Packages in the folders, sorted, at most kMaxListed files.
-  [[nodiscard]] std::vector<std::string> known_packages() const {
-    std::vector<std::string> names;
-    std::size_t seen = 0;
-    for (const fs::path& folder : folders_) {
-      std::error_code error;
-      fs::recursive_directory_iterator it(folder, fs::directory_options::skip_permission_denied, error);
-      for (; !error && it != fs::recursive_directory_iterator() && seen < kMaxListed; it.increment(error), ++seen) {
-        if (it.depth() >= kMaxListedDepth) it.disable_recursion_pending();
-        if (it->path().extension() == ".bip")
-          names.push_back(package_of_file(it->path().lexically_relative(folder).string()));
-      }
-    }
-    std::sort(names.begin(), names.end());
-    names.erase(std::unique(names.begin(), names.end()), names.end());
-    return names;
   }
 
   Compilation& compilation_;
@@ -217,6 +192,32 @@ bool load_packages(Compilation& c) {
   }
   Loader(c).load_all();
   return !c.diags.has_errors();
+}
+
+std::vector<std::string> packages_below(const std::vector<fs::path>& folders) {
+  std::vector<std::string> names;
+  std::size_t seen = 0;
+  for (const fs::path& folder : folders) {
+    std::error_code error;
+    fs::recursive_directory_iterator it(folder, fs::directory_options::skip_permission_denied, error);
+    for (; !error && it != fs::recursive_directory_iterator() && seen < kMaxListed; it.increment(error), ++seen) {
+      if (it.depth() >= kMaxListedDepth) it.disable_recursion_pending();
+      if (it->path().extension() == ".bip")
+        names.push_back(package_of_file(it->path().lexically_relative(folder).string()));
+    }
+  }
+  std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  return names;
+}
+
+std::string folder_of_packages(const fs::path& path, const std::string& package) {
+  fs::path expected(file_of_package(package));
+  fs::path folder = path;
+  for (; !expected.empty(); expected = expected.parent_path(), folder = folder.parent_path()) {
+    if (expected.filename() != folder.filename()) return path.parent_path().string();
+  }
+  return folder.string();
 }
 
 std::string find_stdlib() {

@@ -230,6 +230,123 @@ def test_completion():
     equal(c.stop(), 0)
 
 
+def test_completion_of_packages():
+    """`use` and a part of a name: the packages of the folders and of the standard library, but for the file's own."""
+    with tempfile.TemporaryDirectory() as folder:
+        base = pathlib.Path(folder)
+        for name in ("lib/ports", "lib/deep/more", "top"):
+            (base / name).parent.mkdir(parents=True, exist_ok=True)
+            (base / f"{name}.bip").write_text(f"package {name.replace('/', '.')}\nend\n")
+        other = base / "elsewhere"
+        (other / "wide").mkdir(parents=True)
+        (other / "wide/net.bip").write_text("package wide.net\nend\n")
+        uri = f"file://{base}/top.bip"
+
+        def offered(line, begin="package top\n"):
+            c = client.Client()
+            c.start(initializationOptions={"packageFolders": [str(other)]})
+            text = begin + line + "\nend\n"
+            c.open(uri, text.replace("|", ""))
+            found = c.result("textDocument/completion", {**document(uri), "position": client.position(text, text.index("|"))})["items"]
+            equal(c.stop(), 0)
+            return [i["label"] for i in found]
+
+        # Below the file's folder `elsewhere` is a part of a name, too.
+        equal(offered("  use |"), ["elsewhere.wide.net", "genom.codels", "genom.locks", "genom.ports", "genom.posters", "genom.rules", "genom.services", "genom.tasks", "genom.timers", "lib.deep.more", "lib.ports",
+                                   "std.arbiters", "std.buffers", "std.ports", "std.sync", "wide.net"])
+        equal(offered("  use std.|"), ["arbiters", "buffers", "ports", "sync"])
+        equal(offered("  use std.po|"), ["arbiters", "buffers", "ports", "sync"])
+        equal(offered("  use lib.|"), ["deep.more", "ports"])
+        equal(offered("  use nowhere.|"), [])
+
+
+PORTS = """package ports
+  port type Signal()
+  port type Value(int v)
+  atom type Node()
+    data int x
+    export data int y
+    export port Signal go()
+    export port Value out(x)
+    place S
+    initial to S
+    on go from S to S
+    on out from S to S
+  end
+  atom type Lamp()
+    export port Signal on_off()
+    place S
+    initial to S
+    on on_off from S to S
+  end
+  connector type Mixed(Signal s, Value v)
+    define s v
+  end
+  connector type Up(Value v)
+    data int w
+    export port Value all(w)
+    define v
+  end
+  compound type Root()
+    component Node a()
+    component Node many[3]()
+    component Lamp lamp()
+    connector Up relay(a.out)
+    connector Mixed k(a.go, a.out)
+  end
+end
+"""
+
+
+def test_completion_of_connector_arguments():
+    """Only ports whose type the connector takes there; of arrays the name, as an index has to be written."""
+    c = started(PORTS)
+    text = lambda arguments: PORTS.replace("k(a.go, a.out)", f"k({arguments})")
+    equal(labels(c, text("|a.go, a.out")), ["a.go", "many", "lamp.on_off"])
+    equal(labels(c, text("a.go, |")), ["a.out", "many", "relay.all"])
+    equal(labels(c, text("a.|")), ["go"])
+    equal(labels(c, text("many[1 + 1].go, many[2].|")), ["out"])
+    # None fits: what there is.
+    equal(labels(c, text("a.go, lamp.|")), ["on_off"])
+    # A type that is not known takes any.
+    equal(labels(c, text("a.|").replace("Mixed k", "Unknown k")), ["go", "out"])
+    equal(c.stop(), 0)
+
+
+def test_explain_pages():
+    """A client that shows pages gets the address of each code's page, and an action; others get neither."""
+    text = MODEL.replace("a.out", "a.oot")
+    line = text[:text.index("a.oot")].count("\n")
+    ends = {"start": {"line": line, "character": 0}, "end": {"line": line, "character": 99}}
+    for explains in (True, False):
+        c = client.Client()
+        c.start(initializationOptions={"explain": explains})
+        c.open(URI, text)
+        found = [d for d in c.diagnostics(URI) if d["severity"] == 1]
+        equal(len(found), 1)
+        code = found[0]["code"]
+        equal(found[0].get("codeDescription"), {"href": f"bip-explain:/{code}.md"} if explains else None)
+        actions = c.result("textDocument/codeAction", {**document(), "range": ends, "context": {"diagnostics": []}})
+        equal([a["command"] for a in actions if "command" in a], [{"title": f"explain {code}", "command": "bip.explain", "arguments": [code]}] if explains else [])
+        equal(c.stop(), 0)
+
+
+def test_extension_is_activated():
+    """The extension with VS Code's interface replaced (activate.js): its commands are those of package.json and of the lenses, and it shows pages of codes."""
+    if shutil.which("node") is None:
+        print("lsp: no node, so the extension was not activated")
+        return
+    output = subprocess.run(["node", pathlib.Path(__file__).parent / "activate.js", client.BIPC, "B2004", "nonsense"], capture_output=True, text=True, timeout=client.TIMEOUT, check=True).stdout
+    shown = json.loads(output)
+    listed = {row["command"] for row in json.loads((client.ROOT / "tools/vscode/package.json").read_text())["contributes"]["commands"]}
+    lenses = {lens["command"]["command"] for lens in started(LENSES).result("textDocument/codeLens", document())}
+    equal(set(shown["commands"]), listed | lenses | {"bip.explain"})
+    equal((shown["told"], shown["scheme"]), ({"packageFolders": [], "explain": True}, "bip-explain"))
+    equal([(page["command"], page["scheme"]) for page in shown["pages"]], [("markdown.showPreview", "bip-explain")] * 2)
+    page = subprocess.run([client.BIPC, "explain", "B2004"], capture_output=True, text=True, check=True).stdout
+    equal([p["text"] for p in shown["pages"]], [page, "`nonsense` is no code of bipc."])
+
+
 def test_formatting():
     c = started(MODEL.replace("    place S, T", "place S,T"))
     edit, = c.result("textDocument/formatting", {"textDocument": {"uri": URI}, "options": {"tabSize": 2, "insertSpaces": True}})

@@ -289,6 +289,8 @@ Reply Server::initialize(const Json& params) {
       workspace_.folders.push_back(folder.lexically_normal().string());
     }
   }
+  const Json* explains = options == nullptr ? nullptr : member(*options, "explain");
+  workspace_.client_explains = explains != nullptr && explains->is_boolean() && explains->get<bool>();
   const Json* editor_folders = member(params, "workspaceFolders");
   if (editor_folders != nullptr && editor_folders->is_array()) {
     for (const Json& folder : *editor_folders) {

@@ -232,6 +232,7 @@ Json Workspace::diagnostic(const Document& d, const Diagnostic& from) const {
           {"source", "bipc"},
           {"message", from.message}};
   to["range"] = range(d.findings, from.range);
+  if (client_explains) to["codeDescription"]["href"] = "bip-explain:/" + std::string(info(from.kind).code) + ".md";
   Json related = Json::array();
   const auto add = [&](SourceRange at, const std::string& text) {
     const std::string* path = d.findings.path_of(at.file);

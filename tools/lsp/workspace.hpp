@@ -39,6 +39,8 @@ class Workspace {
  public:
   Encoding encoding = Encoding::Utf16;
   std::vector<std::string> folders;  // as -I
+  /// The client shows the page of a code: it has the command `bip.explain` and reads addresses `bip-explain:/CODE.md`.
+  bool client_explains = false;
   UnopenedFiles unopened;
   std::uint64_t checks = 0;  // of documents so far: what a session costs
 

@@ -29,7 +29,7 @@ async function start() {
     { command, args: ["--stdio"], transport: TransportKind.stdio },
     {
       documentSelector: [{ language: "bip" }],
-      initializationOptions: { packageFolders: settings.get("packageFolders", []) },
+      initializationOptions: { packageFolders: settings.get("packageFolders", []), explain: true },
       middleware: {
         provideCodeLenses: async (document, token, next) => {
           const lenses = await next(document, token);
@@ -127,6 +127,17 @@ async function showDiagram(context) {
   draw();
 }
 
+/** The page of a diagnostic's code, `bipc explain CODE`, as the text of `bip-explain:/CODE.md`. */
+function explainPage(uri) {
+  const code = path.basename(uri.path, ".md");
+  return new Promise((done) => {
+    if (!/^[A-Z]\d{4}$/.test(code)) return done(`\`${code}\` is no code of bipc.`);
+    execFile(bipc(), ["explain", code], (error, text, problems) => done(error ? problems || error.message : text));
+  });
+}
+
+const explain = (code) => vscode.commands.executeCommand("markdown.showPreview", vscode.Uri.from({ scheme: "bip-explain", path: `/${code}.md` }));
+
 function startDebugging(uri, root) {
   const model = modelOf(uri);
   if (model) return vscode.debug.startDebugging(undefined, { type: "bip", request: "launch", name: path.basename(model), program: model, ...(root ? { root } : {}), folders: vscode.workspace.getConfiguration("bip").get("packageFolders", []) });
@@ -141,9 +152,11 @@ function addCommands(context) {
     "bip.debug": startDebugging,
     "bip.view": openPage,
     "bip.diagram": () => showDiagram(context),
+    "bip.explain": explain,
   };
   for (const [name, act] of Object.entries(commands)) context.subscriptions.push(vscode.commands.registerCommand(name, act));
   context.subscriptions.push(
+    vscode.workspace.registerTextDocumentContentProvider("bip-explain", { provideTextDocumentContent: explainPage }),
     vscode.debug.registerDebugAdapterDescriptorFactory("bip", { createDebugAdapterDescriptor: () => new vscode.DebugAdapterExecutable(bipc(), ["dap"]) }),
     vscode.tasks.registerTaskProvider("bipc", {
       provideTasks: () => [],
