@@ -5,6 +5,7 @@
 
 #include "BipLexer.h"
 #include "antlr4-runtime.h"
+#include "compiler/parse/each_token.hpp"
 #include "compiler/parse/token_list.hpp"
 #include "compiler/source/utf8.hpp"
 #include "runtime/include/bip/assert.hpp"
@@ -13,18 +14,6 @@ namespace bip::parse {
 namespace {
 
 using antlr::BipLexer;
-
-/// Byte offset of each code point, one past the end included; empty if all are single bytes.
-std::vector<std::uint32_t> code_point_offsets(std::string_view text) {
-  const bool ascii = std::all_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x80; });
-  std::vector<std::uint32_t> offsets;
-  if (ascii) return offsets;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    if ((static_cast<unsigned char>(text[i]) & 0xC0u) != 0x80u) offsets.push_back(static_cast<std::uint32_t>(i));
-  }
-  offsets.push_back(static_cast<std::uint32_t>(text.size()));
-  return offsets;
-}
 
 void report_stray(std::string_view sign, std::string_view after, SourceRange range, Diagnostics& diags) {
   const auto code = static_cast<unsigned char>(sign.empty() ? '\0' : sign.front());
@@ -39,26 +28,6 @@ void report_stray(std::string_view sign, std::string_view after, SourceRange ran
   if (sign == "?")
     diagnostic.note("ports have no direction, and there is no `a ? b : c`: an `if` of an action chooses");
   if (sign == "$") diagnostic.help("names consist of letters, digits and `_`");
-}
-
-/// Calls `take` with the row of each token and comment of a text that lies at `begin` in its file.
-template <class Take>
-void each_token(std::string_view text, std::uint32_t begin, Take take) {
-  const std::vector<std::uint32_t> offsets = code_point_offsets(text);
-  auto byte = [&](std::size_t code_point) {
-    BIP_ASSERT(offsets.empty() || code_point < offsets.size(), "code point {} of {}", code_point, offsets.size());
-    return begin + (offsets.empty() ? static_cast<std::uint32_t>(code_point) : offsets[code_point]);
-  };
-  ::antlr4::ANTLRInputStream input{std::string(text)};
-  BipLexer lexer(&input);
-  lexer.removeErrorListeners();
-  for (auto token = lexer.nextToken(); token->getType() != ::antlr4::Token::EOF; token = lexer.nextToken()) {
-    const TokenRow row{token->getType(), byte(token->getStartIndex()), byte(token->getStopIndex() + 1),
-                       static_cast<std::uint32_t>(token->getLine())};
-    BIP_ASSERT(row.begin <= row.end && row.end <= begin + text.size(), "token {}..{} of {} bytes", row.begin, row.end,
-               begin + text.size());
-    take(row);
-  }
 }
 
 /// Adds a token to the list, or reports it.
@@ -162,7 +131,8 @@ TokenList read_tokens(const SourceMap& sources, FileId file, Diagnostics& diags)
   warn_of_bidi_controls(text, file, diags);
   // ANTLR would swallow a byte order mark and count positions from after it.
   const std::uint32_t skipped = text.substr(0, 3) == "\xEF\xBB\xBF" ? 3 : 0;
-  each_token(text.substr(skipped), skipped, [&](const TokenRow& row) { add_token(row, sources, file, list, diags); });
+  each_token<BipLexer>(text.substr(skipped), skipped,
+                       [&](const TokenRow& row) { add_token(row, sources, file, list, diags); });
   classify_tokens(list.rows, sources.text(file));
   return list;
 }
@@ -177,7 +147,7 @@ std::optional<TokenList> read_part(const SourceMap& sources, FileId file, std::u
   const std::uint32_t lines = sources.loc(file, begin).line - 1;
   TokenList list;
   bool is_closed = true;
-  each_token(text, begin, [&](TokenRow row) {
+  each_token<BipLexer>(text, begin, [&](TokenRow row) {
     row.line += lines;
     is_closed = is_closed && row.type != BipLexer::UNCLOSED_COMMENT;
     if (is_closed) add_token(row, sources, file, list, diags);
@@ -194,7 +164,7 @@ std::optional<TokenList> read_sound_tokens(const SourceMap& sources, FileId file
   if (remarks.warning_count() != 0) return std::nullopt;
   TokenList list;
   bool is_sound = true;
-  each_token(text, begin, [&](const TokenRow& row) {
+  each_token<BipLexer>(text, begin, [&](const TokenRow& row) {
     switch (row.type) {
       case BipLexer::LINE_COMMENT:
       case BipLexer::BLOCK_COMMENT: list.comments.push_back({SourceRange{file, row.begin, row.end}}); break;
