@@ -396,12 +396,21 @@ void add_replay(CLI::App& app, ReplayArguments& a) {
 }
 
 void add_migrate(CLI::App& app, MigrateArguments& a) {
-  CLI::App* command = app.add_subcommand("migrate", "print models with obsolete spellings replaced by current ones");
+  CLI::App* command =
+      app.add_subcommand("migrate", "print models with obsolete spellings replaced by current ones, or BIP1 as BIP2");
   command->add_option("FILE", a.files, "model files (.bip)")->required()->type_name("");
-  command->add_flag("-i,--in-place", a.in_place, "rewrite the files in place instead of printing them");
+  CLI::Option* in_place =
+      command->add_flag("-i,--in-place", a.in_place, "rewrite the files in place instead of printing them");
+  command->add_option("-o,--output", a.output, "file to write instead of printing (of one FILE)")
+      ->type_name("PATH")
+      ->excludes(in_place);
   add_folders(*command, a.compile);
   add_diagnostics(*command, a.compile);
-  command->footer("Layout and comments are kept.\nExample:\n  bipc migrate -i model.bip");
+  command->footer(
+      "Layout and comments are kept. A file that begins with `model NAME` is BIP1: it is written anew in BIP2, and its "
+      "C "
+      "code, where BIP2 has no words for it, in a .hpp and a .cpp file beside the output.\n"
+      "Example:\n  bipc migrate -i model.bip\n  bipc migrate bip1.bip -o model.bip");
 }
 
 // In the order of the help.

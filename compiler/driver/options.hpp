@@ -195,6 +195,7 @@ struct ReplayArguments {
 struct MigrateArguments {
   CompileOptions compile;
   std::vector<std::string> files;
+  std::string output;  // empty: standard output
   bool in_place = false;
 };
 struct FmtArguments {

@@ -13,6 +13,7 @@
 #include "antlr4-runtime.h"
 #include "compiler/parse/convert.hpp"
 #include "compiler/parse/error_strategy.hpp"
+#include "compiler/parse/parse_bip1.hpp"
 #include "compiler/parse/parse_changed.hpp"
 #include "compiler/parse/read_in_pieces.hpp"
 #include "compiler/parse/row_stream.hpp"
@@ -59,29 +60,6 @@ void with_tree(const TokenList& list, const SourceMap& sources, FileId file, Dia
   }
 }
 
-/// `model Name` at the beginning of a file of BIP1, else no range. Its C code is no text for our lexer.
-SourceRange head_of_bip1(const SourceMap& sources, FileId file) {
-  const std::string_view text = sources.text(file);
-  constexpr std::string_view kBlanks = " \t\r\n", kWord = "model";
-  std::size_t at = 0;
-  for (;;) {
-    at = text.find_first_not_of(kBlanks, at);
-    if (at == std::string_view::npos) return {};
-    const bool is_line = text.substr(at).starts_with("//");
-    if (!is_line && !text.substr(at).starts_with("/*")) break;
-    at = is_line ? text.find('\n', at) : text.find("*/", at + 2);
-    if (at == std::string_view::npos) return {};
-    if (!is_line) at += 2;
-  }
-  if (!text.substr(at).starts_with(kWord)) return {};
-  const std::size_t end = at + kWord.size();
-  const std::size_t name = text.find_first_not_of(" \t", end);
-  if (name == std::string_view::npos || name == end) return {};
-  const char first = text[name];
-  if (!(first == '_' || (first >= 'a' && first <= 'z') || (first >= 'A' && first <= 'Z'))) return {};
-  return {file, static_cast<std::uint32_t>(at), static_cast<std::uint32_t>(end)};
-}
-
 }  // namespace
 
 std::optional<syntax::Syntax> parse_incrementally(const SourceMap& sources, FileId file, Diagnostics& diags,
@@ -107,7 +85,7 @@ std::optional<syntax::Syntax> parse_file(const SourceMap& sources, FileId file, 
   }
   if (const SourceRange head = head_of_bip1(sources, file); head.is_valid()) {
     diags.report(Diag::kB0001, head, "`package`", "", "`model`: this is BIP1, and bipc reads BIP2")
-        .help("`bipc explain B0001` names the counterparts of its constructs");
+        .help("`bipc migrate " + sources.name(file) + " -o NEW.bip` writes it in BIP2");
     return std::nullopt;
   }
   TokenList list = read_tokens(sources, file, diags);

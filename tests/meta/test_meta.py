@@ -32,7 +32,7 @@ SYSTEM = MODEL | {"system"}
 ANALYSIS = SYSTEM | {"analysis"}
 LOWER = SYSTEM | {"lower", "runtime"}
 MAY_INCLUDE = {
-    "base": BASE, "source": SOURCE, "diag": DIAG, "syntax": SYNTAX, "parse": DIAG | SYNTAX | {"parse"},
+    "base": BASE, "source": SOURCE, "diag": DIAG, "syntax": SYNTAX, "parse": DIAG | SYNTAX | {"parse"}, "migrate": DIAG | SYNTAX | {"parse", "migrate"},
     "model": MODEL, "system": SYSTEM, "analysis": ANALYSIS, "lower": LOWER, "interp": LOWER | {"interp"}, "jit": LOWER | {"jit"},
     "emit_cpp": LOWER | {"emit_cpp"}, "steps": LOWER | {"analysis", "steps"}, "graph": ANALYSIS | {"graph"}, "verify": LOWER | {"analysis", "verify"},
     "genom": DIAG | SYNTAX | {"parse", "genom"}, "ros2": DIAG | {"genom", "live", "runtime", "ros2"}, "dds": {"base", "ros2", "dds"}, "rules": DIAG | SYNTAX | {"genom", "rules"},
@@ -45,7 +45,7 @@ MAY_INCLUDE = {
     "runtime": {"runtime"},
 }
 VENDORS = {
-    "ANTLR": (re.compile(r"^antlr4|^Bip(Lexer|Parser)\.h|^antlr4-runtime"), ("compiler/parse/",)),
+    "ANTLR": (re.compile(r"^antlr4|^Bip1?(Lexer|Parser)\.h|^antlr4-runtime"), ("compiler/parse/",)),
     "LLVM": (re.compile(r"^llvm(-c)?/"), ("compiler/jit/",)),
     "solvers": (re.compile(r"^(cadical|z3)"), ("compiler/verify/solver/", "tools/certcheck/")),
     "asio": (re.compile(r"^asio"), ("compiler/serve/",)),
@@ -133,7 +133,7 @@ def check_throw_only_in_parse():
 
 
 # Enums of vendors, which are large and not ours: a switch over one of them may have a `default:`.
-VENDOR_LABELS = re.compile(r"(?:::)?(?:BipParser|BipLexer|antlr4|llvm|Catch)\b")
+VENDOR_LABELS = re.compile(r"(?:::)?(?:Bip1?Parser|Bip1?Lexer|antlr4|llvm|Catch)\b")
 
 
 def blanked(text):
