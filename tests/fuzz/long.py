@@ -23,7 +23,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 HERE = ROOT / "tests" / "fuzz"
 BUILD = pathlib.Path(os.environ.get("BIPC_FUZZ_BUILD") or ROOT / "build-fuzz").resolve()
 WORK = BUILD / "fuzzing"
-TARGETS = ("text", "bsys", "format", "lsp", "genom", "rules", "property", "frame")
+TARGETS = ("text", "bsys", "format", "lsp", "genom", "rules", "property", "frame", "bip1")
 MOST_BYTES = 350_000
 PROTOCOL = ["textDocument", "uri", "text", "version", "position", "line", "character", "range", "start", "end", "contentChanges", "newName", "context", "includeDeclaration", "jsonrpc",
             "method", "params", "id", "initialize", "shutdown", "exit", "textDocument/didOpen", "textDocument/didChange", "textDocument/didClose", "textDocument/didSave",
@@ -33,7 +33,7 @@ PROTOCOL = ["textDocument", "uri", "text", "version", "position", "line", "chara
 
 def dictionary():
     """The grammar's words and the protocol's, in libFuzzer's form."""
-    grammar = "".join((ROOT / "grammar" / name).read_text(encoding="utf-8") for name in ("BipLexer.g4", "BipParser.g4"))
+    grammar = "".join((ROOT / "grammar" / name).read_text(encoding="utf-8") for name in ("BipLexer.g4", "BipParser.g4", "Bip1Lexer.g4", "Bip1Parser.g4"))
     words = sorted({word for word in re.findall(r"'([!-&(-\[\]-~]{1,16})'", grammar)} | set(PROTOCOL))
     path = WORK / "words.dict"
     path.write_text("".join('"' + word.replace("\\", "\\\\").replace('"', '\\"') + '"\n' for word in words), encoding="utf-8")

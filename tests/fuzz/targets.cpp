@@ -87,6 +87,7 @@ Target find_target(std::string_view name) {
   if (name == "rules") return try_rules;
   if (name == "property") return try_property;
   if (name == "frame") return try_frame;
+  if (name == "bip1") return try_bip1;
   return nullptr;
 }
 

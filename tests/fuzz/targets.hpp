@@ -44,7 +44,10 @@ inline constexpr std::size_t kMaxBip = 400'000;
 /// What peers of a distributed run send: a frame or a greeting that can be written and read again, or nothing.
 [[nodiscard]] Verdict try_frame(std::string_view input);
 
-/// "text", "bsys", "format", "lsp", "genom", "rules", "property" or "frame"; nullptr for another name.
+/// `bipc migrate` of BIP1: an error that can be read, or BIP2 that parses, with all comments.
+[[nodiscard]] Verdict try_bip1(std::string_view input);
+
+/// "text", "bsys", "format", "lsp", "genom", "rules", "property", "frame" or "bip1"; nullptr for another name.
 using Target = Verdict (*)(std::string_view);
 [[nodiscard]] Target find_target(std::string_view name);
 

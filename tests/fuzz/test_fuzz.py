@@ -52,6 +52,14 @@ def descriptions():
     return {name.replace("/", "_"): text for name, text in texts.items() if len(text) <= LARGEST}
 
 
+def older():
+    """BIP1, of the goldens."""
+    texts = {}
+    for path in sorted((ROOT / "tests" / "golden" / "bip1").glob("*.golden")):
+        texts.update({f"{path.stem}_{name}": text for name, text in parts(path) if text.startswith(("model", "//"))})
+    return texts
+
+
 def rules():
     """.rules, of the goldens: those are about the modules that the target has."""
     texts = {}
@@ -148,15 +156,17 @@ def main():
         write(folder / "rules", rules())
         write(folder / "property", {f"{k}.txt": text for k, text in enumerate(PROPERTIES)})
         write(folder / "frame", frames())
+        write(folder / "bip1", older())
         return
     passed = failed = 0
     with tempfile.TemporaryDirectory() as work:
         work = pathlib.Path(work)
         seeds = {"text": write(work / "text", sources()), "bsys": write(work / "bsys", systems()),
                  "lsp": write(work / "lsp", sessions(sources())), "genom": write(work / "genom", descriptions()), "rules": write(work / "rules", rules()),
-                 "property": write(work / "property", {f"{k}.txt": text for k, text in enumerate(PROPERTIES)}), "frame": write(work / "frame", frames())}
+                 "property": write(work / "property", {f"{k}.txt": text for k, text in enumerate(PROPERTIES)}), "frame": write(work / "frame", frames()),
+                 "bip1": write(work / "bip1", older())}
         seeds["format"] = seeds["text"]
-        shares = {"text": 0.35, "bsys": 0.2, "format": 0.2, "lsp": 0.1, "genom": 0.03, "rules": 0.02, "property": 0.05, "frame": 0.05}
+        shares = {"text": 0.3, "bip1": 0.05, "bsys": 0.2, "format": 0.2, "lsp": 0.1, "genom": 0.03, "rules": 0.02, "property": 0.05, "frame": 0.05}
         for target, share in shares.items():
             kept = sorted(str(p) for p in (HERE / "regressions" / target).glob("*"))
             kept += [str(p) for p in kept_inputs.unpack(target, work / "corpus" / target)]
