@@ -169,6 +169,9 @@ def main():
     wanted = set(options.groups)
     everything = groups(options)
     if is_sanitized():
+        os.environ.setdefault("BIPC_TEST_PATIENCE", "20")
+        # Freed memory is kept for a while: not so much that tests of memory see nothing else.
+        os.environ["ASAN_OPTIONS"] = ":".join(filter(None, [os.environ.get("ASAN_OPTIONS"), "quarantine_size_mb=8"]))
         # Programs that link the runtime of the build need its compiler and sanitizers; what bipc loads must not have them.
         os.environ.setdefault("BIPC_TEST_CXX", f"{build_option('CMAKE_CXX_COMPILER')} -fsanitize={build_option('BIPC_SANITIZE')}")
     unknown = wanted - {name for name, _ in everything} - {f"{name}:{job.name}" for name, jobs in everything for job in jobs}
