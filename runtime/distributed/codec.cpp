@@ -10,7 +10,7 @@ namespace bip::rt {
 
 namespace {
 
-enum class Tag : std::uint8_t { Offer, Begin, Stop, Control };
+enum class Tag : std::uint8_t { Offer, Begin, Stop, Control, Lock, Release, Wake };
 
 }  // namespace
 
@@ -105,11 +105,14 @@ bool Codec::read(std::string_view bytes, u32 from, u32 self, Frame& frame) const
   if (frame.stamp >> 56 != 0) return false;
   frame.messages.reserve(count);
   for (u64 i = 0; i < count && reader.is_sound(); ++i) {
-    switch (static_cast<Tag>(reader.row(u64{static_cast<u64>(Tag::Control)} + 1))) {
+    switch (static_cast<Tag>(reader.row(u64{static_cast<u64>(Tag::Wake)} + 1))) {
       case Tag::Offer: read(reader, from, std::get<Offer>(frame.messages.emplace_back(Offer{}))); break;
       case Tag::Begin: read(reader, self, std::get<Begin>(frame.messages.emplace_back(Begin{}))); break;
       case Tag::Stop: frame.messages.emplace_back(Stop{reader.number()}); break;
       case Tag::Control: read(reader, std::get<Control>(frame.messages.emplace_back(Control{}))); break;
+      case Tag::Lock: read(reader, from, self, std::get<Lock>(frame.messages.emplace_back(Lock{}))); break;
+      case Tag::Release: read(reader, self, std::get<Release>(frame.messages.emplace_back(Release{}))); break;
+      case Tag::Wake: read(reader, self, std::get<Wake>(frame.messages.emplace_back(Wake{}))); break;
     }
   }
   return reader.is_sound() && reader.is_at_end();
@@ -140,9 +143,13 @@ bool Codec::has_port(const LinkedType& type, u32 row) const {
 }
 
 void Codec::read(ByteReader& reader, u32 from, Offer& offer) const {
+  read_offer(reader, offer);
+  if (reader.is_sound() && distribution_.home(offer.atom) != from) reader.refuse();
+}
+
+void Codec::read_offer(ByteReader& reader, Offer& offer) const {
   offer.atom = reader.row(tables_.image->atoms.size);
   if (!reader.is_sound()) return;
-  if (distribution_.home(offer.atom) != from) return reader.refuse();
   const LinkedType& type = tables_.types[tables_.atoms[offer.atom].type];
   const AtomType& atom_type = tables_.atom_type(offer.atom);
   offer.n = reader.number();
@@ -198,6 +205,78 @@ void Codec::read(ByteReader& reader, u32 self, Begin& begin) const {
     read_cells(reader, part.atom, part.cells);
     begin.parts.push_back(std::move(part));
   }
+}
+
+void Codec::write(ByteWriter& writer, const Lock& lock) const {
+  writer.number(lock.interaction);
+  writer.number(lock.own);
+  writer.number(lock.held.size());
+  for (const Offer& offer : lock.held) write(writer, offer);
+}
+
+// An interaction with locks.
+u32 Codec::read_split(ByteReader& reader) const {
+  const u32 interaction = reader.row(tables_.interactions.size());
+  if (reader.is_sound() && distribution_.locks[interaction].size == 0) reader.refuse();
+  return interaction;
+}
+
+// Each atom once, and only such as the interaction needs; what is not the coordinator's was locked before this node, in
+// the order of nodes.
+void Codec::read(ByteReader& reader, u32 from, u32 self, Lock& lock) const {
+  lock.interaction = read_split(reader);
+  const u64 own = reader.number(), count = reader.count();
+  if (!reader.is_sound()) return;
+  const Span<u32> locks = distribution_.locks[lock.interaction], needs = distribution_.needs[lock.interaction];
+  if (own == 0 || own > count || count > needs.size) return reader.refuse();
+  lock.own = static_cast<u32>(own);
+  for (u64 i = 0; i < count && reader.is_sound(); ++i) {
+    Offer& offer = lock.held.emplace_back();
+    read_offer(reader, offer);
+    if (!reader.is_sound()) return;
+    const auto is_it = [&](const Offer& other) { return other.atom == offer.atom; };
+    if (!std::binary_search(needs.begin(), needs.end(), offer.atom) ||
+        std::any_of(lock.held.begin(), lock.held.end() - 1, is_it))
+      return reader.refuse();
+    const u32 home = distribution_.home(offer.atom);
+    if (i >= own && (home > from || std::find(locks.begin(), locks.end(), offer.atom) == locks.end()))
+      return reader.refuse();
+  }
+  const bool is_next =
+      std::any_of(locks.begin(), locks.end(), [&](u32 atom) { return distribution_.home(atom) == self; });
+  if (!is_next || from >= self || from < distribution_.coordinator_of[lock.interaction]) reader.refuse();
+}
+
+void Codec::write(ByteWriter& writer, const Release& release) {
+  writer.number(release.interaction);
+  writer.number((release.is_refused ? 1u : 0u) + (release.is_watched ? 2u : 0u));
+  writer.number(release.atoms.size());
+  for (const u32 atom : release.atoms) writer.number(atom);
+}
+
+void Codec::read(ByteReader& reader, u32 self, Release& release) const {
+  release.interaction = read_split(reader);
+  const u32 flags = reader.row(4);
+  release.is_refused = (flags & 1) != 0;
+  release.is_watched = (flags & 2) != 0;
+  const u64 count = reader.count();
+  if (!reader.is_sound()) return;
+  const Span<u32> needs = distribution_.needs[release.interaction];
+  const bool is_coordinator = distribution_.coordinator_of[release.interaction] == self;
+  for (u64 i = 0; i < count && reader.is_sound(); ++i) {
+    const u32 atom = reader.row(tables_.image->atoms.size);
+    if (!reader.is_sound()) return;
+    if (!std::binary_search(needs.begin(), needs.end(), atom) || (!is_coordinator && distribution_.home(atom) != self))
+      return reader.refuse();
+    release.atoms.push_back(atom);
+  }
+}
+
+void Codec::write(ByteWriter& writer, const Wake& wake) { writer.number(wake.interaction); }
+
+void Codec::read(ByteReader& reader, u32 self, Wake& wake) const {
+  wake.interaction = read_split(reader);
+  if (reader.is_sound() && distribution_.coordinator_of[wake.interaction] != self) reader.refuse();
 }
 
 void Codec::write(ByteWriter& writer, const Stop& stop) { writer.number(stop.step); }

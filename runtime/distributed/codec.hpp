@@ -71,7 +71,15 @@ class Codec {
   void write(ByteWriter& writer, const Begin& begin) const;
   static void write(ByteWriter& writer, const Stop& stop);
   static void write(ByteWriter& writer, const Control& control);
+  void write(ByteWriter& writer, const Lock& lock) const;
+  static void write(ByteWriter& writer, const Release& release);
+  static void write(ByteWriter& writer, const Wake& wake);
   void read(ByteReader& reader, u32 from, Offer& offer) const;
+  void read_offer(ByteReader& reader, Offer& offer) const;
+  void read(ByteReader& reader, u32 from, u32 self, Lock& lock) const;
+  void read(ByteReader& reader, u32 self, Release& release) const;
+  void read(ByteReader& reader, u32 self, Wake& wake) const;
+  [[nodiscard]] u32 read_split(ByteReader& reader) const;
   void read(ByteReader& reader, u32 self, Begin& begin) const;
   static void read(ByteReader& reader, Control& control);
   [[nodiscard]] bool has_port(const LinkedType& type, u32 row) const;

@@ -7,6 +7,7 @@
 
 #include "runtime/core/fire/partial.hpp"
 #include "runtime/core/programs/batch_plan.hpp"
+#include "runtime/distributed/split_sets.hpp"
 
 namespace bip::rt {
 
@@ -195,12 +196,12 @@ ConflictSets conflict_sets(const Tables& tables, const PriorityTables& rules, co
   return conflict_sets(tables, link_partial(tables, rules), next_moves);
 }
 
-u32 ConflictSets::set_of(u32 atom, u32 place, u32 history, u32 port) const {
+u32 ConflictSets::situation_of(u32 atom, u32 place, u32 history, u32 port) const {
   const auto key = [](const Situation& at) { return std::tuple(at.atom, at.place, at.history, at.port); };
   const std::tuple wanted(atom, place, history, port);
   const auto at = std::lower_bound(situations.begin(), situations.end(), wanted,
                                    [&](const Situation& row, const auto& value) { return key(row) < value; });
-  return at != situations.end() && key(*at) == wanted ? at->set : kNone;
+  return at != situations.end() && key(*at) == wanted ? static_cast<u32>(at - situations.begin()) : kNone;
 }
 
 Placement place_atoms(const Tables& tables, const PriorityTables& rules, u32 nodes) {
@@ -310,6 +311,11 @@ Distribution distribute(const Tables& tables, const PriorityTables& rules, Place
     }
     result.coordinator.push_back(chosen);
   }
+  for (const u32 set : result.sets.of_interaction) result.coordinator_of.push_back(result.coordinator[set]);
+  const auto node_of = [&](u32 set) { return set == kNone ? kNone : result.coordinator[set]; };
+  for (const u32 set : result.sets.set_at) result.offered_at.push_back(node_of(set));
+  for (const ConflictSets::Situation& at : result.sets.situations) result.offered_in.push_back(node_of(at.set));
+  split_sets(tables, rules, result);
   return result;
 }
 

@@ -10,6 +10,10 @@
 // known of next moves: an atom is offered to one node, which alone begins what moves it. If it were wrong, a step that
 // is possible would not be begun.
 //
+// A set that is too large for one node is *split* (split_sets.hpp): each of its interactions has a coordinator of its
+// own, and an atom that interactions of several coordinators can take from one state stays offered at its home, which
+// gives it to one attempt after the other, as a lock.
+//
 // Linear in the ports of all interactions and groups, but for the logarithms of sorting. Constant during a run.
 #pragma once
 #include <compare>
@@ -22,6 +26,9 @@
 namespace bip::rt {
 
 inline constexpr u32 kMostNodes = 64;
+/// Conflict sets of more interactions are split, unless a placement says otherwise.
+inline constexpr u32 kSplitAbove = 1000;
+inline constexpr u32 kSplitNone = kNone;
 
 /// What is known of an atom beyond its places (compiler/verify/conflicts): in one of its modes at the place, with this
 /// history, it offers this port, among others to this connector. Its history is the last connector that moved it
@@ -42,6 +49,7 @@ struct Placement {
   std::vector<u32> home;                    // by atom
   std::vector<std::string> addresses = {};  // by node: HOST:PORT, or empty; of a placement without a file: none
   std::vector<NextMove> next_moves = {};    // sorted by atom, place, history, mode; of other atoms places tell all
+  u32 split_above = kSplitAbove;            // interactions: larger conflict sets are split; kSplitNone: none is
 };
 
 /// Variables that connectors and rules read or write, and traces show: rows in `all`, by atom. What an offer carries.
@@ -61,12 +69,20 @@ struct ConflictSets {
   std::vector<Situation> situations;        // sorted by atom, place, history, port
   std::vector<std::uint8_t> by_situation;   // by atom: not 0 if set_at does not tell its set
   std::vector<std::uint8_t> is_told_apart;  // by port instance: its connector becomes the atom's history
-  [[nodiscard]] u32 set_of(u32 atom, u32 place) const {
-    const u32 first = first_slot[atom];
-    return set_at[first_slot[atom + 1] - first == 1 ? first : first + place];
-  }
+  [[nodiscard]] u32 set_of(u32 atom, u32 place) const { return set_at[slot_of(atom, place)]; }
   /// The set of an atom by_situation that offers the port; kNone: no interaction can take it through that port.
-  [[nodiscard]] u32 set_of(u32 atom, u32 place, u32 history, u32 port) const;
+  [[nodiscard]] u32 set_of(u32 atom, u32 place, u32 history, u32 port) const {
+    const u32 row = situation_of(atom, place, history, port);
+    return row == kNone ? kNone : situations[row].set;
+  }
+  /// The row of situations of an atom by_situation that offers the port; kNone: no interaction can take it through that
+  /// port.
+  [[nodiscard]] u32 situation_of(u32 atom, u32 place, u32 history, u32 port) const;
+  /// The row of set_at.
+  [[nodiscard]] u32 slot_of(u32 atom, u32 place) const {
+    const u32 first = first_slot[atom];
+    return first_slot[atom + 1] - first == 1 ? first : first + place;
+  }
 };
 [[nodiscard]] ConflictSets conflict_sets(const Tables& tables, const PriorityTables& rules,
                                          const std::vector<NextMove>& next_moves = {});
@@ -81,18 +97,21 @@ struct CrossingObject {
 struct Distribution {
   Placement placement;
   ConflictSets sets;
-  Csr cells;                             // shown_cells
-  std::vector<u32> coordinator;          // by set
+  Csr cells;                           // shown_cells
+  std::vector<u32> coordinator;        // by set; of a split set: where most of its ports are at home
+  std::vector<std::uint8_t> is_split;  // by set: not 0 if its interactions have several coordinators
+  std::vector<u32> coordinator_of;     // by interaction
+  std::vector<u32> offered_at;         // by row of sets.set_at: the node to which the atom is offered, or kNone
+  std::vector<u32> offered_in;         // by row of sets.situations: the same
+  Csr locks;  // by interaction: the atoms that are locked for it at their homes, in the order of homes
+  Csr needs;  // by interaction of a split set: what must be offered in one core to begin it, sorted
   std::vector<CrossingObject> crossing;  // not empty: such a run cannot be
   std::vector<u32> history;              // by atom: NextMove::history when the run goes on; empty: it begins
 
   [[nodiscard]] u32 home(u32 atom) const { return placement.home[atom]; }
   /// The node to which an atom that is not by_situation is offered at this place; kNone: no interaction can take it
   /// there.
-  [[nodiscard]] u32 coordinator_at(u32 atom, u32 place) const {
-    const u32 set = sets.set_of(atom, place);
-    return set == kNone ? kNone : coordinator[set];
-  }
+  [[nodiscard]] u32 coordinator_at(u32 atom, u32 place) const { return offered_at[sets.slot_of(atom, place)]; }
 };
 
 /// Places atoms breadth first along interactions, in pieces of equal size; atoms whose C++ objects may not cross stay
@@ -110,7 +129,8 @@ struct JoinReason {
 [[nodiscard]] JoinReason why_joined(const Tables& tables, const PriorityTables& rules, const ConflictSets& sets,
                                     u32 set);
 
-/// Gives each conflict set to the node at which most of its ports are at home, or where its C++ objects are.
+/// Gives each conflict set to the node at which most of its ports are at home, or where its C++ objects are, and splits
+/// those that are too large.
 [[nodiscard]] Distribution distribute(const Tables& tables, const PriorityTables& rules, Placement placement);
 
 }  // namespace bip::rt

@@ -10,7 +10,7 @@
 namespace bip::rt {
 
 /// Of frames and greetings: programs of other versions do not understand each other.
-inline constexpr u64 kProtocol = 2;
+inline constexpr u64 kProtocol = 3;
 
 /// From an atom's home to its coordinator: it is at rest, and can do this.
 struct Offer {
@@ -31,6 +31,25 @@ struct Part {
 struct Begin {
   u64 step = 0;
   std::vector<Part> parts;
+  u32 interaction = 0;
+};
+/// An attempt to begin an interaction of a split set, from the node that has locked all so far to the home of the next
+/// atom. It carries the offers of what it holds.
+struct Lock {
+  u32 interaction = 0;
+  u32 own = 0;  // of what it holds: so many were offered to the coordinator, which gets them back
+  std::vector<Offer> held;
+};
+/// From the node at which an attempt ended: these atoms, at home there or given by that coordinator, are offered there
+/// again.
+struct Release {
+  u32 interaction = 0;
+  bool is_refused = false;  // the interaction was not possible
+  bool is_watched = false;  // all that it needs was there: it may be possible when one of these atoms has changed
+  std::vector<u32> atoms;
+};
+/// From a home to a coordinator: an atom for which the interaction was refused has changed.
+struct Wake {
   u32 interaction = 0;
 };
 /// To all other nodes: this step ended in a run-time error; begin nothing more.
@@ -69,7 +88,7 @@ struct Control {
   std::vector<std::string> texts;
 };
 inline constexpr Control::Kind kLastControl = Control::Kind::Finished;
-using Message = std::variant<Offer, Begin, Stop, Control>;
+using Message = std::variant<Offer, Begin, Stop, Control, Lock, Release, Wake>;
 
 struct Outgoing {
   u32 to = 0;

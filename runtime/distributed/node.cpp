@@ -1,6 +1,8 @@
 // See node.hpp.
 #include "runtime/distributed/node.hpp"
 
+#include <algorithm>
+
 #include "bip/assert.hpp"
 
 namespace bip::rt {
@@ -17,13 +19,18 @@ bool Node::start(const State& state) {
   for (u32 atom = 0; atom < atoms; ++atom) {
     u32 coordinator = kNone;
     if (!find_coordinator(atom, coordinator)) return false;
+    where_[atom] = coordinator == self_ ? Where::Here : Where::Away;
+    is_in_core_[atom] = coordinator == self_ ? 1 : 0;
     if (coordinator != self_) partial.send_away(atom);
   }
-  return partial.settle();
+  if (!partial.settle()) return false;
+  start_locks();
+  return true;
 }
 
 void Node::take(const Message& message) {
   std::visit([this](const auto& said) { take(said); }, message);
+  serve();
 }
 
 void Node::take(const Offer& offer) {
@@ -31,7 +38,14 @@ void Node::take(const Offer& offer) {
     ++counts_.stale;
     return;
   }
+  receive(offer);
+  note_change(offer.atom);
+}
+
+void Node::receive(const Offer& offer) {
   n_[offer.atom] = offer.n;
+  where_[offer.atom] = Where::Here;
+  is_in_core_[offer.atom] = 1;
   const Span<u32> cells = distribution_.cells[offer.atom];
   BIP_ASSERT(cells.size == offer.cells.size(), "{} of {} variables", offer.cells.size(), cells.size);
   for (u32 i = 0; i < cells.size; ++i) core_.write_cell(cells[i], offer.cells[i]);
@@ -47,6 +61,7 @@ void Node::take(const Begin& begin) {
       continue;
     }
     ++n_[part.atom];
+    where_[part.atom] = Where::Working;
     tell(NodeEvent::Kind::Taken, part.atom);
     const Span<u32> cells = distribution_.cells[part.atom];
     for (u32 i = 0; i < cells.size; ++i) core_.write_cell(cells[i], part.cells[i]);
@@ -55,6 +70,7 @@ void Node::take(const Begin& begin) {
     if (core_.partial().take_up(part.atom, part.transition, begin.step, part.order, work)) works_.push_back(work);
     else stop();
   }
+  if (has_split() && distribution_.coordinator_of[begin.interaction] == self_) note_success(begin.interaction);
 }
 
 void Node::begin(EnabledSet::Position at, u64 step, std::vector<u32>& atoms) {
@@ -65,6 +81,8 @@ void Node::begin(EnabledSet::Position at, u64 step, std::vector<u32>& atoms) {
   for (const Work& work : begun_) {
     const u32 home = distribution_.home(work.atom);
     atoms.push_back(work.atom);
+    where_[work.atom] = home == self_ ? Where::Working : Where::Away;
+    is_in_core_[work.atom] = 0;
     tell(NodeEvent::Kind::Begun, work.atom);
     if (home == self_) {
       tell(NodeEvent::Kind::Taken, work.atom);
@@ -85,6 +103,14 @@ void Node::begin(EnabledSet::Position at, u64 step, std::vector<u32>& atoms) {
     for (const u32 cell : distribution_.cells[work.atom]) part.cells.push_back(core_.cell(cell).bits);
     std::get<Begin>(outbox_[to].message).parts.push_back(std::move(part));
   }
+  if (ready_.empty()) return;
+  BIP_ASSERT(at.interaction == ready_.front().interaction, "interaction {} begins before {}, of which all is locked",
+             at.interaction, ready_.front().interaction);
+  // What the coordinator of the attempt gets back comes before its BEGIN.
+  const auto begins = static_cast<std::ptrdiff_t>(first), end_of_begins = static_cast<std::ptrdiff_t>(outbox_.size());
+  end_attempt();
+  std::rotate(outbox_.begin() + begins, outbox_.begin() + end_of_begins, outbox_.end());
+  serve();
 }
 
 void Node::run(std::size_t k) {
@@ -98,6 +124,7 @@ void Node::run(std::size_t k) {
     case Finished::Idle: come_to_rest(work.atom); break;
   }
   landed_.push_back(work.step);
+  serve();
 }
 
 // The connector, if it tells apart what may come next.
@@ -119,11 +146,11 @@ bool Node::find_coordinator(u32 atom, u32& coordinator) {
   coordinator = kNone;
   if (!partial.find_enabled_ports(atom, enabled_)) return false;
   for (const u32 port : enabled_) {
-    const u32 set = distribution_.sets.set_of(atom, place, history_[atom], port);
-    if (set == kNone) continue;
-    BIP_ASSERT(coordinator == kNone || coordinator == distribution_.coordinator[set], "atom {} has two coordinators",
+    const u32 row = distribution_.sets.situation_of(atom, place, history_[atom], port);
+    if (row == kNone) continue;
+    BIP_ASSERT(coordinator == kNone || coordinator == distribution_.offered_in[row], "atom {} is offered to two nodes",
                atom);
-    coordinator = distribution_.coordinator[set];
+    coordinator = distribution_.offered_in[row];
   }
   return true;
 }
@@ -135,8 +162,12 @@ void Node::come_to_rest(u32 atom) {
   if (!find_coordinator(atom, coordinator)) return stop();
   if (coordinator != kNone) tell(NodeEvent::Kind::Offered, atom);
   if (coordinator == self_) tell(NodeEvent::Kind::Received, atom);
+  where_[atom] = coordinator == self_ ? Where::Here : Where::Away;
+  is_in_core_[atom] = coordinator == self_ ? 1 : 0;
+  if (has_split()) served_.push_back(atom);
   if (coordinator == self_) {
     if (!partial.offer_here(atom)) stop();
+    note_change(atom);
     return;
   }
   Offer offer{atom, n_[atom], {}, {}};

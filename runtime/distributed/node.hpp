@@ -6,8 +6,17 @@
 // allows: atoms that are elsewhere, or offered elsewhere, are away, so all that depends on them waits
 // (core/fire/partial.hpp). A step that it begins runs here for the atoms at home here, and is a BEGIN for others;
 // an atom that comes to rest is offered to the one node that coordinates what it can do next.
+//
+// Split sets (node_locks.cpp): an atom that several coordinators can take stays offered in the core of its home. To
+// offer it in another core is to lock it: an attempt to begin an interaction takes what its coordinator has, goes from
+// home to home in their order with the offers of all that it holds, waits at an atom that is at work or locked, and is
+// refused at one that cannot take part. At the last home all that the interaction needs is offered in one core, which
+// decides about it as about any other, and begins it or gives everything back. What was refused is tried again when
+// an atom that it was refused for has changed.
 #pragma once
+#include <deque>
 #include <functional>
+#include <map>
 #include <utility>
 #include <vector>
 
@@ -18,8 +27,9 @@
 namespace bip::rt {
 
 struct NodeCounts {
-  u64 offers = 0, begins = 0;  // messages sent
-  u64 stale = 0;               // messages that came again
+  u64 offers = 0, begins = 0;              // messages sent
+  u64 locks = 0, releases = 0, wakes = 0;  // of split sets
+  u64 stale = 0;                           // messages that came again
 };
 
 /// What happens to an atom, as models/protocol/offer_begin.bip tells it.
@@ -40,7 +50,9 @@ class Node {
  public:
   /// All arguments must outlive the node.
   Node(const Image& image, const CoreOptions& options, const Distribution& distribution, u32 self)
-      : distribution_(distribution), self_(self), core_(image, options) {}
+      : distribution_(distribution), self_(self), core_(image, options) {
+    link_locks();
+  }
 
   [[nodiscard]] Core& core() { return core_; }
   /// To the initial state, which all nodes know. False: a fault.
@@ -53,6 +65,13 @@ class Node {
   /// Begins a candidate that is_decided, as step `step` of the whole run: numbers grow along whatever depends on
   /// something. Appends the atoms that take part.
   void begin(EnabledSet::Position at, u64 step, std::vector<u32>& atoms);
+  /// An interaction of a split set of which all is locked here, before any other: whoever chooses what begins takes one
+  /// of its candidates. kNone: there is none.
+  [[nodiscard]] u32 locked_interaction() const { return ready_.empty() ? kNone : ready_.front().interaction; }
+  /// Interactions of split sets that may be worth an attempt.
+  [[nodiscard]] std::size_t try_count() const { return tries_.size(); }
+  /// Attempts one of them, if what it needs here is offered here.
+  void try_lock(std::size_t k);
   /// Actions that wait to be run.
   [[nodiscard]] std::size_t work_count() const { return works_.size(); }
   /// Runs one of them and lets it take effect.
@@ -75,7 +94,39 @@ class Node {
   void take(const Begin& begin);
   void take(const Stop&) { is_stopped_ = true; }
   void take(const Control&) {}
+  void take(const Lock& lock);
+  void take(const Release& release);
+  void take(const Wake& wake);
   void come_to_rest(u32 atom);
+  void receive(const Offer& offer);
+
+  // ---- locks: node_locks.cpp
+  enum class Where : std::uint8_t { Away, Here, Working, Locked };
+  enum class Blocked : std::uint8_t { No, ByAtom, ByAll };
+  struct Watcher {
+    u32 interaction = 0;
+    u64 n = 0;
+  };
+  void link_locks();
+  void start_locks();
+  [[nodiscard]] bool has_split() const { return !distribution_.locks.items.empty(); }
+  [[nodiscard]] bool fits(u32 interaction, u32 atom);
+  [[nodiscard]] bool may_try(u32 interaction);
+  void list_try(u32 interaction);
+  void list_tries(u32 atom);
+  void unblock(u32 interaction);
+  void note_change(u32 atom);
+  void note_success(u32 interaction);
+  void lend(u32 atom, Lock& lock);
+  void take_back(u32 atom, const AtomOffer& offer);
+  void go_on(Lock lock, u32 served);
+  void hold_all(Lock lock);
+  void refuse(const Lock& lock, bool is_watched);
+  void end_attempt();
+  void release(const Lock& lock, const std::vector<u32>& atoms, bool is_refused, bool is_watched);
+  void watch(u32 atom, u32 interaction);
+  void wake_watchers(u32 atom);
+  void serve();
   void note_history(u32 atom, const LinkedTransition& transition, u32 interaction);
   bool find_coordinator(u32 atom, u32& coordinator);
   void stop();
@@ -91,9 +142,25 @@ class Node {
   std::vector<Work> works_, begun_;
   std::vector<Outgoing> outbox_;
   std::vector<u64> landed_;
-  std::vector<u32> enabled_;  // scratch: ports
+  std::vector<u32> enabled_, ports_;  // scratch
   NodeCounts counts_;
   NodeObserver observer_;
+  // Locks. By atom: where it is, as far as this node knows; of those at home here: attempts that wait for it, and
+  // interactions that were refused for it; interactions coordinated here that need locks elsewhere and the atom.
+  std::vector<Where> where_;
+  std::vector<std::uint8_t> is_in_core_;  // offered in this core
+  std::vector<std::deque<Lock>> waiting_;
+  std::vector<std::vector<Watcher>> watchers_;
+  Csr tries_of_;
+  // By interaction coordinated here: why it is not tried; was an atom that it needs heard of since it was tried last?
+  std::vector<Blocked> blocked_;
+  std::vector<std::uint8_t> is_awake_, is_listed_;
+  std::vector<u32> tries_;
+  std::vector<AtomOffer> lent_;                // by atom that an attempt took along from here
+  std::vector<u32> taken_by_;                  // by atom from elsewhere: the interaction whose attempt has it, or kNone
+  std::map<u32, std::vector<u32>> attempted_;  // by interaction that is being attempted: those atoms
+  std::deque<Lock> ready_;                     // attempts of which all is locked here
+  std::deque<u32> served_;                     // atoms at home here that may be given to who waits
   bool is_stopped_ = false;
 };
 

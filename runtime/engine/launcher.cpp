@@ -323,6 +323,9 @@ class Launcher {
         result_.bytes += number(6);
         result_.refused += number(7);
         result_.cpu[heard.from] = number(8);
+        result_.locks += number(9);
+        result_.releases += number(10);
+        result_.wakes += number(11);
         return;
       case Control::Kind::Credit:
       case Control::Kind::Recall:

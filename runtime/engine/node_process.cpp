@@ -193,7 +193,7 @@ void NodeProcess::give_back() {
 // Begins what may begin, then runs what is to be run. False: there was nothing.
 bool NodeProcess::has_worked() {
   std::size_t begun = 0;
-  while (begun < kMostBegun && has_begun()) ++begun;
+  while (begun < kMostBegun && (has_tried() || has_begun())) ++begun;
   post();
   if (node_.work_count() != 0 && begun != 0) station_.send(wall_clock());
   const std::size_t works = node_.work_count();
@@ -218,10 +218,21 @@ bool NodeProcess::has_worked() {
   return has_worked;
 }
 
+// An attempt of what needs locks. Drawn, so that neither it nor what may begin here always comes first.
+bool NodeProcess::has_tried() {
+  if (node_.try_count() == 0) return false;
+  const bool begins_first = node_.locked_interaction() != kNone || scheduler_.prng().below(2) == 0;
+  if (begins_first && has_begun()) return true;
+  node_.try_lock(scheduler_.prng().below(node_.try_count()));
+  return true;
+}
+
 bool NodeProcess::has_begun() {
   EnabledSet::Position at{};
   if (is_halted_ || is_paused_ || node_.is_stopped() || station_.link(launcher_).unsaid() > kMostUnsaid) return false;
-  wants_ = scheduler_.choose_decided(node_.core(), at);
+  const u32 locked = node_.locked_interaction();
+  if (locked != kNone) at = scheduler_.choose_of(node_.core(), locked);
+  wants_ = locked != kNone || scheduler_.choose_decided(node_.core(), at);
   if (!wants_) return false;
   if (credit_ == 0) {
     if (!has_asked_) say(Control::Kind::Want, {});
@@ -340,8 +351,9 @@ void NodeProcess::say_last_state() {
   say_state();
   const NodeCounts& counts = node_.counts();
   const StationCounts& station = station_.counts();
-  say(Control::Kind::Finished, {steps_, border_steps_, counts.offers, counts.begins, station.frames, station.again,
-                                station.bytes, station.refused + fabric_.counts().refused, cpu_microseconds()});
+  say(Control::Kind::Finished,
+      {steps_, border_steps_, counts.offers, counts.begins, station.frames, station.again, station.bytes,
+       station.refused + fabric_.counts().refused, cpu_microseconds(), counts.locks, counts.releases, counts.wakes});
   is_finished_ = true;
 }
 

@@ -61,6 +61,7 @@ class NodeProcess {
   void take_control(const Control& control);
   void give_back();
   [[nodiscard]] bool has_worked();
+  [[nodiscard]] bool has_tried();
   [[nodiscard]] bool has_begun();
   void describe(EnabledSet::Position at);
   void post();

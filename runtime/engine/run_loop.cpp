@@ -437,13 +437,17 @@ void RunLoop::print_statistics() {
 
 void RunLoop::print_node_statistics() {
   const auto number = [](u64 value) { return static_cast<unsigned long long>(value); };
-  const u64 messages = distributed_.offers + distributed_.begins;
+  const u64 messages = distributed_.messages();
   const u64 border = distributed_.border_steps;
   std::fprintf(files_.err,
                "steps of several nodes %llu, messages %llu (%.2f a step of several nodes: %llu offers, %llu begins)\n",
                number(border), number(messages),
                border == 0 ? 0.0 : static_cast<double>(messages) / static_cast<double>(border),
                number(distributed_.offers), number(distributed_.begins));
+  if (distributed_.locks != 0) {
+    std::fprintf(files_.err, "of split conflict sets: %llu locks, %llu releases, %llu wakes\n",
+                 number(distributed_.locks), number(distributed_.releases), number(distributed_.wakes));
+  }
   const NetworkCounts& network = distributed_.network;
   if (options_.engine == Engine::Distributed) {
     std::fprintf(files_.err, "frames %llu, sent again %llu, bytes %llu, refused %llu; nodes there after %.3f s\n",

@@ -39,6 +39,12 @@ class Scheduler {
   }
   /// The first candidate from the policy's on that may begin in this partial state. False: there is none.
   bool choose_decided(Core& core, EnabledSet::Position& at);
+  /// Returns a candidate of an interaction that has some.
+  EnabledSet::Position choose_of(const Core& core, u32 interaction) {
+    const u32 count = core.enabled().weight(interaction);
+    BIP_ASSERT(count != 0, "interaction {} has no candidate", interaction);
+    return {interaction, count == 1 || !is_uniform() ? 0 : static_cast<u32>(prng_.below(count))};
+  }
   /// Every candidate is drawn with the same probability.
   [[nodiscard]] bool is_uniform() const { return policy_ == nullptr; }
   /// May a run take compiled steps? They draw by themselves, or choose by order.

@@ -75,6 +75,9 @@ class SimulatedRun {
     for (const Seat& seat : seats_) {
       result.offers += seat.node->counts().offers;
       result.begins += seat.node->counts().begins;
+      result.locks += seat.node->counts().locks;
+      result.releases += seat.node->counts().releases;
+      result.wakes += seat.node->counts().wakes;
     }
     result.network = network_.counts();
     result.time = network_.now();
@@ -124,7 +127,14 @@ class SimulatedRun {
   bool has_taken_turn(u32 node) {
     Node& at = *seats_[node].node;
     const bool works_first = at.work_count() != 0 && draws_.below(2) == 0;
-    if (!works_first && has_begun(seats_[node])) return true;
+    if (!works_first) {
+      const bool tries_first = at.try_count() != 0 && draws_.below(2) == 0;
+      if (!tries_first && has_begun(seats_[node])) return true;
+      if (at.try_count() != 0) {
+        at.try_lock(draws_.below(at.try_count()));
+        return true;
+      }
+    }
     if (at.work_count() == 0) return false;
     at.run(draws_.below(at.work_count()));
     land(at);
@@ -134,9 +144,9 @@ class SimulatedRun {
   bool has_begun(Seat& seat) {
     Node& node = *seat.node;
     EnabledSet::Position at{};
-    if (is_stopping_ || is_pausing_ || node.is_stopped() || steps_ == options_.limit || is_interrupted() ||
-        !seat.scheduler.choose_decided(node.core(), at))
-      return false;
+    if (is_stopping_ || is_pausing_ || node.is_stopped() || steps_ == options_.limit || is_interrupted()) return false;
+    if (node.locked_interaction() != kNone) at = seat.scheduler.choose_of(node.core(), node.locked_interaction());
+    else if (!seat.scheduler.choose_decided(node.core(), at)) return false;
     if (writes_) flights_.depart(node.core(), at);
     seat.scheduler.fired(at.interaction);
     core_.remember(at.interaction);

@@ -92,6 +92,37 @@ Followed check(const Image& image, const Told& run) {
 
 }  // namespace
 
+namespace {
+
+// Of some nodes in blocks, with every conflict set split that has several interactions.
+Placement split(const Image& image, u32 nodes) {
+  const Tables tables = link(image, MaximalProgress::On);
+  Placement placement = place_atoms(tables, link_priorities(tables), nodes);
+  placement.split_above = 1;
+  return placement;
+}
+
+// Servers that clients take in any combination, for one step each time.
+void build_match(ImageBuilder& b, int n) {
+  b.atom_type({.name = "One",
+               .ports = {{.name = "meet"}},
+               .places = {"S"},
+               .initial = {"S"},
+               .transitions = {{"meet", {"S"}, {"S"}}}});
+  b.connector_type({.name = "Two", .params = {{"p", 0}, {"q", 0}}, .define = "p q"});
+  for (const char* kind : {"c", "s"}) {
+    for (int i = 0; i < n; ++i) b.atom(kind + std::to_string(i), "One");
+  }
+  for (int i = 0; i < n; ++i) {
+    for (int k = 0; k < n; ++k) {
+      const std::string client = "c" + std::to_string(i), server = "s" + std::to_string(k);
+      b.connector(client + server, "Two", {client + ".meet", server + ".meet"});
+    }
+  }
+}
+
+}  // namespace
+
 TEST_CASE("every message arrives once and in order, whatever happens to its frame") {
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
     Prng draws(seed);
@@ -242,6 +273,40 @@ TEST_CASE("frames come back as they were, and odd bytes are refused") {
   odd_place.place = 1000;
   CHECK(refused(Offer{0, 4, odd_place, cells_of(0)}));
   CHECK(refused(Control{static_cast<Control::Kind>(200), {}, {}}));
+
+  // Attempts: of interactions with locks, from their coordinator or after it, with what they need.
+  ImageBuilder match;
+  build_match(match, 2);
+  const Core of_match(match.image());
+  Placement split_all = apart(match.image());
+  split_all.split_above = 1;
+  const Distribution with_locks = distribute(of_match.tables(), of_match.priorities(), split_all);
+  const Codec lock_codec(of_match.tables(), with_locks, 42);
+  const Offer client{0, 4, {0, {}, {}, 5, 1}, {}};
+  const auto reads = [&](const Message& message, u32 from, u32 to) {
+    std::string text;
+    lock_codec.write({from, to, 1, 0, 0, {message}}, text);
+    for (std::size_t size = 0; size < text.size(); ++size)
+      CHECK_FALSE(lock_codec.read(std::string_view(text).substr(0, size), from, to, read));
+    if (!lock_codec.read(text, from, to, read)) return false;
+    std::string copy;
+    lock_codec.write(read, copy);
+    return copy == text;
+  };
+  CHECK(reads(Lock{0, 1, {client}}, 0, 2));
+  CHECK_FALSE(reads(Lock{0, 1, {client}}, 0, 3));
+  CHECK_FALSE(reads(Lock{0, 1, {client}}, 1, 0));
+  CHECK_FALSE(reads(Lock{0, 0, {client}}, 0, 2));
+  CHECK_FALSE(reads(Lock{0, 2, {client}}, 0, 2));
+  CHECK_FALSE(reads(Lock{0, 2, {client, client}}, 0, 2));
+  CHECK_FALSE(reads(Lock{3, 1, {client}}, 0, 3));
+  CHECK(reads(Release{0, true, false, {0}}, 2, 0));
+  CHECK(reads(Release{0, false, true, {2}}, 0, 2));
+  CHECK_FALSE(reads(Release{0, true, false, {1}}, 2, 0));
+  CHECK_FALSE(reads(Release{0, true, false, {0}}, 1, 2));
+  CHECK(reads(Wake{0}, 2, 0));
+  CHECK_FALSE(reads(Wake{0}, 2, 1));
+  CHECK_FALSE(reads(Wake{4}, 2, 0));
 
   // Any bytes: read without a fault, and what is read can be written.
   std::size_t taken = 0;
@@ -523,6 +588,110 @@ TEST_CASE("messages that come again change nothing") {
   CHECK(steps > 50);
   CHECK(nodes[0].counts().stale + nodes[1].counts().stale ==
         nodes[0].counts().offers + nodes[1].counts().offers + nodes[0].counts().begins + nodes[1].counts().begins);
+}
+
+TEST_CASE("split sets: what one coordinator's interactions take is offered to it, what is shared is locked") {
+  ImageBuilder b;
+  build_match(b, 4);
+  const Core core(b.image());
+  Placement placement = apart(b.image());
+  const Distribution whole = distribute(core.tables(), core.priorities(), placement);
+  CHECK(whole.sets.count == 1);
+  CHECK(whole.is_split[0] == 0);
+  CHECK(whole.locks.items.empty());
+  placement.split_above = 16;
+  CHECK(distribute(core.tables(), core.priorities(), placement).is_split[0] == 0);
+  placement.split_above = 15;
+  const Distribution parts = distribute(core.tables(), core.priorities(), placement);
+  REQUIRE(parts.is_split[0] != 0);
+  for (u32 interaction = 0; interaction < 16; ++interaction) {
+    // Clients come first: each is taken by interactions that it coordinates, and servers are shared.
+    const u32 client = interaction / 4, server = 4 + interaction % 4;
+    CHECK(parts.coordinator_of[interaction] == client);
+    REQUIRE(parts.locks[interaction].size == 1);
+    CHECK(parts.locks[interaction][0] == server);
+    CHECK(parts.coordinator_at(client, 0) == client);
+    CHECK(parts.coordinator_at(server, 0) == server);
+  }
+  placement.split_above = kSplitNone;
+  CHECK(distribute(core.tables(), core.priorities(), placement).is_split[0] == 0);
+  // On one node there is nothing to share.
+  placement.split_above = 1;
+  placement.home.assign(placement.home.size(), 3);
+  CHECK(distribute(core.tables(), core.priorities(), placement).is_split[0] == 0);
+}
+
+TEST_CASE("split sets: binary interactions cost at most 2.5 messages, ternary ones 4.5") {
+  struct Case {
+    const char* name;
+    void (*build)(ImageBuilder&);
+    u32 nodes;  // atom k is at home on node k modulo this
+    double most;
+  };
+  const Case cases[] = {{"pairs", [](ImageBuilder& b) { build_pairs(b, 8); }, 16, 2},
+                        {"match", [](ImageBuilder& b) { build_match(b, 4); }, 8, 2.5},
+                        {"match, two on a node", [](ImageBuilder& b) { build_match(b, 4); }, 4, 2.5},
+                        {"ring", [](ImageBuilder& b) { build_ring(b, 12); }, 12, 2.5},
+                        {"both forks", [](ImageBuilder& b) { build_philosophers(b, 16, false); }, 16, 4.5}};
+  for (const Case& one : cases) {
+    ImageBuilder b;
+    one.build(b);
+    Placement placement = apart(b.image());
+    placement.nodes.resize(one.nodes);
+    for (u32& home : placement.home) home %= one.nodes;
+    placement.split_above = 1;
+    std::uint64_t messages = 0, border = 0;
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      const SimulatedResult result = simulated(b.image(), placement, seed, 2000);
+      messages += result.messages();
+      border += result.border_steps;
+    }
+    INFO(one.name << ": " << static_cast<double>(messages) / static_cast<double>(border));
+    CHECK(border > 4000);
+    CHECK(static_cast<double>(messages) <= one.most * static_cast<double>(border));
+  }
+}
+
+TEST_CASE("simulated runs with locks are accepted, whatever the network does") {
+  for (const int kind : {0, 1, 2}) {
+    ImageBuilder b;
+    if (kind == 2) build_match(b, 4);
+    else build_philosophers(b, 7, kind == 1);
+    const Placement placement = split(b.image(), 4);
+    for (std::uint64_t seed = 1; seed <= 70; ++seed) {
+      const char* const faults = seed % 2 == 0 ? "" : "lose 20%, double 20%, cut 1-3 2ms..40ms, slow 2 x5";
+      RunOptions options;
+      options.placement = &placement;
+      const Told run = told(b.image(), seed, 300, faults, OnLoss::Stop, options);
+      CHECK(check(b.image(), run).end == run.result.end);
+      CHECK(run.result.exit_code == 0);
+      CHECK(run.result.end == (run.result.steps == 300 ? End::Limit : End::Deadlock));
+      CHECK((kind == 1 || run.result.end == End::Limit));
+    }
+  }
+}
+
+TEST_CASE("locks of a lost node stay: the others stop, or go on with what does not need them") {
+  ImageBuilder b;
+  build_philosophers(b, 9, false);
+  const Placement placement = split(b.image(), 3);
+  RunOptions options;
+  options.placement = &placement;
+  int goes_on = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    const Told stopped = told(b.image(), seed, 100000, "crash 2 30ms, lose 10%", OnLoss::Stop, options);
+    CHECK(stopped.result.end == End::Interrupted);
+    CHECK(stopped.result.exit_code == 1);
+    CHECK(stopped.err.find("error[R0030]: lost `2`") == 0);
+    (void)check(b.image(), stopped);
+    // Philosophers whose forks are at home on one of the other nodes go on, unless one of them was locked.
+    const Told went_on = told(b.image(), seed, 3000, "crash 2 30ms, lose 10%", OnLoss::GoOn, options);
+    CHECK((went_on.result.end == End::Limit || went_on.result.end == End::Interrupted));
+    CHECK(went_on.err.find("[R0030]: lost `2`") != std::string::npos);
+    (void)check(b.image(), went_on);
+    goes_on += went_on.result.end == End::Limit ? 1 : 0;
+  }
+  CHECK(goes_on != 0);
 }
 
 TEST_CASE("the same seed gives the same simulated run") {

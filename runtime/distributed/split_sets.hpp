@@ -1,0 +1,23 @@
+// Splits conflict sets that are too large for one coordinator.
+//
+// An *occasion* is a state of an atom (its place, with its history where that tells more) in which interactions of the
+// set can take it, or of an atom that is looked at, any state. An occasion with several interactions is contended.
+// - The coordinator of an interaction is the first of the nodes at which its contended atoms are at home.
+// - On an occasion whose interactions have one coordinator the atom is offered to that node, as in sets that are not
+//   split. On others it is *shared*: it is offered at its home, and locked there for one attempt after the other.
+// So all locks of an attempt are at its coordinator or at later nodes, and a chain of locks in the order of nodes
+// visits each of them once (node.hpp). A set whose occasions turn out to be shared by nobody is not split: it comes
+// apart.
+//
+// Not split are sets whose atoms show C++ objects, which cannot be sent, and sets at home on one node. Linear in the
+// ports of the split sets' interactions and in what they look at, but for the logarithms of sorting.
+#pragma once
+#include "runtime/distributed/distribution.hpp"
+
+namespace bip::rt {
+
+/// Of a distribution whose sets have one coordinator each: splits those of more than Placement::split_above
+/// interactions.
+void split_sets(const Tables& tables, const PriorityTables& rules, Distribution& distribution);
+
+}  // namespace bip::rt
