@@ -73,6 +73,12 @@ void add_run(CLI::App& app, RunArguments& a) {
       ->type_name("PATH")
       ->excludes("--nodes");
   command
+      ->add_option("--split-above", a.split_above,
+                   "on several nodes, give conflict sets of more than N interactions several coordinators, which lock "
+                   "what they share (default: 1000, or as the placement says)")
+      ->check(is_number(1, rt::kSplitNone))
+      ->type_name("N");
+  command
       ->add_option("--faults", a.run.network_faults,
                    "what goes wrong in the simulated network, for example 'cut 1-2 3s..5s, crash 3 5s, slow 2 x10, "
                    "lose 5%, double 5%'")

@@ -151,6 +151,7 @@ std::string model_hash(const fs::path& folder, const rt::Placement& placement) {
   std::string homes;
   for (const std::string& name : placement.nodes) homes += name + '\n';
   for (const std::uint32_t home : placement.home) homes += std::to_string(home) + ' ';
+  homes += "\nsplit above " + std::to_string(placement.split_above);
   texts.push_back(homes);
   std::set<fs::path> files;
   std::error_code error;

@@ -79,18 +79,54 @@ std::string reason_text(const rt::Tables& tables, const rt::JoinReason& reason) 
   return fmt::format("`{}`{} offers ports of {} interactions", image.atoms[reason.row].path(), place, reason.joined);
 }
 
-// Of a rendezvous; of others if all take part.
-std::size_t most_messages(const rt::Distribution& distribution, std::uint32_t coordinator,
+// Of a rendezvous; of others if all take part. Of split sets: if no attempt is refused.
+std::size_t most_messages(const rt::Distribution& distribution, std::uint32_t interaction,
                           const std::vector<std::uint32_t>& atoms, std::vector<std::uint32_t>& nodes) {
-  std::size_t offers = 0;
+  const std::uint32_t coordinator = distribution.coordinator_of[interaction];
+  const rt::Span<std::uint32_t> locks = distribution.locks[interaction];
+  const auto keep_unique = [&nodes] {
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    return nodes.size() - 1;
+  };
+  // One LOCK to each home of what is locked; the last one of them begins.
   nodes.assign(1, coordinator);
+  for (const std::uint32_t atom : locks) nodes.push_back(distribution.home(atom));
+  std::size_t messages = keep_unique();
+  const std::uint32_t begins = nodes.back();
+  nodes.assign({coordinator, begins});
   for (const std::uint32_t atom : atoms) {
     nodes.push_back(distribution.home(atom));
-    if (distribution.home(atom) != coordinator) ++offers;
+    const bool is_locked = std::find(locks.begin(), locks.end(), atom) != locks.end();
+    if (!is_locked && distribution.home(atom) != coordinator) ++messages;
   }
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-  return offers + nodes.size() - 1;
+  return messages + keep_unique();
+}
+
+// Of each split set: who coordinates how much, and what is locked.
+std::string split_text(const rt::Distribution& distribution) {
+  const rt::ConflictSets& sets = distribution.sets;
+  std::string text;
+  for (std::uint32_t set = 0; set < sets.count; ++set) {
+    if (distribution.is_split[set] == 0) continue;
+    std::vector<std::size_t> coordinates(distribution.placement.nodes.size(), 0);
+    std::vector<std::uint32_t> locked;
+    for (const std::uint32_t interaction : sets.interactions[set]) {
+      ++coordinates[distribution.coordinator_of[interaction]];
+      locked.insert(locked.end(), distribution.locks[interaction].begin(), distribution.locks[interaction].end());
+    }
+    std::sort(locked.begin(), locked.end());
+    locked.erase(std::unique(locked.begin(), locked.end()), locked.end());
+    text += fmt::format("a set of {} interactions is split:", sets.interactions[set].size);
+    const char* before = " ";
+    for (std::size_t node = 0; node < coordinates.size(); ++node) {
+      if (coordinates[node] == 0) continue;
+      text += fmt::format("{}{} coordinates {}", before, distribution.placement.nodes[node], coordinates[node]);
+      before = ", ";
+    }
+    text += fmt::format("; locks at {} of {} components\n", locked.size(), sets.atoms[set].size);
+  }
+  return text;
 }
 
 }  // namespace
@@ -102,6 +138,7 @@ bool prepare_distributed(Compilation& c, const RunArguments& arguments, rt::Plac
                       arguments.run.maximal_progress ? rt::MaximalProgress::On : rt::MaximalProgress::Off);
   if (arguments.placement_path.empty()) placement = rt::place_atoms(linked.tables, linked.rules, arguments.run.nodes);
   else if (!read_placement(c, arguments.placement_path, placement)) return false;
+  if (arguments.split_above != 0) placement.split_above = arguments.split_above;
   rt::NetworkFaults faults;
   if (const std::string problem = rt::read_faults(arguments.run.network_faults, placement.nodes, faults);
       !problem.empty()) {
@@ -144,7 +181,7 @@ std::string distribution_text(Compilation& c, const std::string& placement_path)
 
   std::vector<std::size_t> components(placement.nodes.size(), 0), coordinates(placement.nodes.size(), 0);
   for (const std::uint32_t home : placement.home) ++components[home];
-  for (const std::uint32_t set : sets.of_interaction) ++coordinates[distribution.coordinator[set]];
+  for (const std::uint32_t node : distribution.coordinator_of) ++coordinates[node];
   std::string text;
   for (std::size_t node = 0; node < placement.nodes.size(); ++node)
     text += fmt::format("node {}: {} components at home, coordinates {} of {} interactions\n", placement.nodes[node],
@@ -156,12 +193,16 @@ std::string distribution_text(Compilation& c, const std::string& placement_path)
   }
   if (sets.count != 0) {
     const std::uint32_t size = sets.interactions[largest].size;
-    text += fmt::format("{} conflict sets; the largest has {} interactions ({} %), coordinated by {}\n", sets.count,
-                        size, size * 100 / interactions, placement.nodes[distribution.coordinator[largest]]);
+    text += fmt::format(
+        "{} conflict sets; the largest has {} interactions ({} %), {}\n", sets.count, size, size * 100 / interactions,
+        distribution.is_split[largest] != 0 ? std::string("split")
+                                            : "coordinated by " + placement.nodes[distribution.coordinator[largest]]);
     if (size > 1)
       text += "  " + reason_text(linked.tables, rt::why_joined(linked.tables, linked.rules, sets, largest)) + '\n';
   }
 
+  const std::string split = split_text(distribution);
+  text += split;
   text += removed_conflicts_text(linked.tables, known);
   std::string rows;
   std::size_t border = 0, sum = 0;
@@ -169,8 +210,7 @@ std::string distribution_text(Compilation& c, const std::string& placement_path)
   for (std::uint32_t interaction = 0; interaction < interactions; ++interaction) {
     rt::atoms_of_interaction(linked.tables, linked.tables.interactions[interaction], atoms);
     atoms.erase(std::unique(atoms.begin(), atoms.end()), atoms.end());
-    const std::size_t messages =
-        most_messages(distribution, distribution.coordinator[sets.of_interaction[interaction]], atoms, nodes);
+    const std::size_t messages = most_messages(distribution, interaction, atoms, nodes);
     if (nodes.size() < 2) continue;
     sum += messages;
     if (++border > kMostListed) continue;
@@ -179,7 +219,9 @@ std::string distribution_text(Compilation& c, const std::string& placement_path)
     rows += '\n';
   }
   text += fmt::format("{} of {} interactions are of several nodes", border, interactions);
-  text += border == 0 ? "\n" : fmt::format(", at most {:.2f} messages each\n", double(sum) / double(border));
+  text += border == 0 ? "\n"
+                      : fmt::format(", at most {:.2f} messages each{}\n", double(sum) / double(border),
+                                    split.empty() ? "" : ", and three for each refusal of a lock");
   if (border > kMostListed) rows += fmt::format("  and {} more\n", border - kMostListed);
   return text + rows;
 }

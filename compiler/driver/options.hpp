@@ -24,10 +24,11 @@ struct RunArguments {
   Backend backend = Backend::Auto;
   Optimisation optimisation = Optimisation::Auto;
   rt::RunOptions run;
-  bool for_debuggers = false;  // gdb and perf see machine code and its lines
-  bool profile = false;        // a table of where the time went follows
-  std::string profile_path;    // the same as JSON; empty: none
-  std::string placement_path;  // where components are at home; empty: anywhere
+  bool for_debuggers = false;     // gdb and perf see machine code and its lines
+  bool profile = false;           // a table of where the time went follows
+  std::string profile_path;       // the same as JSON; empty: none
+  std::string placement_path;     // where components are at home; empty: anywhere
+  std::uint32_t split_above = 0;  // conflict sets of more interactions get several coordinators; 0: as usual
 };
 /// Folders for the hosts of a run.
 struct DeployArguments {

@@ -86,6 +86,7 @@ class PlacementReader {
       const std::size_t end = std::min(text.find('\n', begin), text.size());
       split(text, begin, end);
       if (!words_.empty() && words_[0].text == "node") node();
+      else if (words_.size() > 1 && words_[0].text == "split" && words_[1].text != "on") split_above();
       else if (!words_.empty()) home();
       begin = end + 1;
     }
@@ -140,6 +141,20 @@ class PlacementReader {
       placement_.nodes.push_back(name);
       placement_.addresses.emplace_back(words_.size() == 4 ? words_[3].text : std::string_view());
     }
+  }
+
+  void split_above() {
+    if (words_.size() == 2 && words_[1].text == "never") {
+      placement_.split_above = rt::kSplitNone;
+      return;
+    }
+    if (words_.size() == 3 && words_[1].text == "above") {
+      const std::string_view text = words_[2].text;
+      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), placement_.split_above);
+      if (error == std::errc() && end == text.data() + text.size()) return;
+    }
+    c_.diags.report(Diag::kB5073, line(), "expected `split above NUMBER` or `split never`")
+        .help("for example `split above 100`: conflict sets of more than 100 interactions get several coordinators");
   }
 
   void home() {
