@@ -100,14 +100,16 @@ inline std::string engine_runs(const rt::Image& image, std::uint64_t seed, std::
     options.nodes = 2 + static_cast<std::uint32_t>(options.seed % 4);
     options.network_faults = kNetworkFaults[options.seed % std::size(kNetworkFaults)];
     options.on_loss = options.seed % 2 == 0 ? rt::OnLoss::Stop : rt::OnLoss::GoOn;
-    rt::Placement placement;
+    const rt::Tables tables = rt::link(image, rt::MaximalProgress::On);
+    rt::Placement placement = rt::place_atoms(tables, rt::link_priorities(tables), options.nodes);
+    options.placement = &placement;
     if (!known.empty()) {
-      const rt::Tables tables = rt::link(image, rt::MaximalProgress::On);
-      placement = rt::place_atoms(tables, rt::link_priorities(tables), options.nodes);
       placement.next_moves = known;
-      options.placement = &placement;
       ++counts.with_known;
     }
+    if (std::string problem = engine_run(image, options, counts); !problem.empty()) return problem;
+    // The same with several coordinators for each conflict set, and locks.
+    placement.split_above = 1;
     if (std::string problem = engine_run(image, options, counts); !problem.empty()) return problem;
     options.placement = nullptr;
     options.network_faults.clear();
