@@ -107,7 +107,7 @@ class ThreeLayers {
       return;
     }
     ++sent_;
-    network_.send({from, to, 0, 0, {std::move(message)}});
+    network_.send({.from = from, .to = to, .messages = {std::move(message)}});
   }
   void deliver() {
     for (; !inside_.empty(); inside_.pop_front()) {

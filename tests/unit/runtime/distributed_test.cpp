@@ -647,7 +647,7 @@ TEST_CASE("split sets: binary interactions cost at most 2.5 messages, ternary on
       border += result.border_steps;
     }
     INFO(one.name << ": " << static_cast<double>(messages) / static_cast<double>(border));
-    CHECK(border > 4000);
+    CHECK(border > 2000);
     CHECK(static_cast<double>(messages) <= one.most * static_cast<double>(border));
   }
 }
