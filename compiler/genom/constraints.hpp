@@ -18,11 +18,16 @@ struct PosterRef {
   std::size_t module = 0, poster = 0;
   auto operator<=>(const PosterRef&) const = default;
 };
+struct TaskRef {
+  std::size_t module = 0, task = 0;
+  auto operator<=>(const TaskRef&) const = default;
+};
 
 /// A length of time: ticks, else microseconds.
 struct Span {
   std::int64_t value = 0;
   bool is_ticks = false;
+  bool operator==(const Span&) const = default;
 };
 
 enum class ConditionKind : std::uint8_t {
@@ -39,6 +44,9 @@ enum class ConditionKind : std::uint8_t {
   Recent,   // success `row`: its service has ended with OK, and that still counts
   Held,     // value `row` of a poster
   Ordered,  // pair `row`: the first service was accepted, and the second after it
+  Silent,   // silence `row`: nobody has requested anything for so long
+  Failed,   // failure `row` of a service
+  Missed,   // task `row` of those that rules watch has missed its period
   Not,      // one operand
   Operator  // `text`, two operands
 };
@@ -58,7 +66,8 @@ enum class ConstraintKind : std::uint8_t {
   Admit,      // `subject` is accepted only if the condition holds, else rejected
   Keep,       // and told to stop as soon as it does not
   Interrupt,  // a request for `subject` tells `other` to stop
-  Wait        // `subject`, accepted, begins only when `other` does not run
+  Wait,       // `subject`, accepted, begins only when `other` does not run
+  When        // `recovery` is asked for each time the condition becomes true; no subject
 };
 struct Constraint {
   ConstraintKind kind = ConstraintKind::Admit;
@@ -67,7 +76,7 @@ struct Constraint {
   ServiceRef subject, other;
   Condition condition;
   std::string report;
-  std::optional<ServiceRef> recovery;  // asked for when the rule rejects or stops
+  std::optional<ServiceRef> recovery;  // asked for when the rule rejects or stops, or its time has come
 };
 
 enum class ValueType : std::uint8_t { Int, Float, Text };
@@ -95,6 +104,21 @@ struct SuccessRow {
   std::optional<ServiceRef> since;
   std::optional<Span> within;
 };
+/// For `limit` the decisional level has requested nothing of `module`, or of any module.
+struct SilenceRow {
+  std::optional<std::size_t> module;
+  Span limit;
+  bool operator==(const SilenceRow&) const = default;
+};
+/// How an activity or control service may have ended other than well or interrupted. `Failed`: with any other report;
+/// `Lost`: a codel exceeded its budget and was given up.
+enum class FailureKind : std::uint8_t { Failed, Lost };
+/// Has the last end of `service` been such a one, and was it not accepted since?
+struct FailureRow {
+  ServiceRef service;
+  FailureKind kind = FailureKind::Failed;
+  bool operator==(const FailureRow&) const = default;
+};
 /// What a poster holds: one of `values` (as BIP writes them) if codels answer freely, else what a C++ function says
 /// when it is written.
 struct ValueRow {
@@ -111,9 +135,13 @@ struct Constraints {
   std::vector<PairRow> pairs;
   std::vector<SuccessRow> successes;
   std::vector<ValueRow> values;
+  std::vector<SilenceRow> silences;
+  std::vector<FailureRow> failures;
+  std::vector<TaskRef> watched_tasks;
   /// Is there anything that the level has to remember, or do?
   [[nodiscard]] bool has_parts() const {
-    return !(rows.empty() && parameters.empty() && stopwatches.empty() && pairs.empty() && successes.empty());
+    return !(rows.empty() && parameters.empty() && stopwatches.empty() && pairs.empty() && successes.empty() &&
+             silences.empty() && failures.empty() && watched_tasks.empty());
   }
 };
 

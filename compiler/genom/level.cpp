@@ -43,6 +43,7 @@ class LevelWriter {
     executives();
     parts();
     for (std::size_t m = 0; m < plans_.size(); ++m) module(m);
+    whens();
     time();
     out_ += priorities_.empty() ? "" : "\n";
     for (const auto& [low, high] : priorities_)
@@ -130,10 +131,22 @@ class LevelWriter {
     }
     for (const PairRow& p : constraints_.pairs)
       parts_.pairs.push_back(component(fmt::format("{}_then_{}", name_of(p.first), name_of(p.second)), "Pair", ""));
-    std::map<std::string, std::string> known;
+    for (const SilenceRow& s : constraints_.silences) {
+      const std::string of = s.module ? plans_[*s.module].component : "decisional_level";
+      parts_.silences.push_back(component(of + "_silence", "Silence", std::to_string(conditions_.ticks(s.limit))));
+    }
+    for (const FailureRow& f : constraints_.failures) {
+      const char* const how = f.kind == FailureKind::Lost ? "_lost" : "_failed";
+      parts_.failures.push_back(component(name_of(f.service) + how, "Failure", ""));
+    }
+    std::map<std::pair<std::string, ServiceRef>, std::string> known;
     for (const Constraint& row : constraints_.rows) {
-      if (row.recovery && !known.contains(row.name)) known[row.name] = component("after_" + row.name, "Recovery", "");
-      parts_.recoveries.push_back(row.recovery ? known[row.name] : "");
+      parts_.edges.push_back(row.kind == ConstraintKind::When ? component(row.name + "_edge", "Edge", "") : "");
+      std::string& recovery = parts_.recoveries.emplace_back();
+      if (!row.recovery) continue;
+      std::string& part = known[{row.name, *row.recovery}];
+      if (part.empty()) part = component("after_" + row.name, "Recovery", "");
+      recovery = part;
     }
   }
 
@@ -147,6 +160,7 @@ class LevelWriter {
     if (p.execution_activities > 0) {
       Wire abort{.name = p.component + "_read_Abort", .ports = {prefix + "read_Abort", "semaphore.take"}};
       asks(abort, m, p.services.size());
+      hears(abort, m);
       if (is_served())
         abort.action += fmt::format("; {}.activity <- request_word({}.ask.due, 0)", abort.ports[0], executives_[m]);
       reads.push_back(wire(std::move(abort)));
@@ -206,8 +220,12 @@ class LevelWriter {
       trig.push_back(executives_[s.module] + "." + requests_[s.module][s.service].event);
       action = fmt::format("if ({0}.asked != \"\") then request_input({0}.asked, {0}.asked_input); fi", trig.back());
     }
-    wire({.name = plan(s).component + "_trig_" + id, .ports = trig, .action = action});
+    for (std::size_t i = 0; i < constraints_.failures.size(); ++i) {
+      if (constraints_.failures[i].service == s) trig.push_back(parts_.failures[i] + ".forget");
+    }
+    trigs_[s] = wire({.name = plan(s).component + "_trig_" + id, .ports = trig, .action = action});
     if (plan(s).services[s.service].is_heard) successes(s);
+    failures(s);
     for (std::size_t row = 0; row < constraints_.rows.size(); ++row) {
       if (constraints_.rows[row].kind == ConstraintKind::Keep && constraints_.rows[row].subject == s) stop(row);
     }
@@ -229,11 +247,46 @@ class LevelWriter {
     }
   }
 
+  // Whoever asks whether it failed hears of each end that is none of success or interruption.
+  void failures(ServiceRef s) {
+    const ServicePlan& p = plan(s).services[s.service];
+    const Service& service = plan(s).module->services[s.service];
+    const bool is_control = service.kind == ServiceKind::Control;
+    struct End {
+      const char* port;
+      bool is_possible, is_loss;
+    };
+    for (const End& end : {End{"nofin", is_control ? control_may_fail(service) : p.activity.ends_not_ok, false},
+                           End{"fail", p.activity.has_zombie, false}, End{"lost", p.activity.has_async, true}}) {
+      std::vector<std::string> ended;
+      for (std::size_t i = 0; i < constraints_.failures.size(); ++i) {
+        const FailureRow& row = constraints_.failures[i];
+        if (row.service == s && (end.is_loss || row.kind == FailureKind::Failed))
+          ended.push_back(parts_.failures[i] + ".ended");
+      }
+      if (ended.empty() || !end.is_possible) continue;
+      for (const std::size_t activity : p.activities) {
+        const std::string& name = plan(s).activities[activity].component;
+        std::vector<std::string> ports{fmt::format("{}.{}_{}", plan(s).component, end.port, name)};
+        ports.insert(ports.end(), ended.begin(), ended.end());
+        wire({.name = fmt::format("{}_{}_{}", plan(s).component, end.port, name), .ports = ports});
+      }
+    }
+  }
+
+  // A request ends the silence of its module.
+  void hears(Wire& w, std::size_t module) const {
+    for (std::size_t i = 0; i < constraints_.silences.size(); ++i) {
+      if (constraints_.silences[i].module.value_or(module) == module) w.ports.push_back(parts_.silences[i] + ".heard");
+    }
+  }
+
   // One connector; without an executive one a value of its parameters.
   void requests(ServiceRef s, const std::string& read, std::vector<std::string>& reads) {
     const std::string name = plan(s).component + "_read_" + plan(s).services[s.service].id;
     std::vector<Wire> wires{{.name = name, .ports = {read, "semaphore.take"}}};
     if (has_any_value()) asks(wires[0], s.module, s.service);
+    hears(wires[0], s.module);
     std::size_t k = 0;
     for (std::size_t i = 0; i < constraints_.parameters.size(); ++i) {
       const ParameterRow& p = constraints_.parameters[i];
@@ -374,6 +427,36 @@ class LevelWriter {
     }
   }
 
+  // A condition that becomes true is seen before time goes on, and before the service is accepted again whose failure
+  // it is about.
+  void whens() {
+    for (std::size_t row = 0; row < constraints_.rows.size(); ++row) {
+      const Constraint& c = constraints_.rows[row];
+      if (c.kind != ConstraintKind::When) continue;
+      out_ += fmt::format("\n    // {}", c.text);
+      const std::string rise = parts_.edges[row] + ".rise";
+      std::vector<std::string> ports{rise, parts_.recoveries[row] + ".call"};
+      std::string guard = conditions_.text(c.condition, ports);
+      const std::string name = wire({.name = "when_" + c.name,
+                                     .ports = ports,
+                                     .guard = guard,
+                                     .action = fmt::format("{}.rep <- \"{}\"", rise, c.report)});
+      ports = {parts_.edges[row] + ".fall"};
+      guard = conditions_.text(negated(c.condition), ports);
+      const std::string over = wire({.name = "when_" + c.name + "_over", .ports = ports, .guard = guard});
+      for (const std::string& edge : {name, over}) priorities_.emplace_back(sync_, edge);
+      std::vector<std::string> again;
+      acceptances(c.condition, again);
+      for (const std::string& trig : again) priorities_.emplace_back(trig, name);
+    }
+  }
+
+  // The connectors that accept a service of whose failure a condition speaks.
+  void acceptances(const Condition& c, std::vector<std::string>& into) const {
+    if (c.kind == ConditionKind::Failed) add_port(into, trigs_.at(constraints_.failures[c.row].service));
+    for (const Condition& operand : c.operands) acceptances(operand, into);
+  }
+
   // Accepted activities begin in activity order, before the control cycle ends, when those that rules name do not run.
   void launches(std::size_t m) {
     const Plan& p = plans_[m];
@@ -418,6 +501,7 @@ class LevelWriter {
     for (std::size_t i = 0; i < constraints_.successes.size(); ++i) {
       if (constraints_.successes[i].within) ports.push_back(parts_.successes[i] + ".tick");
     }
+    for (const std::string& silence : parts_.silences) ports.push_back(silence + ".tick");
     write_wire(out_, {.name = sync_, .ports = ports, .action = action});
   }
 
@@ -434,6 +518,7 @@ class LevelWriter {
   ConditionWriter conditions_;
   std::map<std::string, std::string> posters_;
   std::vector<std::pair<ServiceRef, std::string>> stops_;
+  std::map<ServiceRef, std::string> trigs_;
   std::vector<std::pair<std::string, std::string>> priorities_;
 };
 

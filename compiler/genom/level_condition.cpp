@@ -92,11 +92,21 @@ std::string ConditionWriter::text(const Condition& c, std::vector<std::string>& 
     case ConditionKind::Held:
       return of_poster(options_.constraints.values[c.row].poster, bip_name(options_.constraints.values[c.row].name));
     case ConditionKind::Ordered: return read(parts_.pairs[c.row], "ordered", ports);
+    case ConditionKind::Silent: return read(parts_.silences[c.row], "silent", ports);
+    case ConditionKind::Failed: return read(parts_.failures[c.row], "failed", ports);
+    case ConditionKind::Missed: {
+      const TaskRef task = options_.constraints.watched_tasks[c.row];
+      const Plan& p = plans_[task.module];
+      const std::string port = fmt::format("{}.missed_{}", p.component, p.tasks[task.task].component);
+      add_port(ports, port);
+      return port + ".missed";
+    }
     case ConditionKind::Not: {
       const Condition& of = c.operands[0];
       const bool is_bare = of.kind == ConditionKind::Ordered || of.kind == ConditionKind::Recent ||
                            of.kind == ConditionKind::Active || of.kind == ConditionKind::Done ||
-                           of.kind == ConditionKind::Not;
+                           of.kind == ConditionKind::Silent || of.kind == ConditionKind::Failed ||
+                           of.kind == ConditionKind::Missed || of.kind == ConditionKind::Not;
       return is_bare ? "!" + text(of, ports) : "!(" + text(of, ports) + ")";
     }
     case ConditionKind::Operator: break;

@@ -11,7 +11,7 @@ namespace bip::genom {
 
 /// Names of the parts that rules need, by row of Constraints.
 struct LevelParts {
-  std::vector<std::string> parameters, stopwatches, pairs, successes, recoveries;
+  std::vector<std::string> parameters, stopwatches, pairs, successes, silences, failures, edges, recoveries;
 };
 
 class ConditionWriter {

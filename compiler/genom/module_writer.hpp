@@ -72,7 +72,8 @@ class ModuleWriter {
   Scope scope_;
   std::map<std::string, std::string> names_;
   std::vector<std::pair<std::string, std::string>> refusals_;  // wanted names: what gives way, to which refusal
-  std::vector<std::string> aborts_;  // wanted names of the connectors by which Abort finds an activity
+  std::map<std::string, std::string> bad_finals_;  // by component of a control service: its ends with other reports
+  std::vector<std::string> aborts_;                // wanted names of the connectors by which Abort finds an activity
 };
 
 }  // namespace bip::genom

@@ -15,17 +15,56 @@ namespace bip::genom {
 namespace {
 
 // Of stdlib/genom, and the root: a type of the package would hide them.
-constexpr const char* kOwnTypes[] = {"Signal",          "Report",         "Status",    "Age",
-                                     "ControlState",    "MasterTimer",    "Timer",     "WakeUp",
-                                     "IdsLock",         "Semaphore",      "Poster",    "ServiceController",
-                                     "ControlService",  "TaskController", "Permanent", "ControlIds",
-                                     "FunctionalLevel", "Answer",         "Running",   "Elapsed",
-                                     "Number",          "Text",           "Order",     "Stopwatch",
-                                     "NumberParameter", "TextParameter",  "Pair",      "FractionParameter",
-                                     "Fraction",        "Recovery",       "Asks",      "Executive",
-                                     "MasterClock",     "Posts",          "Told",      "Accepted",
-                                     "Numbered",        "Target",         "Outcome",   "Countdown",
-                                     "CodelWatch",      "Counts",         "Success"};
+constexpr const char* kOwnTypes[] = {"Signal",
+                                     "Report",
+                                     "Status",
+                                     "Age",
+                                     "ControlState",
+                                     "MasterTimer",
+                                     "Timer",
+                                     "WakeUp",
+                                     "IdsLock",
+                                     "Semaphore",
+                                     "Poster",
+                                     "ServiceController",
+                                     "ControlService",
+                                     "TaskController",
+                                     "Permanent",
+                                     "ControlIds",
+                                     "FunctionalLevel",
+                                     "Answer",
+                                     "Running",
+                                     "Elapsed",
+                                     "Number",
+                                     "Text",
+                                     "Order",
+                                     "Stopwatch",
+                                     "NumberParameter",
+                                     "TextParameter",
+                                     "Pair",
+                                     "FractionParameter",
+                                     "Fraction",
+                                     "Recovery",
+                                     "Asks",
+                                     "Executive",
+                                     "MasterClock",
+                                     "Posts",
+                                     "Told",
+                                     "Accepted",
+                                     "Numbered",
+                                     "Target",
+                                     "Outcome",
+                                     "Countdown",
+                                     "CodelWatch",
+                                     "Counts",
+                                     "Success",
+                                     "Quiet",
+                                     "Silence",
+                                     "Fault",
+                                     "Failure",
+                                     "Lateness",
+                                     "WatchedTimer",
+                                     "Edge"};
 
 bool yields(const Activity& activity, const ActivityPlan& a, std::size_t to, Next next) {
   for (std::size_t i = 0; i < activity.states.size(); ++i) {
@@ -254,6 +293,14 @@ Plan make_plan(const Module& module, std::size_t index, const GenerateOptions& o
   for (const SuccessRow& row : options.constraints.successes) {
     if (row.service.module == index) p.services[row.service.service].is_heard = true;
   }
+  for (const FailureRow& row : options.constraints.failures) {
+    if (row.service.module != index) continue;
+    ServicePlan& s = p.services[row.service.service];
+    (row.kind == FailureKind::Lost ? s.losses_heard : s.fails_heard) = true;
+  }
+  for (const TaskRef& task : options.constraints.watched_tasks) {
+    if (task.module == index) p.tasks[task.task].is_watched = true;
+  }
   for (const ValueRow& row : options.constraints.values) {
     BIP_ASSERT(row.poster.module != index || row.poster.poster < p.poster_types.size(), "poster {} of {}",
                row.poster.poster, p.poster_types.size());
@@ -287,6 +334,11 @@ bool Plan::may_suspend(std::size_t task) const {
   if ((t.permanent.is_set() && t.permanent_fails) || tasks[task].permanent.has_bad) return true;
   return std::any_of(tasks[task].activities.begin(), tasks[task].activities.end(),
                      [&](std::size_t activity) { return services[activities[activity].service].activity.has_bad; });
+}
+
+bool control_may_fail(const Service& service) {
+  return service.body_fails &&
+         std::any_of(service.body.begin(), service.body.end(), [](const Codel& c) { return c.name.is_set(); });
 }
 
 std::vector<std::string> activity_reports(const Plan& plan, const Service& service) {

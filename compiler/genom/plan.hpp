@@ -57,12 +57,15 @@ struct ServicePlan {
   bool is_stopped = false;              // and tell it to stop
   bool is_waited_for = false;           // services of rules begin when it does not run
   bool is_heard = false;                // rules count from its last success
+  bool fails_heard = false;             // rules ask whether it failed
+  bool losses_heard = false;            // and whether a codel of it exceeded its budget
 };
 struct TaskPlan {
   std::string component, type, scheduler;
   ActivityPlan permanent;               // GenoM 3
   std::string work_type;                // of the atom that runs its own codels beside it, if there are such
   std::vector<std::size_t> activities;  // its activities, in activity order
+  bool is_watched = false;              // rules ask whether it has missed its period
 };
 /// Data that codels of several threads share, if one of them writes it (codel granularity): see Plan::thread_of.
 struct LockPlan {
@@ -148,6 +151,8 @@ void write_module(std::string& out, const Plan& plan, const GenerateOptions& opt
 
 /// GenoM 2 does not say what a codel touches: everything.
 [[nodiscard]] std::vector<DataUse> uses_of(const Module& module, const Codel& codel);
+/// May a control service end with a report other than OK?
+[[nodiscard]] bool control_may_fail(const Service& service);
 /// The reports with which an activity may end: its service's, and those of codels in C++ that do what they may not.
 [[nodiscard]] std::vector<std::string> activity_reports(const Plan& plan, const Service& service);
 /// What BIP hears of a codel that threw an exception.

@@ -341,16 +341,20 @@ void ModuleWriter::finals(const Service& s, const ServicePlan& p) {
         .guard = plan_.calls && has_codel ? of_activity(activity, "fin.answer == 0") : "",
         .action = control("final") + ".rep <- \"OK\"",
         .exported = p.is_heard});
-  if (!has_codel || !s.body_fails) return;
+  if (!control_may_fail(s)) return;
   const std::vector<std::string> reports = control_reports(plan_, s);
   for (std::size_t k = 0; k < reports.size(); ++k) {
     const std::string& report = reports[k];
     std::vector<std::string> bad{control("final"), of_activity(activity, "nofin")};
     add_locks(bad, bodies(s), 0, "give");
-    wire({.name = fmt::format("final_{}_{}", plan_.activities[activity].component, bip_name(report)),
+    const std::string name = fmt::format("final_{}_{}", plan_.activities[activity].component, bip_name(report));
+    wire({.name = name,
           .ports = bad,
           .guard = answered(of_activity(activity, "nofin.answer"), k, reports.size()),
-          .action = fmt::format("{}.rep <- \"{}\"", control("final"), report)});
+          .action = fmt::format("{}.rep <- \"{}\"", control("final"), report),
+          .exported = p.fails_heard});
+    std::string& all = bad_finals_[plan_.activities[activity].component];
+    all += (all.empty() ? "" : ", ") + out_of(name);
   }
 }
 }  // namespace bip::genom

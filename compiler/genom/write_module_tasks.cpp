@@ -187,7 +187,8 @@ void ModuleWriter::beside(std::size_t i, std::size_t activity) {
   const ActivityPlan& a = plan_.services[plan_.activities[activity].service].activity;
   returns(plan_.service_of(activity).activity, a, i, of_activity(activity, "returned"), name,
           plan_.thread_beside_activity(activity));
-  wire({.name = "lost_" + name, .ports = lost});
+  const ServicePlan& service = plan_.services[plan_.activities[activity].service];
+  wire({.name = "lost_" + name, .ports = lost, .exported = service.fails_heard || service.losses_heard});
   wire({.name = "found_" + name, .ports = found});
 }
 
@@ -222,7 +223,8 @@ void ModuleWriter::add_ports(std::vector<std::string>& ports, const Codel& codel
 void ModuleWriter::ends(std::size_t i, std::size_t activity) {
   const std::string& name = plan_.activities[activity].component;
   const Service& s = plan_.service_of(activity);
-  const ActivityPlan& a = plan_.services[plan_.activities[activity].service].activity;
+  const ServicePlan& p = plan_.services[plan_.activities[activity].service];
+  const ActivityPlan& a = p.activity;
   const std::string ran = of_task(i, "ran_" + name);
   const std::string remove = of_task(i, "remove");
   if (a.goes_on)
@@ -232,15 +234,15 @@ void ModuleWriter::ends(std::size_t i, std::size_t activity) {
   if (a.ends) {
     std::vector<std::string> fin{ran, of_activity(activity, "fin"), remove};
     if (s.is_init) fin.push_back(plan_.ids + ".initialise");
-    wire(
-        {.name = "fin_" + name, .ports = fin, .exported = plan_.services[plan_.activities[activity].service].is_heard});
+    wire({.name = "fin_" + name, .ports = fin, .exported = p.is_heard});
   }
-  if (a.ends_not_ok) wire({.name = "nofin_" + name, .ports = {ran, of_activity(activity, "nofin"), remove}});
+  if (a.ends_not_ok)
+    wire({.name = "nofin_" + name, .ports = {ran, of_activity(activity, "nofin"), remove}, .exported = p.fails_heard});
   if (a.ends_stopped) wire({.name = "intr_" + name, .ports = {ran, of_activity(activity, "intr"), remove}});
   if (a.has_zombie) {
     std::vector<std::string> fail{ran, of_activity(activity, "fail"), remove};
     if (plan_.has_checks()) fail.push_back(plan_.ids + ".add_zombie");
-    wire({.name = "fail_" + name, .ports = fail});
+    wire({.name = "fail_" + name, .ports = fail, .exported = p.fails_heard});
   }
   if (a.has_bad) {
     std::vector<std::string> bad{of_task(i, "suspend"), of_activity(activity, "bad")};
@@ -320,9 +322,15 @@ void ModuleWriter::exports() {
       if (p.is_heard && module_.services[i].kind == ServiceKind::Control)
         write_export(out_, out_of("final_" + name), "fin_" + name);
       else if (p.is_heard && p.activity.ends) write_export(out_, out_of("fin_" + name), "fin_" + name);
+      const bool is_execution = module_.services[i].kind == ServiceKind::Execution;
+      if (p.fails_heard && !is_execution && bad_finals_.contains(name))
+        write_export(out_, bad_finals_.at(name), "nofin_" + name);
+      if (p.fails_heard && p.activity.ends_not_ok) write_export(out_, out_of("nofin_" + name), "nofin_" + name);
+      if (p.fails_heard && p.activity.has_zombie) write_export(out_, out_of("fail_" + name), "fail_" + name);
+      if ((p.fails_heard || p.losses_heard) && p.activity.has_async)
+        write_export(out_, out_of("lost_" + name), "lost_" + name);
       if (p.is_waited_for) write_export(out_, of_activity(activity, "idle"), "idle_" + name);
-      if (plan_.is_launched_by_rules && module_.services[i].kind == ServiceKind::Execution)
-        write_export(out_, out_of("launch_" + name), "launch_" + name);
+      if (plan_.is_launched_by_rules && is_execution) write_export(out_, out_of("launch_" + name), "launch_" + name);
     }
   }
   if (plan_.execution_activities > 0) write_export(out_, control("read_Abort"), "read_Abort");
@@ -335,6 +343,7 @@ void ModuleWriter::exports() {
   for (std::size_t i = 0; i < module_.tasks.size(); ++i) {
     if (module_.tasks[i].has_permanent() || !module_.tasks[i].reads.empty())
       write_export(out_, out_of("begin_" + plan_.tasks[i].component), "begin_" + plan_.tasks[i].component);
+    if (plan_.tasks[i].is_watched) write_export(out_, of_task(i, "missed"), "missed_" + plan_.tasks[i].component);
   }
   for (const std::string& poster : plan_.posters) write_export(out_, poster + ".read", "read_" + poster);
   write_export(out_, out_of("ModuleSync"), "moduleTick");

@@ -137,8 +137,8 @@ void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64
   out += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component TaskController controller({}, {})\n",
                      p.activities.size(), t.has_permanent() ? "true" : "false");
   if (is_periodic) {
-    out += fmt::format("    component Timer timer({}, {})\n", std::max<std::int64_t>(1, ticks(t.period_us)),
-                       ticks(t.delay_us));
+    out += fmt::format("    component {} timer({}, {})\n", p.is_watched ? "WatchedTimer" : "Timer",
+                       std::max<std::int64_t>(1, ticks(t.period_us)), ticks(t.delay_us));
   } else {
     out += "    component WakeUp timer()\n";
   }
@@ -147,7 +147,11 @@ void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64
   if (p.permanent.has_async) out += fmt::format("    component {} work()\n", p.work_type);
 
   write_wire(out, {.name = "wake_up", .ports = {"scheduler.trigger", "timer.trigger"}});
-  if (!t.has_permanent()) write_wire(out, {.name = "stop", .ports = {"scheduler.stop", "controller.stop"}});
+  if (!t.has_permanent()) {
+    std::vector<std::string> stop{"scheduler.stop", "controller.stop"};
+    if (p.is_watched) stop.emplace_back("timer.over");
+    write_wire(out, {.name = "stop", .ports = stop});
+  }
   std::vector<std::string> begin{"scheduler." + begin_port(t), "controller.work"};
   if (t.permanent.is_set()) begin.emplace_back("permanent.exec");
   const bool calls = plan.calls && t.permanent.is_set();
@@ -169,6 +173,8 @@ void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64
                      .guard = calls ? "permanent.fail.answer != 0" : "",
                      .exported = true});
   }
+
+  if (p.is_watched) write_wire(out, {.name = "over", .ports = {"scheduler.give", "timer.over"}, .exported = true});
 
   out += "\n";
   write_export(out, is_periodic ? "timer.tick" : "timer.wake", is_periodic ? "tick" : "wake");
@@ -216,7 +222,8 @@ void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64
     write_export(out, "scheduler.update", "update");
     break;
   }
-  write_export(out, "scheduler.give", "give");
+  write_export(out, p.is_watched ? "over.out" : "scheduler.give", "give");
+  if (p.is_watched) write_export(out, "timer.read", "missed");
   out += "  end\n";
 }
 

@@ -119,6 +119,14 @@ class Checker {
     add(r, std::move(c), made);
   }
 
+  // Asks for a service when its condition has become true; about no request and no activity.
+  void when(const Rule& r) {
+    Constraint c;
+    c.kind = ConstraintKind::When;
+    if (names_.condition(r.condition, std::nullopt, NameScope::Moment::Run, c.condition))
+      add(r, std::move(c), fmt::format("{}_when", bare(*recovery_)));
+  }
+
   void rule(const Rule& r) {
     const std::size_t errors = diags_.error_count();
     const std::vector<ServiceRef> left = services(r.left);
@@ -132,6 +140,7 @@ class Checker {
     if (diags_.error_count() > errors) return;
     BIP_ASSERT(left.size() == r.left.size() && right.size() == r.right.size(), "{} of {} services are found",
                left.size(), r.left.size());
+    if (r.verb == Verb::When) return when(r);
     if (r.verb == Verb::AtMostOf) return at_most_of(r, left);
     for (std::size_t i = 0; i < left.size(); ++i) {
       if (right.empty()) check_service(r, r.left[i], left[i]);
@@ -244,7 +253,8 @@ class Checker {
       case Verb::Requires:
       case Verb::Maintains:
       case Verb::AtMost:
-      case Verb::AtMostOf: BIP_UNREACHABLE("a rule of one service");
+      case Verb::AtMostOf:
+      case Verb::When: BIP_UNREACHABLE("a rule of one service");
     }
   }
 

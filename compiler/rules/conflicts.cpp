@@ -28,16 +28,16 @@ bool is_same(const Condition& a, const Condition& b) {
 enum class Truth : std::uint8_t { False, True, Unknown };
 Truth truth_of(bool value) { return value ? Truth::True : Truth::False; }
 
-// What is known when a rule is violated.
+// What is known when a rule is violated, or when the condition of `when` has become true.
 class ViolationFacts {
  public:
   explicit ViolationFacts(const Constraint& violated) {
-    assume(violated.condition, false);
+    assume(violated.condition, violated.kind == ConstraintKind::When);
     if (violated.kind != ConstraintKind::Keep) return;
-    active_.kind = ConditionKind::Active;
-    active_.service = violated.subject;
-    facts_.emplace_back(&active_, true);
+    is_active(violated.subject);
   }
+  // What is known when a service is accepted.
+  explicit ViolationFacts(genom::ServiceRef accepted) { is_active(accepted); }
   ViolationFacts(const ViolationFacts&) = delete;  // facts_ points into it
   ViolationFacts& operator=(const ViolationFacts&) = delete;
 
@@ -59,6 +59,12 @@ class ViolationFacts {
   }
 
  private:
+  void is_active(genom::ServiceRef s) {
+    active_.kind = ConditionKind::Active;
+    active_.service = s;
+    facts_.emplace_back(&active_, true);
+  }
+
   void assume(const Condition& c, bool value) {
     facts_.emplace_back(&c, value);
     if (c.kind == ConditionKind::Not) assume(c.operands[0], !value);
@@ -114,6 +120,7 @@ class ConflictFinder {
       if (rows_[i].recovery) refused(i);
     }
     for (std::size_t i = 0; i < rows_.size(); ++i) endless(i);
+    for (std::size_t i = 0; i < rows_.size(); ++i) circle(i);
   }
 
  private:
@@ -122,7 +129,9 @@ class ConflictFinder {
     return modules_[s.module].name.text + "." + modules_[s.module].services[s.service].name.text;
   }
   [[nodiscard]] static bool rejects(const Constraint& c) { return c.kind == ConstraintKind::Admit; }
-  [[nodiscard]] static bool violates(const Constraint& c) { return rejects(c) || c.kind == ConstraintKind::Keep; }
+  [[nodiscard]] static bool asks(const Constraint& c) {
+    return rejects(c) || c.kind == ConstraintKind::Keep || c.kind == ConstraintKind::When;
+  }
 
   // Where the rule says it: the same poster with the same bound.
   static const Expr* find_fresh(const Expr& e, const std::string& poster, genom::Span span) {
@@ -152,7 +161,7 @@ class ConflictFinder {
   // Rules that refuse the recovery of this one, and have none of their own to go on with.
   void refused(std::size_t row) {
     const Constraint& violated = rows_[row];
-    if (!violates(violated)) return;
+    if (!asks(violated)) return;
     const ViolationFacts facts(violated);
     std::set<std::size_t> surely;
     std::set<std::size_t> perhaps;
@@ -193,6 +202,39 @@ class ConflictFinder {
     d.label(way.size() == 1 ? "by this rule alone" : "this rule refuses it");
     for (std::size_t k = 1; k < way.size(); ++k)
       d.label(range(way[k]), fmt::format("this one refuses its recovery `{}`", text(rows_[way[k]].subject)));
+  }
+
+  // By `when` rules alone: does the recovery of one, accepted, make the condition of the next one true, and so on back
+  // to the first one? Breadth first, so the circle is a shortest one.
+  void circle(std::size_t first) {
+    if (rows_[first].kind != ConstraintKind::When) return;
+    std::vector<std::size_t> seen{first};
+    std::vector<std::size_t> from{0};
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      const genom::ServiceRef recovery = *rows_[seen[i]].recovery;
+      // A control service is over at once.
+      if (modules_[recovery.module].services[recovery.service].kind == genom::ServiceKind::Control) continue;
+      const ViolationFacts facts(recovery);
+      for (std::size_t next = 0; next < rows_.size(); ++next) {
+        if (rows_[next].kind != ConstraintKind::When || facts.judge(rows_[next].condition) != Truth::True) continue;
+        if (next == first) return circle(first, seen, from, i);
+        if (std::find(seen.begin(), seen.end(), next) != seen.end()) continue;
+        seen.push_back(next);
+        from.push_back(i);
+      }
+    }
+  }
+  void circle(std::size_t first, const std::vector<std::size_t>& seen, const std::vector<std::size_t>& from,
+              std::size_t last) {
+    std::vector<std::size_t> way;
+    for (std::size_t i = last; i != 0; i = from[i]) way.insert(way.begin(), seen[i]);
+    std::set<std::size_t> rules{rule_[first]};
+    for (const std::size_t row : way) rules.insert(rule_[row]);
+    if (!circles_.insert(rules).second) return;
+    auto d = diags_.report(Diag::kB6116, range(first), text(*rows_[first].recovery));
+    d.label(way.empty() ? "by this rule alone" : "this rule asks for it");
+    for (const std::size_t row : way)
+      d.label(range(row), fmt::format("this one then asks for `{}`", text(*rows_[row].recovery)));
   }
 
   const RuleFile& file_;

@@ -9,7 +9,7 @@
 
 namespace bip::rules {
 
-/// Reports B6111 to B6114. Cost: quadratic in the rules with recoveries.
+/// Reports B6111 to B6114, and B6116. Cost: quadratic in the rules with recoveries.
 void report_conflicts(const RuleFile& file, const std::vector<genom::Module>& modules, const Checked& checked,
                       std::int64_t tick_us, Diagnostics& diags);
 

@@ -29,6 +29,7 @@ void collect(const genom::Condition& c, const genom::Constraints& constraints, s
       break;
     case genom::ConditionKind::Below: into.insert(constraints.stopwatches[c.row].service); break;
     case genom::ConditionKind::Recent: into.insert(constraints.successes[c.row].service); break;
+    case genom::ConditionKind::Failed: into.insert(constraints.failures[c.row].service); break;
     case genom::ConditionKind::Ordered:
       into.insert(constraints.pairs[c.row].first);
       into.insert(constraints.pairs[c.row].second);
@@ -38,6 +39,8 @@ void collect(const genom::Condition& c, const genom::Constraints& constraints, s
     case genom::ConditionKind::Fresh:
     case genom::ConditionKind::Age:
     case genom::ConditionKind::Held:
+    case genom::ConditionKind::Silent:
+    case genom::ConditionKind::Missed:
     case genom::ConditionKind::Not:
     case genom::ConditionKind::Operator: break;
   }
@@ -86,7 +89,8 @@ std::vector<std::string> find_left_out(const std::vector<Module>& modules, const
     const genom::Constraint& row = checked.constraints.rows[k];
     Named& named = rules[checked.rule[k]];
     if (named.rule.empty()) named.rule = row.name;
-    named.services.insert(row.subject);
+    // What `when` asks for is a remedy, for which another one is no substitute.
+    if (row.kind != genom::ConstraintKind::When) named.services.insert(row.subject);
     if (row.kind == genom::ConstraintKind::Interrupt || row.kind == genom::ConstraintKind::Wait)
       named.services.insert(row.other);
     collect(row.condition, checked.constraints, named.services);

@@ -5,6 +5,7 @@
 //               total(PARAMETER)
 //             | POSTER is fresh within TIME | POSTER.age
 //             | POSTER.VALUE | VALUE | … in '[' LEAST ',' MOST ']'
+//             | silent for TIME | MODULE is silent for TIME | SERVICE.failed | SERVICE.lost | TASK.missed
 //             | past(SERVICE [() | (?P) with condition]) | running(SERVICE) | '[' SERVICE < SERVICE ']' | ?PARAMETER
 #include "compiler/rules/parser.hpp"
 
@@ -96,7 +97,19 @@ class ConditionParser {
       into.kind = ExprKind::Request;
       return at_.expect(".") && at_.name(into.name, "a parameter");
     }
+    if (at_.peek(1).is("for") && at_.accept("silent")) return silent(into);
     return property(into);
+  }
+
+  // … silent for TIME
+  bool silent(Expr& into) {
+    into.kind = ExprKind::Silent;
+    if (!at_.expect("for")) return false;
+    into.range.end = at_.peek(1).range.end;
+    if (!parse_span(at_, into.span)) return false;
+    if (into.span.value > 0) return true;
+    at_.diags().report(Diag::kB6115, into.range, "silent for 0", "always", "a silence has a length");
+    return false;
   }
 
   // X in [A, B]: X >= A && X <= B.
@@ -177,6 +190,12 @@ class ConditionParser {
       into.path.name = parts[count - 1];
       if (count > 1) into.path.module = parts[count - 2];
     };
+    if (parts.size() == 1 && at_.at("is") && at_.peek(1).is("silent")) {
+      at_.take();
+      at_.take();
+      path(1);
+      return silent(into);
+    }
     if (parts.size() <= 2 && at_.accept("is")) {
       into.kind = ExprKind::Fresh;
       path(parts.size());
@@ -195,10 +214,13 @@ class ConditionParser {
     }
     const Name& what = parts.back();
     path(parts.size() - 1);
-    into.kind = what.text == "active" ? ExprKind::Active
-                : what.text == "done" ? ExprKind::Done
-                : what.text == "age"  ? ExprKind::Age
-                                      : ExprKind::Of;
+    into.kind = what.text == "active"   ? ExprKind::Active
+                : what.text == "done"   ? ExprKind::Done
+                : what.text == "age"    ? ExprKind::Age
+                : what.text == "failed" ? ExprKind::Failed
+                : what.text == "lost"   ? ExprKind::Lost
+                : what.text == "missed" ? ExprKind::Missed
+                                        : ExprKind::Of;
     into.name = what;
     return true;
   }

@@ -12,6 +12,7 @@
 //   ',' policy ] ] | 'only' 'during' path
 //             | 'requires' condition | 'maintains' condition | 'takes' 'at' 'most' TIME | 'at' 'least' TIME 'after'
 //             path ) | 'at' 'most' NUMBER 'of' paths | 'never' path [ '.' 'active' ] '&&' path [ '.' 'active' ]
+//             | 'when' condition 'run' path
 //   policy    = 'reject' | 'wait' | 'interrupt'
 #include "compiler/rules/parse_rules.hpp"
 
@@ -85,7 +86,9 @@ class RulesParser {
   // `moving.active`: one of them is.
   void expand(Expr& e) const {
     for (Expr& operand : e.operands) expand(operand);
-    const ServiceGroup* const g = e.kind == ExprKind::Active || e.kind == ExprKind::Done ? group_of(e.path) : nullptr;
+    const bool is_of_service = e.kind == ExprKind::Active || e.kind == ExprKind::Done || e.kind == ExprKind::Failed ||
+                               e.kind == ExprKind::Lost;
+    const ServiceGroup* const g = is_of_service ? group_of(e.path) : nullptr;
     if (g == nullptr) return;
     Expr any = e;
     any.path = g->services.front();
@@ -182,13 +185,19 @@ class RulesParser {
       at_.take();
       r.verb = Verb::Apart;
       if (!active(r.left) || !at_.expect("&&") || !active(r.right)) return false;
+    } else if (at_when()) {
+      at_.take();
+      r.verb = Verb::When;
+      if (!parse_condition(at_, r.condition) || !at_.expect("run") ||
+          !parse_path(at_, r.recovery.emplace(), "a service"))
+        return false;
     } else if (!paths(r.left, "a rule") || !verb(r)) {
       return false;
     }
     while (!at_.at(";")) {
       if (at_.accept("report")) {
         if (!quoted(r.report, "a report in quotes")) return false;
-      } else if (at_.accept("on")) {
+      } else if (r.verb != Verb::When && at_.accept("on")) {
         if (!at_.expect("violation") || !at_.expect("run") || !parse_path(at_, r.recovery.emplace(), "a service"))
           return false;
       } else {
@@ -197,6 +206,15 @@ class RulesParser {
     }
     r.range.end = at_.take().range.begin;
     file_.rules.push_back(std::move(r));
+    return true;
+  }
+
+  // No service of that name, which a verb, a comma or a dot follows.
+  bool at_when() {
+    if (!at_.at("when")) return false;
+    for (const char* next : {",", ".", "before", "does", "only", "requires", "maintains", "takes", "ends", "at"}) {
+      if (at_.peek(1).is(next)) return false;
+    }
     return true;
   }
 

@@ -3,7 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
+
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::rules {
 namespace {
@@ -23,7 +26,7 @@ class Reducer {
   Reduced run() {
     genom::Constraints& c = out_.constraints;
     for (genom::Constraint& row : c.rows) {
-      service(row.subject);
+      if (row.kind != genom::ConstraintKind::When) service(row.subject);
       if (row.kind == genom::ConstraintKind::Interrupt || row.kind == genom::ConstraintKind::Wait) service(row.other);
       if (row.recovery) service(*row.recovery);
       condition(row.condition);
@@ -43,6 +46,9 @@ class Reducer {
       if (s.within) s.within = genom::Span{2, true};
     }
     for (genom::ValueRow& v : c.values) poster(v.poster);
+    for (genom::SilenceRow& s : c.silences) silence(s);
+    for (genom::FailureRow& f : c.failures) failure(f);
+    for (genom::TaskRef& t : c.watched_tasks) task(t);
     for (const genom::Constraint& row : c.rows) out_.names.push_back(row.subject);
     return std::move(out_);
   }
@@ -90,6 +96,39 @@ class Reducer {
       reduced.reports.push_back({"FAILED", {}});
     }
     m.services.push_back(std::move(reduced));
+  }
+
+  // Something may be requested of the module that no rule is about.
+  void silence(genom::SilenceRow& s) {
+    s.limit = {2, true};
+    if (s.module) module(*s.module);
+    BIP_ASSERT(!out_.modules.empty(), "a silence, and nothing that could break it");
+    std::vector<genom::Service>& services = out_.modules[s.module.value_or(0)].services;
+    if (std::any_of(services.begin(), services.end(), [](const genom::Service& o) { return o.name.text == "free"; }))
+      return;
+    services.emplace_back().name.text = "free";
+  }
+
+  // It may end so: with its own report, as every reduced activity does, and with a codel that is given up.
+  void failure(genom::FailureRow& f) {
+    service(f.service);
+    genom::Service& s = out_.modules[f.service.module].services[f.service.service];
+    if (s.kind == genom::ServiceKind::Control) {
+      if (s.body.empty()) s.body.push_back({{"run", {}}, {}});
+    } else if (f.kind == genom::FailureKind::Lost) {
+      genom::Codel& run = s.activity.states[0].codel;
+      run.is_async = true;
+      run.budget_us = kTick;
+    }
+  }
+
+  // It may take more than its period, whatever else the module does.
+  void task(genom::TaskRef& t) {
+    Module& m = module(t.module);
+    t.task = m.tasks.size();
+    genom::Task watched = m.tasks[0];
+    watched.name.text = fmt::format("task{}", t.task);
+    m.tasks.push_back(std::move(watched));
   }
 
   void poster(genom::PosterRef& p) {

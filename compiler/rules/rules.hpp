@@ -35,18 +35,22 @@ enum class ExprKind : std::uint8_t {
   Fresh,
   Age,
   Ordered,
+  Silent,
+  Failed,
+  Lost,
+  Missed,
   Not,
   Operator
 };
 /// `Of` is a parameter of a service or a value of a poster, Word such a value or a text; Active and Done of a service,
-/// Fresh and Age of a poster.
+/// Fresh and Age of a poster; Silent of a module or of all; Failed and Lost of a service, Missed of a task.
 struct Expr {
   ExprKind kind = ExprKind::Number;
   SourceRange range;
   std::int64_t number = 0;
-  std::string text{};  // of a string or word; a fraction; an operator's sign
-  Path path{}, second{};
-  Name name{};  // of a parameter
+  std::string text{};     // of a string or word; a fraction; an operator's sign
+  Path path{}, second{};  // of Silent the name is that of a module, if there is one
+  Name name{};            // of a parameter
   genom::Span span{};
   std::vector<Expr> operands{};
 };
@@ -59,7 +63,8 @@ enum class Verb : std::uint8_t {
   Maintains,  // and as long as it runs
   AtMost,     // left takes at most `span`
   AtLeast,    // left begins at least `span` after right ended
-  AtMostOf    // so many of left are active at a time
+  AtMostOf,   // so many of left are active at a time
+  When        // `recovery` each time the condition becomes true
 };
 enum class Policy : std::uint8_t { Reject, Wait, Interrupt };
 

@@ -87,6 +87,23 @@ std::optional<genom::PosterRef> NameScope::poster(const Path& path) {
   return genom::PosterRef{found->module, found->row};
 }
 
+std::optional<genom::TaskRef> NameScope::task(const Path& path) {
+  const auto found = look_up(modules_, &genom::Module::tasks, path, "task", diags_);
+  if (!found) return std::nullopt;
+  return genom::TaskRef{found->module, found->row};
+}
+
+std::optional<std::size_t> NameScope::module(const Name& name) {
+  const std::size_t found = find(modules_, name.text);
+  if (found < modules_.size()) return found;
+  std::vector<std::string> known;
+  for (const genom::Module& m : modules_) known.push_back(m.name.text);
+  auto d = diags_.report(Diag::kB6008, name.range, "module", name.text);
+  for (const std::string& similar : similar_names(name.text, known))
+    d.help(fmt::format("there is `{}`", similar), name.range, similar);
+  return std::nullopt;
+}
+
 // As BIP writes them.
 std::vector<std::string> NameScope::written(const Name& name, genom::ValueType type,
                                             const std::vector<std::string>& values) {
@@ -162,7 +179,7 @@ Type NameScope::value_of(const Expr& e, Condition& into) {
   return type_of(constraints_.values[found].type);
 }
 
-bool NameScope::condition(const Expr& e, genom::ServiceRef subject, Moment moment, Condition& into) {
+bool NameScope::condition(const Expr& e, Subject subject, Moment moment, Condition& into) {
   const Type type = convert(e, subject, moment, into);
   if (type == Type::Bool || type == Type::None) return type == Type::Bool;
   diags_.report(Diag::kB6106, e.range, "a rule", name_of(Type::Bool), name_of(type));
@@ -170,9 +187,9 @@ bool NameScope::condition(const Expr& e, genom::ServiceRef subject, Moment momen
 }
 
 // An instance of a service can't be rejected or told to stop and be asked how it is in one interaction.
-bool NameScope::sees_itself(const Expr& e, genom::ServiceRef seen, genom::ServiceRef subject) {
+bool NameScope::sees_itself(const Expr& e, genom::ServiceRef seen, Subject subject) {
   if (seen != subject) return false;
-  diags_.report(Diag::kB6101, e.range, text(subject))
+  diags_.report(Diag::kB6101, e.range, text(seen))
       .help("while it runs it is active, and a module refuses one activity too many by itself");
   return true;
 }
@@ -199,12 +216,12 @@ Type NameScope::parameter_of(const Expr& e, std::optional<genom::ServiceRef> s, 
     into.row = i;
     return type_of(p.type);
   }
-  diags_.report(Diag::kB6105, e.name.range, e.name.text, text(*s))
+  diags_.report(Diag::kB6105, e.name.range, "`" + text(*s) + "`", e.name.text)
       .help(fmt::format("declare it: `parameter {} of {}: VALUES;`", e.name.text, text(*s)));
   return Type::None;
 }
 
-Type NameScope::convert(const Expr& e, genom::ServiceRef subject, Moment moment, Condition& into) {
+Type NameScope::convert(const Expr& e, Subject subject, Moment moment, Condition& into) {
   switch (e.kind) {
     case ExprKind::Number:
       into.number = e.number;
@@ -235,27 +252,12 @@ Type NameScope::convert(const Expr& e, genom::ServiceRef subject, Moment moment,
       if (is_poster(e)) return Type::None;
       return parameter_of(e, service(e.path), Moment::Run, into);
     }
-    case ExprKind::Request: return parameter_of(e, subject, moment, into);
-    case ExprKind::Total: {
-      into.kind = ConditionKind::Total;
-      bool has_fractions = false;
-      for (std::size_t i = 0; i < constraints_.parameters.size(); ++i) {
-        const genom::ParameterRow& p = constraints_.parameters[i];
-        // Of the others: what the request would add is `request.p`.
-        if (p.name != e.name.text || p.type == genom::ValueType::Text || p.service == subject) continue;
-        const bool is_fraction = p.type == genom::ValueType::Float;
-        if (!into.rows.empty() && is_fraction != has_fractions) {
-          diags_.report(Diag::kB6106, e.name.range, "`total`", name_of(has_fractions ? Type::Float : Type::Int),
-                        name_of(is_fraction ? Type::Float : Type::Int));
-          return Type::None;
-        }
-        has_fractions = is_fraction;
-        into.rows.push_back(i);
-      }
-      if (!into.rows.empty()) return has_fractions ? Type::Float : Type::Int;
-      diags_.report(Diag::kB6105, e.name.range, e.name.text, "any other service");
-      return Type::None;
-    }
+    case ExprKind::Request:
+      if (!subject)
+        diags_.report(Diag::kB6105, e.range, "a rule with `when`", e.name.text)
+            .help(fmt::format("`SERVICE.{}` is that of the last request that was accepted", e.name.text));
+      return parameter_of(e, subject, moment, into);
+    case ExprKind::Total: return total(e, subject, into);
     case ExprKind::Fresh:
     case ExprKind::Age: {
       const auto p = poster(e.path);
@@ -274,10 +276,97 @@ Type NameScope::convert(const Expr& e, genom::ServiceRef subject, Moment moment,
       constraints_.pairs.push_back({*first, *second});
       return Type::Bool;
     }
+    case ExprKind::Silent: return silence(e, into);
+    case ExprKind::Failed:
+    case ExprKind::Lost:
+    case ExprKind::Missed: {
+      // A declared value may have that name.
+      const std::size_t errors = diags_.error_count();
+      if (const Type held = value_of(e, into); held != Type::None || diags_.error_count() > errors) return held;
+      return e.kind == ExprKind::Missed ? missed(e, into) : failure(e, into);
+    }
     case ExprKind::Not:
     case ExprKind::Operator: break;
   }
   return combine(e, subject, moment, into);
+}
+
+Type NameScope::total(const Expr& e, Subject subject, Condition& into) {
+  into.kind = ConditionKind::Total;
+  bool has_fractions = false;
+  for (std::size_t i = 0; i < constraints_.parameters.size(); ++i) {
+    const genom::ParameterRow& p = constraints_.parameters[i];
+    // Of the others: what the request would add is `request.p`.
+    if (p.name != e.name.text || p.type == genom::ValueType::Text || p.service == subject) continue;
+    const bool is_fraction = p.type == genom::ValueType::Float;
+    if (!into.rows.empty() && is_fraction != has_fractions) {
+      diags_.report(Diag::kB6106, e.name.range, "`total`", name_of(has_fractions ? Type::Float : Type::Int),
+                    name_of(is_fraction ? Type::Float : Type::Int));
+      return Type::None;
+    }
+    has_fractions = is_fraction;
+    into.rows.push_back(i);
+  }
+  if (!into.rows.empty()) return has_fractions ? Type::Float : Type::Int;
+  diags_.report(Diag::kB6105, e.name.range, "any other service", e.name.text);
+  return Type::None;
+}
+
+namespace {
+// The index of a row that is equal, or of a new one: what is the same is remembered once.
+template <class Row>
+std::size_t row_of(std::vector<Row>& rows, const Row& row) {
+  const auto known = std::find(rows.begin(), rows.end(), row);
+  const auto index = static_cast<std::size_t>(known - rows.begin());
+  if (known == rows.end()) rows.push_back(row);
+  return index;
+}
+
+// Does a codel of it run beside its task, and has a budget?
+bool has_budget(const genom::Service& s) {
+  return std::any_of(s.activity.states.begin(), s.activity.states.end(),
+                     [](const genom::State& state) { return state.codel.is_async && state.codel.budget_us > 0; });
+}
+}  // namespace
+
+Type NameScope::silence(const Expr& e, Condition& into) {
+  into.kind = ConditionKind::Silent;
+  genom::SilenceRow row{.module = {}, .limit = e.span};
+  if (e.path.name.is_set()) {
+    row.module = module(e.path.name);
+    if (!row.module) return Type::None;
+  }
+  into.row = row_of(constraints_.silences, row);
+  return Type::Bool;
+}
+
+Type NameScope::failure(const Expr& e, Condition& into) {
+  const auto s = service(e.path);
+  if (!s) return Type::None;
+  const bool is_lost = e.kind == ExprKind::Lost;
+  if (is_lost && !has_budget(at(*s))) {
+    diags_
+        .report(Diag::kB6115, e.range, e.path.text() + ".lost", "never",
+                fmt::format("no codel of `{}` has a budget", text(*s)))
+        .help("say `codel NAME async 20 ms` in the side file, or `async codel` with `wcet` in the description");
+    return Type::None;
+  }
+  into.kind = ConditionKind::Failed;
+  into.row = row_of(constraints_.failures, {*s, is_lost ? genom::FailureKind::Lost : genom::FailureKind::Failed});
+  return Type::Bool;
+}
+
+Type NameScope::missed(const Expr& e, Condition& into) {
+  const auto t = task(e.path);
+  if (!t) return Type::None;
+  if (modules_[t->module].tasks[t->task].period_us == 0) {
+    diags_.report(Diag::kB6115, e.range, e.path.text() + ".missed", "never",
+                  fmt::format("task `{}` has no period", modules_[t->module].tasks[t->task].name.text));
+    return Type::None;
+  }
+  into.kind = ConditionKind::Missed;
+  into.row = row_of(constraints_.watched_tasks, *t);
+  return Type::Bool;
 }
 
 namespace {
@@ -288,7 +377,7 @@ bool is_constant(const Condition& c) {
 }
 }  // namespace
 
-Type NameScope::combine(const Expr& e, genom::ServiceRef subject, Moment moment, Condition& into) {
+Type NameScope::combine(const Expr& e, Subject subject, Moment moment, Condition& into) {
   into.kind = e.kind == ExprKind::Not ? ConditionKind::Not : ConditionKind::Operator;
   into.text = e.text;
   Type types[2] = {Type::None, Type::None};

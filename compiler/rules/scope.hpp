@@ -14,6 +14,8 @@ class NameScope {
 
   [[nodiscard]] std::optional<genom::ServiceRef> service(const Path& path);
   [[nodiscard]] std::optional<genom::PosterRef> poster(const Path& path);
+  [[nodiscard]] std::optional<genom::TaskRef> task(const Path& path);
+  [[nodiscard]] std::optional<std::size_t> module(const Name& name);
   [[nodiscard]] const genom::Service& at(genom::ServiceRef s) const { return modules_[s.module].services[s.service]; }
   [[nodiscard]] std::string text(genom::ServiceRef s) const {
     return modules_[s.module].name.text + "." + at(s).name.text;
@@ -22,12 +24,18 @@ class NameScope {
   void value(const ValueDecl& decl);
   /// Request: as the request comes. Run: while the subject runs.
   enum class Moment : std::uint8_t { Request, Run };
+  /// What a rule is about: nothing if it is `when`.
+  using Subject = std::optional<genom::ServiceRef>;
   /// A condition of a rule about `subject`; false if it was reported. `moment`: when it is evaluated.
-  [[nodiscard]] bool condition(const Expr& e, genom::ServiceRef subject, Moment moment, genom::Condition& into);
+  [[nodiscard]] bool condition(const Expr& e, Subject subject, Moment moment, genom::Condition& into);
 
  private:
-  [[nodiscard]] Type convert(const Expr& e, genom::ServiceRef subject, Moment moment, genom::Condition& into);
-  [[nodiscard]] Type combine(const Expr& e, genom::ServiceRef subject, Moment moment, genom::Condition& into);
+  [[nodiscard]] Type convert(const Expr& e, Subject subject, Moment moment, genom::Condition& into);
+  [[nodiscard]] Type combine(const Expr& e, Subject subject, Moment moment, genom::Condition& into);
+  [[nodiscard]] Type total(const Expr& e, Subject subject, genom::Condition& into);
+  [[nodiscard]] Type failure(const Expr& e, genom::Condition& into);
+  [[nodiscard]] Type silence(const Expr& e, genom::Condition& into);
+  [[nodiscard]] Type missed(const Expr& e, genom::Condition& into);
   [[nodiscard]] Type parameter_of(const Expr& e, std::optional<genom::ServiceRef> s, Moment moment,
                                   genom::Condition& into);
   /// A value of a poster, with or without poster and module before it; None if there is none, and nothing is reported.
@@ -35,7 +43,7 @@ class NameScope {
   [[nodiscard]] bool is_poster(const Expr& e);
   [[nodiscard]] std::vector<std::string> written(const Name& name, genom::ValueType type,
                                                  const std::vector<std::string>& values);
-  [[nodiscard]] bool sees_itself(const Expr& e, genom::ServiceRef seen, genom::ServiceRef subject);
+  [[nodiscard]] bool sees_itself(const Expr& e, genom::ServiceRef seen, Subject subject);
 
   const std::vector<genom::Module>& modules_;
   genom::Constraints& constraints_;

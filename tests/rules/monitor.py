@@ -3,7 +3,8 @@
 A rule is a tuple: ("before", A, B), ("apart", A, B), ("during", A, B), ("fresh", A, POSTER, ticks, kept), ("at most", A, ticks),
 ("at least", A, ticks, B), ("sum", parameter, most), ("recent", A, B, C or None, ticks or None): A has succeeded since C was accepted and no
 longer ago, ("held", A, POSTER, values, most, kept): what POSTER holds, the k-th value by its k-th way to be written, ("at most of", n, services),
-("not while", A, B). A service is "MODULE.NAME"; with several instances it runs while one does.
+("not while", A, B), ("unless", A, CONDITION, kept): A requires or maintains that it is false, ("when", CONDITION, S, NAME). A CONDITION is
+("silent", MODULE or None, ticks), ("missed", TASK, period in ticks), ("failed", S), ("lost", S), ("active", S), ("both", CONDITION, CONDITION). A service is "MODULE.NAME"; with several instances it runs while one does.
 """
 import json
 import re
@@ -22,6 +23,22 @@ class Activity:
         self.accepted = self.runs = self.told = self.in_codel = False
 
 
+class Edge:
+    """What a `when` rule has to do: `due` if its recovery has to come before any other request to that module, `may` if it may come."""
+
+    def __init__(self, rule):
+        self.rule = rule
+        self.holds = self.held_at_tick = False   # the condition, now and at the end of the last instant
+        self.may = self.due = self.rose = self.recovered = False   # the last two: in this instant
+
+
+class Task:
+    """A periodic task: ticks since a cycle of it was due, and whether one is under way."""
+
+    def __init__(self):
+        self.t, self.works, self.missed = 0, False, False
+
+
 class Monitor:
     def __init__(self, rules):
         self.rules = rules
@@ -34,6 +51,13 @@ class Monitor:
         self.won = {}          # (A, C) of a rule -> when A succeeded, since C was accepted
         self.accepted_at, self.ended_at = {}, {}
         self.now = 0
+        self.heard = {}        # module -> when something was last requested of it
+        self.failed, self.lost = set(), set()
+        conditions = [c for rule in rules if rule[0] in ("when", "unless") for c in self.parts(rule[1] if rule[0] == "when" else rule[2])]
+        self.tasks = {c[1]: Task() for c in conditions if c[0] == "missed"}
+        self.periods = {c[1]: c[2] for c in conditions if c[0] == "missed"}
+        self.edges = [Edge(rule) for rule in rules if rule[0] == "when"]
+        self.called = {}       # kind of condition -> how often a `when` rule had its recovery
         self.counts = {"ticks": 0, "requests": 0, "accepted": 0, "rejected": 0, "stopped": 0}
         self.reports = set()
 
@@ -76,16 +100,24 @@ class Monitor:
         if "_reject_" in name:
             self.counts["rejected"] += 1
             self.reports.update(p["values"]["rep"] for p in step["ports"] if "rep" in p.get("values", {}))
+        for edge in self.edges:
+            holds = self.true(edge.rule[1])
+            if holds and not edge.holds:
+                edge.may = edge.rose = True
+            edge.holds = holds
         if "_stop_" in name and any(p.endswith((".halt", ".cancel")) for p in ports):
             self.counts["stopped"] += 1
 
     def event(self, module, path, event, name):
         if path[-1] == "box" and event.startswith("read_"):
             service = f"{module}.{event[len('read_'):]}"
+            self.asked_for(module, name)
             self.counts["requests"] += 1
             self.asked[service] = dict(self.parameters(name, f"{module}_read_{event[len('read_'):]}"))
         elif path[-1] == "box" and event.startswith("allow_"):
             self.decided(f"{module}.{event[len('allow_'):]}")
+        elif path[-1] in ("timer", "scheduler"):
+            self.task(f"{module}.{path[0]}", event)
         elif event.split("_")[0] == "write" and len(path) == 1:
             self.age[f"{module}.{path[0]}"] = 0
             self.held[f"{module}.{path[0]}"] = int(event.removeprefix("write").lstrip("_") or 1) - 1
@@ -97,6 +129,8 @@ class Monitor:
                 return
             service = f"{module}.{INSTANCE.sub('', component)}"
             if path[-1] == "activity":
+                if event == "lost":
+                    self.lost.add(service)
                 self.activities.setdefault(service, {}).setdefault(component, Activity()).in_codel = event.startswith("run_")
                 return
             self.controller(service, component, event, is_control=len(path) == 1)
@@ -113,6 +147,8 @@ class Monitor:
             self.counts["accepted"] += 1
             self.value[service] = self.asked.get(service, {})
             self.accepted_at[service] = self.now
+            self.failed.discard(service)
+            self.lost.discard(service)
             self.accepted(service)
             for key in [k for k in self.won if k[1] == service]:
                 del self.won[key]
@@ -128,14 +164,61 @@ class Monitor:
                 self.succeeded.add(service)
             if event == "fin":
                 self.won.update({(rule[1], rule[3]): self.now for rule in self.rules if rule[0] == "recent" and rule[1] == service})
+            if event in ("nofin", "fail"):
+                self.failed.add(service)
             a.accepted = a.runs = False
             self.ended_at[service] = self.now
+
+    def task(self, name, event):
+        if name not in self.tasks:
+            return
+        t = self.tasks[name]
+        if event == "tick":
+            t.t += 1
+            if t.t == self.periods[name]:
+                t.missed = t.works
+        elif event == "trigger":
+            t.t, t.works = 0, True
+        elif event in ("give", "stop"):
+            t.works = False
+
+    # ---- time and liveness ----
+    @classmethod
+    def parts(cls, c):
+        return [p for of in c[1:] for p in cls.parts(of)] if c[0] == "both" else [c]
+
+    def true(self, c):
+        if c[0] == "both":
+            return self.true(c[1]) and self.true(c[2])
+        if c[0] == "silent":
+            last = max((at for m, at in self.heard.items() if c[1] in (None, m)), default=0)
+            return self.now - last >= c[2]
+        if c[0] == "missed":
+            return self.tasks[c[1]].missed
+        return self.active(c[1]) if c[0] == "active" else c[1] in (self.failed if c[0] == "failed" else self.lost)
+
+    def asked_for(self, module, name):
+        """A request to a module: of the decisional level, or a recovery."""
+        _, is_recovery, rule = name.partition("_recover_")
+        if not is_recovery:
+            self.heard[module] = self.now
+        for edge in self.edges:
+            _, condition, service, of = edge.rule
+            if is_recovery and rule == of:
+                if not edge.may:
+                    raise Forbidden(f"{service} is asked for by {of}, {condition} has not become true")
+                edge.may, edge.due, edge.recovered = edge.due and edge.rose, False, True
+                self.called[condition[0]] = self.called.get(condition[0], 0) + 1
+            elif not is_recovery and edge.due and service.split(".")[0] == module:
+                raise Forbidden(f"something is requested of {module} before {service}, which {of} asks for")
 
     # ---- the rules ----
     def decided(self, service):
         for rule in self.rules:
             if rule[0] == "fresh" and rule[1] == service and self.age.get(rule[2], 0) > rule[3]:
                 raise Forbidden(f"{service} is allowed, {rule[2]} is {self.age[rule[2]]} old")
+            if rule[0] == "unless" and rule[1] == service and self.true(rule[2]):
+                raise Forbidden(f"{service} is allowed, {rule[2]}")
             if rule[0] == "not while" and rule[1] == service and self.active(rule[2]):
                 raise Forbidden(f"{service} is allowed, {rule[2]} is active")
             if rule[0] == "during" and rule[1] == service and not self.active(rule[2]):
@@ -171,6 +254,13 @@ class Monitor:
                 raise Forbidden(f"{rule[1]} and {rule[2]} overlap")
 
     def tick(self):
+        for edge in self.edges:
+            if edge.holds and not edge.held_at_tick and not edge.recovered:
+                edge.due = edge.may = True
+            edge.held_at_tick, edge.rose, edge.recovered = edge.holds, False, False
+        for rule in self.rules:
+            if rule[0] == "unless" and rule[3] and self.untold(rule[1]) and self.true(rule[2]):
+                raise Forbidden(f"{rule[1]} runs on, {rule[2]}")
         self.now += 1
         self.counts["ticks"] += 1
         for rule in self.rules:

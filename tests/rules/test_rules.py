@@ -54,6 +54,8 @@ EXECUTION = ("wheel.SetSpeed", "arm.Aim", "wheel.Turn", "arm.Lift", "wheel.Park"
 CONTROL = ("wheel.Stop", "arm.Home")
 POSTERS = ("wheel.Speed", "arm.Pose")
 LOADS = (0, 3, 7, 9)
+WRITTEN_EVERY = {"wheel.Speed": 2, "arm.Pose": 3}
+PERIODS = {"wheel.Motion": 2, "arm.Joint": 3}
 # dala.rules, as the monitor has it.
 BATTERY = tuple(f"Battery.{who}StartUsingBattery" for who in ("Camera", "PTU", "Laser", "Wheels", "Antenna"))
 DALA_RULES = [("before", "NDD.SetParams", "NDD.GoTo"), ("before", "NDD.SetSpeed", "NDD.GoTo"), *(("apart", "Antenna.Communicate", f"RFLEX.{s}") for s in ("TrackSpeedStart", "GotoPosition", "GotoSpeed")),
@@ -67,13 +69,41 @@ def bipc(*arguments, codes=(0,)):
     return done
 
 
+def random_condition(r):
+    """(text, tuple) of a condition on time and liveness."""
+    kind = r.choice(("silent", "silent", "missed", "failed", "failed", "lost"))
+    if kind == "silent":
+        module, ticks = r.choice((None, *MODULES)), r.randint(2, 15)
+        text, condition = f"{f'{module} is ' if module else ''}silent for {ticks} ticks", (kind, module, ticks)
+    elif kind == "missed":
+        task = r.choice(tuple(PERIODS))
+        text, condition = f"{task}.missed", (kind, task, PERIODS[task])
+    else:
+        service = "arm.Aim" if kind == "lost" else r.choice(("arm.Lift", "arm.Lift", "arm.Aim"))
+        text, condition = f"{service}.{kind}", (kind, service)
+    if r.random() < 0.3:
+        service = r.choice(EXECUTION)
+        return f"{text} && {service}.active", ("both", condition, ("active", service))
+    return text, condition
+
+
 def random_rules(r):
     """(text, tuples) of a few rules that do not contradict each other by their shape: `before` follows the order of EXECUTION."""
     text, rules = [], []
     for _ in range(r.randint(1, 5)):
         a, b = r.sample(EXECUTION, 2)
-        kind = r.choice(("before", "apart", "apart", "during", "fresh", "fresh", "at most", "at least", "recent", "recent", "held", "held", "at most of", "group"))
-        if kind == "before":
+        kind = r.choice(("before", "apart", "apart", "during", "fresh", "fresh", "at most", "at least", "recent", "recent", "held", "held", "at most of", "group", "when", "when", "unless"))
+        if kind == "when":
+            condition, service = random_condition(r), r.choice(CONTROL)
+            text.append(f"rule{len(text)}: when {condition[0]} run {service};")
+            rules.append(("when", condition[1], service, f"rule{len(text) - 1}"))
+        elif kind == "unless":
+            condition, kept = random_condition(r), r.random() < 0.6
+            while a in str(condition[1]) and "active" in condition[0]:
+                condition = random_condition(r)
+            text.append(f"{a} {'maintains' if kept else 'requires'} !({condition[0]});")
+            rules.append(("unless", a, condition[1], kept))
+        elif kind == "before":
             a, b = sorted((a, b), key=EXECUTION.index)
             if r.random() < 0.3:
                 a = r.choice(CONTROL)
@@ -113,7 +143,8 @@ def random_rules(r):
             text.append(f"{b} only during {a};")
             rules.append(("during", b, a))
         elif kind == "fresh":
-            p, ticks, kept = r.choice(POSTERS), r.randint(2, 12), r.random() < 0.6
+            p = r.choice(POSTERS)
+            ticks, kept = r.randint(WRITTEN_EVERY[p], 12), r.random() < 0.6
             text.append(f"{a} {'maintains' if kept else 'requires'} {p} is fresh within {ticks} ticks{' on violation run wheel.Stop' if r.random() < 0.3 else ''};")
             rules.append(("fresh", a, p, ticks, kept))
         elif kind == "at most":
@@ -135,12 +166,12 @@ def watch(bip, rules, seed, steps, work):
         m.follow(lines)
     if m.counts["ticks"] < steps // 200:
         raise monitor.Forbidden(f"time stands still: {m.counts['ticks']} ticks in {steps} steps")
-    return m.counts
+    return {**m.counts, **{f"called by {kind}": n for kind, n in m.called.items()}}
 
 
 def main():
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    arguments.add_argument("--sets", type=int, default=20)
+    arguments.add_argument("--sets", type=int, default=60)
     arguments.add_argument("--from", type=int, default=1, dest="first")
     arguments.add_argument("--steps", type=int, default=4000)
     arguments.add_argument("--runs", type=int, default=1)
@@ -151,7 +182,6 @@ def main():
         work = pathlib.Path(folder)
         for name, text in MODULES.items():
             (work / f"{name}.gen").write_text(text, encoding="utf-8")
-        (work / "some.yields").write_text(SIDE, encoding="utf-8")
 
         def one(bip, rules, seed, what):
             nonlocal passed
@@ -164,6 +194,8 @@ def main():
 
         for number in range(options.first, options.first + options.sets):
             text, rules = random_rules(random.Random(number))
+            # Only some have a codel that is given up.
+            (work / "some.yields").write_text(SIDE + ("codel aim async 30 ms\n" if ".lost" in "".join(text) else ""), encoding="utf-8")
             source = work / "some.rules"
             source.write_text("rules some;\nmodules " + ", ".join(f'"{m}.gen"' for m in MODULES) + ' with "some.yields";\n' + "".join(f"value load of {p}: {', '.join(map(str, LOADS))};\n" for p in POSTERS) + "\n".join(text) + "\n", encoding="utf-8")
             what = f"set {number} ({' '.join(text)})"
@@ -179,8 +211,8 @@ def main():
             bipc("rules", DALA / "dala.rules", "-o", work / "dala.bip")
             for run in range(options.dala):
                 one(work / "dala.bip", DALA_RULES, run + 1, "dala.rules")
-    if options.sets >= 20:
-        problems += [f"nobody was ever {what}" for what in ("accepted", "rejected", "stopped") if not counts.get(what)]
+    if options.sets >= 60:
+        problems += [f"nobody was ever {what}" for what in ("accepted", "rejected", "stopped", "called by silent", "called by missed", "called by failed") if not counts.get(what)]
     for problem in problems[:20]:
         print(problem)
     print(", ".join(f"{n} {what}" for what, n in counts.items()))
