@@ -35,12 +35,12 @@ bool Firing::fire_parts(const Candidate& candidate) {
 }
 
 void Firing::zero_frame(u32 connector) {
-  const u32 size = core_.tables.connector_type(connector).variables.size;
-  Cell* frame = core_.memory.cells.data() + core_.tables.image->connectors[connector].first_cell;
-  for (u32 i = 0; i < size; ++i) frame[i] = Cell{0};
-  if (!core_.memory.ffi_data.empty())
-    core_.memory.ffi_data.reset(core_.tables.connector_type(connector).variables, core_.memory.cells.data(),
-                                core_.tables.image->connectors[connector].first_cell);
+  // A row of connectors is found in O(log rows): once.
+  const Connector& row = core_.tables.image->connectors[connector];
+  const Span<Var>& variables = core_.tables.image->connector_types[row.type].variables;
+  Cell* frame = core_.memory.cells.data() + row.first_cell;
+  for (u32 i = 0; i < variables.size; ++i) frame[i] = Cell{0};
+  if (!core_.memory.ffi_data.empty()) core_.memory.ffi_data.reset(variables, core_.memory.cells.data(), row.first_cell);
 }
 
 bool Firing::run_code(Code code, u32 connector) {
@@ -106,32 +106,33 @@ bool Firing::fire_planned(const Candidate& candidate, const InteractionInfo& inf
   const Plan& plan = core_.tables.plans[info.plan()];
   const PlanNode* nodes = core_.tables.plan_nodes.data() + plan.first_node;
   core_.search.choose(candidate, plan);
-  if (!core_.search.run_ups(plan)) return false;
+  // Faults of `up`s are found when candidates are listed.
+  if (plan.needs_ups && !core_.search.run_ups(plan)) return false;
   // Depth first over (use, next parameter); a stack, for the hierarchy may be deep.
   use_stack_.clear();
   use_stack_.emplace_back(0, 0);
   while (!use_stack_.empty()) {
     const u32 at = use_stack_.back().first;
-    const u32 param = use_stack_.back().second++;
     BIP_ASSERT(at < plan.use_count && use_stack_.size() <= plan.use_count, "{} uses within each other",
                use_stack_.size());
     const PlanUse& use = core_.tables.plan_uses[plan.first_use + at];
     const ConnectorType& type = core_.tables.connector_type(use.connector);
-    if (param == 0 && core_.search.clause_of_use(at) != kNone) {
+    u32 param = use_stack_.back().second;
+    if (param == 0 && plan.needs_ups && core_.search.clause_of_use(at) != kNone) {
       if (!run_code(core_.tables.code(type.clauses[core_.search.clause_of_use(at)].down), use.connector)) return false;
     }
-    if (param == type.params.size) {
-      use_stack_.pop_back();
-      continue;
+    // Up to the next use below this one.
+    u32 below = kNone;
+    while (param < type.params.size && below == kNone) {
+      u32 node = core_.tables.plan_params[use.first_param + param++];
+      if (node == kNone || !core_.search.is_chosen(node)) continue;
+      if (nodes[node].kind == NodeKind::Choice) node = core_.search.chosen_alternative(plan, node);
+      if (nodes[node].kind == NodeKind::Link) below = nodes[node].use;
+      else if (!core_.atom_steps.fire_port(nodes[node].ref)) return false;
     }
-    u32 node = core_.tables.plan_params[use.first_param + param];
-    if (node == kNone || !core_.search.is_chosen(node)) continue;
-    if (nodes[node].kind == NodeKind::Choice) node = core_.search.chosen_alternative(plan, node);
-    if (nodes[node].kind == NodeKind::Link) {
-      use_stack_.emplace_back(nodes[node].use, 0);
-    } else if (!core_.atom_steps.fire_port(nodes[node].ref)) {
-      return false;
-    }
+    use_stack_.back().second = param;
+    if (below != kNone) use_stack_.emplace_back(below, 0);
+    else use_stack_.pop_back();
   }
   return true;
 }

@@ -205,6 +205,11 @@ void add_plan(Tables& tables, InteractionInfo& info) {
     for (const Clause& clause : tables.connector_type(tables.plan_uses[plan.first_use + i].connector).clauses)
       plan.has_ranges &= clause.has_ranges;
   }
+  plan.needs_ups = tables.image->ffi != nullptr || plan.has_choice || !plan.witnesses.empty();
+  for (u32 i = 0; i < plan.use_count && !plan.needs_ups; ++i) {
+    for (const Clause& clause : tables.connector_type(tables.plan_uses[plan.first_use + i].connector).clauses)
+      plan.needs_ups |= clause.down != kNone;
+  }
   // Alternatives of one parameter are several candidates: they are listed.
   info.searched |= plan.guarded || plan.has_choice || !plan.witnesses.empty();
   info.ref = static_cast<u32>(tables.plans.size());

@@ -185,6 +185,15 @@ u32 Tables::clause_of(u32 connector_type_row, Span<u32> params) const {
   const ConnectorType& type = image->connector_types[connector_type_row];
   const std::vector<u32>& order = clause_order[connector_type_row];
   BIP_ASSERT(std::is_sorted(params.begin(), params.end()), "{} parameters are not in order", params.size);
+  // Among few, by looking at each.
+  constexpr std::size_t kFew = 8;
+  if (order.size() <= kFew) {
+    for (const u32 row : order) {
+      const Span<u32>& other = type.clauses[row].params;
+      if (other.size == params.size && std::equal(params.begin(), params.end(), other.begin())) return row;
+    }
+    return kNone;
+  }
   const auto less = [](Span<u32> a, Span<u32> b) {
     return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
   };

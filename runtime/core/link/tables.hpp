@@ -108,6 +108,7 @@ struct Plan {
   bool has_choice = false;
   bool is_tree = true;                 // no connector has two uses
   std::vector<PlanWitness> witnesses;  // by depth of the group's compound, deepest last
+  bool needs_ups = true;               // to fire: a `down` may read what they compute, or C++ sees that they run
   bool has_ranges =
       false;  // what its clauses do is known over ranges of values, and it has configurations to choose from
 };
