@@ -67,11 +67,6 @@ void build_shape(llvm::Module& module, const lower::LoweredSystem& lowered, cons
 
 std::string step_name(std::size_t shape) { return "bip_shape_" + std::to_string(shape); }
 
-// Who debugs sets breakpoints at shapes, and who profiles looks between steps: for them there is no loop.
-bool has_step_loop(const lower::LoweredSystem& lowered, Lines lines) {
-  return !lowered.steps.loop.empty() && !lowered.calls_rows && lines == Lines::No;
-}
-
 std::unique_ptr<llvm::Module> build_steps(llvm::LLVMContext& context, const lower::LoweredSystem& lowered,
                                           Lines lines) {
   auto module = std::make_unique<llvm::Module>("steps", context);
@@ -85,7 +80,7 @@ std::unique_ptr<llvm::Module> build_steps(llvm::LLVMContext& context, const lowe
     build_shape(*module, lowered, shape, step_name(number), places[number], debug ? &*debug : nullptr);
     ++number;
   }
-  if (has_step_loop(lowered, lines)) build_step_loop(*module, lowered);
+  for (const StepLoop loop : step_loops(lowered, lines)) build_step_loop(*module, lowered, loop);
   if (debug) debug->finish();
   return module;
 }

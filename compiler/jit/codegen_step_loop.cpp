@@ -2,6 +2,10 @@
 // interactions, with their operands as constants. A draw is a few instructions, no address is computed twice, and the
 // only calls are to steps that contain loops.
 //
+// There are up to three: one that draws, the same for steps in inner order on the inner arrays, and one that chooses by
+// order while the list is short. If the model has no long runs, operands may come from a table
+// (compiler/steps/operand_table.hpp).
+//
 // The core's arrays are arguments of an inner function, which tells LLVM that they do not alias. Random numbers are
 // those of bip/prng.hpp; the rare case (probability n / 2^64) in which a draw is repeated calls that header's function.
 #include <llvm/IR/MDBuilder.h>
@@ -25,9 +29,10 @@ static_assert(offsetof(rt::StepState, count) == kArrays * sizeof(void*));
 
 class LoopBuilder {
  public:
-  LoopBuilder(llvm::Module& module, const lower::LoweredSystem& lowered)
+  LoopBuilder(llvm::Module& module, const lower::LoweredSystem& lowered, StepLoop loop)
       : module_(module),
         lowered_(lowered),
+        loop_(loop),
         b_(module.getContext()),
         i32_(b_.getInt32Ty()),
         i64_(b_.getInt64Ty()),
@@ -35,15 +40,18 @@ class LoopBuilder {
 
   void build() {
     llvm::Type* pointer = b_.getPtrTy();
-    function_ = declare(kStepLoopName + ".inner", {pointer, pointer, pointer, pointer, pointer, pointer, pointer,
-                                                   pointer, pointer, i64_, pointer});
+    function_ = declare(loop_name(loop_) + ".arrays", {pointer, pointer, pointer, pointer, pointer, pointer, pointer,
+                                                       pointer, pointer, i64_, pointer});
     function_->setLinkage(llvm::Function::InternalLinkage);
     function_->addFnAttr(llvm::Attribute::NoInline);
     build_outer();
     enter();
     write_head();
-    write_draw();
-    for (const rt::StepRun& run : lowered_.steps.loop) write_run(run);
+    if (is_ordered()) write_choice();
+    else write_draw();
+    const lower::Steps& steps = lowered_.steps;
+    for (const rt::StepRun& run : loop_ == StepLoop::Inner ? steps.inner.loop : steps.loop) write_run(run);
+    if (loop_ != StepLoop::Inner && !steps.table.empty()) write_table(steps.table);
     // None of those.
     b_.CreateStore(interaction_, unknown_);
     b_.CreateBr(end_);
@@ -53,7 +61,9 @@ class LoopBuilder {
 
  private:
   // Arguments of the inner function after the arrays.
-  enum Argument : unsigned { kState = kArrays, kPrng, kHistory, kLimit, kRecent };
+  enum Argument : unsigned { kState = kArrays, kPrng, kHistory, kLimit, kRecent, kOrder = kPrng };
+
+  [[nodiscard]] bool is_ordered() const { return loop_ == StepLoop::Ordered; }
 
   llvm::Function* declare(const std::string& name, llvm::ArrayRef<llvm::Type*> parameters) {
     auto* function = llvm::Function::Create(llvm::FunctionType::get(result_, parameters, false),
@@ -76,7 +86,7 @@ class LoopBuilder {
 
   void build_outer() {
     llvm::Type* pointer = b_.getPtrTy();
-    llvm::Function* outer = declare(kStepLoopName, {pointer, pointer, pointer, i64_});
+    llvm::Function* outer = declare(loop_name(loop_), {pointer, pointer, pointer, i64_});
     b_.SetInsertPoint(llvm::BasicBlock::Create(module_.getContext(), "entry", outer));
     std::vector<Value*> arguments;
     for (unsigned k = 0; k < kArrays; ++k)
@@ -102,7 +112,8 @@ class LoopBuilder {
     b_.CreateStore(b_.CreateLoad(i32_, at(function_->getArg(kState), offsetof(rt::StepState, count))), count_);
     b_.CreateStore(b_.getInt32(rt::kAbsentInteraction), unknown_);
     b_.CreateStore(function_->getArg(kLimit), left_);
-    load_words();
+    if (is_ordered()) load_order();
+    else load_words();
     Value* first =
         b_.CreateZExt(b_.CreateLoad(i32_, at(function_->getArg(kHistory), offsetof(rt::StepHistory, at))), i64_);
     history_end_ = b_.CreateAdd(first, function_->getArg(kLimit));
@@ -110,6 +121,14 @@ class LoopBuilder {
     taken_ = new_block("taken");
     end_ = new_block("end");
     b_.CreateBr(head_);
+  }
+  void load_order() {
+    Value* order = function_->getArg(kOrder);
+    from_ = b_.CreateAlloca(i32_);
+    least_ = b_.CreateAlloca(i32_);
+    b_.CreateStore(b_.CreateLoad(i32_, at(order, offsetof(rt::StepOrder, from))), from_);
+    Value* follows = b_.CreateLoad(b_.getInt8Ty(), at(order, offsetof(rt::StepOrder, follows)));
+    follows_ = b_.CreateICmpNE(follows, b_.getInt8(0));
   }
   void load_words() {
     for (unsigned k = 0; k < 4; ++k)
@@ -131,9 +150,35 @@ class LoopBuilder {
     b_.CreateCondBr(is_over, end_, asks, rarely());
     b_.SetInsertPoint(asks);
     llvm::BasicBlock* draw = new_block("draw");
-    Value* is_stuck = b_.CreateICmpEQ(b_.CreateLoad(i32_, count_), b_.getInt32(0));
-    b_.CreateCondBr(is_stuck, end_, draw, rarely());
+    // By order: nothing is enabled, or more than is searched.
+    Value* rest = b_.CreateSub(b_.CreateLoad(i32_, count_), b_.getInt32(1));
+    Value* is_over_here = is_ordered() ? b_.CreateICmpUGE(rest, b_.getInt32(rt::StepOrder::kShort))
+                                       : b_.CreateICmpEQ(rest, b_.getInt32(rt::kAbsentInteraction));
+    b_.CreateCondBr(is_over_here, end_, draw, rarely());
     b_.SetInsertPoint(draw);
+  }
+
+  // The one at the least distance from `from`, modulo 2^32.
+  void write_choice() {
+    Value* count = b_.CreateZExt(b_.CreateLoad(i32_, count_), i64_);
+    Value* from = b_.CreateLoad(i32_, from_);
+    Value* members = function_->getArg(3);
+    b_.CreateStore(b_.CreateSub(b_.CreateLoad(i32_, members), from), least_);
+    llvm::BasicBlock* before = b_.GetInsertBlock();
+    llvm::BasicBlock* others = new_block("others");
+    llvm::BasicBlock* chosen = new_block("chosen");
+    b_.CreateCondBr(b_.CreateICmpEQ(count, number(1)), chosen, others);
+    b_.SetInsertPoint(others);
+    llvm::PHINode* k = b_.CreatePHI(i64_, 2);
+    k->addIncoming(number(1), before);
+    Value* distance = b_.CreateSub(b_.CreateLoad(i32_, b_.CreateInBoundsGEP(i32_, members, k)), from);
+    b_.CreateStore(b_.CreateBinaryIntrinsic(llvm::Intrinsic::umin, b_.CreateLoad(i32_, least_), distance), least_);
+    Value* next = b_.CreateNUWAdd(k, number(1));
+    k->addIncoming(next, others);
+    b_.CreateCondBr(b_.CreateICmpULT(next, count), others, chosen);
+    b_.SetInsertPoint(chosen);
+    interaction_ = b_.CreateAdd(from, b_.CreateLoad(i32_, least_));
+    interaction_index_ = b_.CreateZExt(interaction_, i64_);
   }
 
   Value* rotated(Value* word, unsigned by) {
@@ -186,6 +231,16 @@ class LoopBuilder {
     interaction_index_ = b_.CreateZExt(interaction_, i64_);
   }
 
+  StepFrame frame() {
+    return {function_->getArg(0),
+            function_->getArg(1),
+            function_->getArg(2),
+            function_->getArg(3),
+            function_->getArg(4),
+            function_->getArg(5),
+            count_,
+            !lowered_.steps.cells.empty()};
+  }
   // An operand for number i of the run. In 64 bits if it stays below 2^32: then it becomes a part of addresses.
   StepOperandValue operand(const rt::StepRun& run, const rt::StepOperand& row, Value* i) {
     BIP_ASSERT(run.count != 0, "a run of no interactions");
@@ -222,19 +277,52 @@ class LoopBuilder {
     if (shape.is_inlined() && (!cells.empty() || !looks_at_many(shape, rows))) {
       std::vector<StepOperandValue> operands;
       for (std::size_t k = 0; k < shape.strides.size(); ++k) operands.push_back(operand(run, rows[k], i));
-      const StepFrame frame{function_->getArg(0),
-                            function_->getArg(1),
-                            function_->getArg(2),
-                            function_->getArg(3),
-                            function_->getArg(4),
-                            function_->getArg(5),
-                            count_,
-                            !cells.empty()};
-      write_step(b_, lowered_, shape, frame, operands, nullptr);
+      write_step(b_, lowered_, shape, frame(), operands, nullptr);
     } else {
       call(run, shape.strides.size(), rows, i);
     }
     b_.CreateBr(taken_);
+    b_.SetInsertPoint(others);
+  }
+
+  // An operand of the i-th interaction of the table, whose numbers are there.
+  StepOperandValue operand(const lower::OperandTable::Operand& from, Value* i, Value* row) {
+    Value* index = llvm::ConstantInt::getSigned(i64_, from.base);
+    if (from.stride != 0) index = b_.CreateAdd(index, b_.CreateMul(i, llvm::ConstantInt::getSigned(i64_, from.stride)));
+    if (from.column != lower::OperandTable::kNoColumn) {
+      Value* column = b_.CreateZExt(number_in(row, from.column), i64_);
+      index = b_.CreateAdd(index, b_.CreateNUWMul(column, number(from.scale)));
+    }
+    return {b_.CreateTrunc(index, i32_), index};
+  }
+  Value* number_in(Value* row, std::uint32_t column) {
+    llvm::LoadInst* load = b_.CreateLoad(i32_, b_.CreateConstInBoundsGEP1_64(i32_, row, column));
+    load->setMetadata(llvm::LLVMContext::MD_invariant_load, llvm::MDNode::get(module_.getContext(), {}));
+    return load;
+  }
+  // If the interaction is one of the table, the step of its kind; what follows is for the others.
+  void write_table(const lower::OperandTable& table) {
+    llvm::BasicBlock* inside = new_block("row");
+    llvm::BasicBlock* others = new_block("others");
+    Value* i = b_.CreateSub(interaction_index_, number(table.first));
+    b_.CreateCondBr(b_.CreateICmpULT(i, number(table.count)), inside, others);
+    b_.SetInsertPoint(inside);
+    Value* row = b_.CreateInBoundsGEP(i32_, module_.getOrInsertGlobal(kOperandTableName, b_.getInt8Ty()),
+                                      b_.CreateNUWMul(i, number(table.width)));
+    llvm::SwitchInst* choice = nullptr;
+    if (table.has_kinds) choice = b_.CreateSwitch(number_in(row, 0), others, static_cast<unsigned>(table.kinds.size()));
+    for (std::uint32_t kind = 0; kind < table.kinds.size(); ++kind) {
+      if (choice != nullptr) {
+        llvm::BasicBlock* step = new_block("kind");
+        choice->addCase(b_.getInt32(kind), step);
+        b_.SetInsertPoint(step);
+      }
+      const lower::OperandTable::Kind& known = table.kinds[kind];
+      std::vector<StepOperandValue> operands;
+      for (const lower::OperandTable::Operand& one : known.operands) operands.push_back(operand(one, i, row));
+      write_step(b_, lowered_, known.shape, frame(), operands, nullptr);
+      b_.CreateBr(taken_);
+    }
     b_.SetInsertPoint(others);
   }
 
@@ -269,13 +357,19 @@ class LoopBuilder {
     b_.SetInsertPoint(taken_);
     b_.CreateStore(interaction_, b_.CreateInBoundsGEP(i32_, function_->getArg(kRecent), history_at()));
     b_.CreateStore(b_.CreateSub(b_.CreateLoad(i64_, left_), number(1)), left_);
+    if (is_ordered()) {
+      Value* after = b_.CreateAdd(interaction_, b_.getInt32(1));
+      b_.CreateStore(b_.CreateSelect(follows_, after, b_.CreateLoad(i32_, from_)), from_);
+    }
     b_.CreateBr(head_);
   }
 
   void write_end() {
     b_.SetInsertPoint(end_);
     b_.CreateStore(b_.CreateLoad(i32_, count_), at(function_->getArg(kState), offsetof(rt::StepState, count)));
-    store_words();
+    if (is_ordered())
+      b_.CreateStore(b_.CreateLoad(i32_, from_), at(function_->getArg(kOrder), offsetof(rt::StepOrder, from)));
+    else store_words();
     b_.CreateStore(b_.CreateTrunc(history_at(), i32_), at(function_->getArg(kHistory), offsetof(rt::StepHistory, at)));
     Value* steps = b_.CreateSub(function_->getArg(kLimit), b_.CreateLoad(i64_, left_));
     Value* result = b_.CreateInsertValue(llvm::PoisonValue::get(result_), steps, 0);
@@ -284,6 +378,7 @@ class LoopBuilder {
 
   llvm::Module& module_;
   const lower::LoweredSystem& lowered_;
+  StepLoop loop_;
   llvm::IRBuilder<> b_;
   llvm::Type* i32_;
   llvm::Type* i64_;
@@ -292,14 +387,34 @@ class LoopBuilder {
   llvm::BasicBlock *head_ = nullptr, *taken_ = nullptr, *end_ = nullptr;
   Value *count_ = nullptr, *unknown_ = nullptr, *left_ = nullptr, *index_ = nullptr, *state_ = nullptr,
         *history_end_ = nullptr;
-  Value* words_[4] = {};
+  Value* words_[4] = {};                                           // of random numbers
+  Value *from_ = nullptr, *least_ = nullptr, *follows_ = nullptr;  // by order
   Value *interaction_ = nullptr, *interaction_index_ = nullptr;
 };
 
 }  // namespace
 
-void build_step_loop(llvm::Module& module, const lower::LoweredSystem& lowered) {
-  LoopBuilder(module, lowered).build();
+std::string loop_name(StepLoop loop) {
+  switch (loop) {
+    case StepLoop::Drawn: return "bip_steps";
+    case StepLoop::Inner: return "bip_inner_steps";
+    case StepLoop::Ordered: return "bip_ordered_steps";
+  }
+  BIP_UNREACHABLE("a loop over steps");
+}
+
+// Who debugs sets breakpoints at shapes, and who profiles looks between steps: for them there is no loop.
+std::vector<StepLoop> step_loops(const lower::LoweredSystem& lowered, Lines lines) {
+  std::vector<StepLoop> loops;
+  if (lowered.calls_rows || lines == Lines::Yes) return loops;
+  const lower::Steps& steps = lowered.steps;
+  if (!steps.inner.loop.empty()) loops.push_back(StepLoop::Inner);
+  if (!steps.loop.empty() || !steps.table.empty()) loops.insert(loops.end(), {StepLoop::Drawn, StepLoop::Ordered});
+  return loops;
+}
+
+void build_step_loop(llvm::Module& module, const lower::LoweredSystem& lowered, StepLoop loop) {
+  LoopBuilder(module, lowered, loop).build();
 }
 
 }  // namespace bip::jit

@@ -299,7 +299,8 @@ class StepBuilder {
     Value* interaction = number(op, 0, t);
     if (op.change == lower::InteractionChange::Enters) return enters(interaction);
     if (op.change == lower::InteractionChange::Leaves) return leaves(interaction);
-    Value* is_on = b_.CreateICmpSGE(b_.CreateLoad(i32_, cell(values_, op, 0, t)), constant(0));
+    Value* is_on =
+        op.is_sure ? b_.getTrue() : b_.CreateICmpSGE(b_.CreateLoad(i32_, cell(values_, op, 0, t)), constant(0));
     for (std::uint32_t k = refs(op) - op.hiders; k < refs(op); ++k) {
       is_on = b_.CreateAnd(is_on, b_.CreateICmpSLT(b_.CreateLoad(i32_, cell(values_, op, k, t)), constant(0)));
     }
@@ -348,10 +349,61 @@ class StepBuilder {
     Value* order = b_.CreateLoad(i32_, cell(scratch_, op, 0, nullptr));
     for (std::uint32_t k = 1; k < op.refs; ++k)
       b_.CreateStore(number(op, k, nullptr), b_.CreateConstInBoundsGEP1_64(i32_, changed, k - 1));
-    for (std::uint32_t k = 1; k < op.refs; ++k) {
-      Value* row = b_.CreateAnd(b_.CreateLShr(order, 4 * (k - 1)), constant(15));
-      settle(b_.CreateLoad(i32_, cell(changed, row)));
+    const auto settle_those = [&](Value* word, std::uint32_t first_bit, std::uint32_t count) {
+      for (std::uint32_t k = 0; k < count; ++k) {
+        Value* row = b_.CreateAnd(b_.CreateLShr(word, first_bit + 4 * k), constant(15));
+        settle(b_.CreateLoad(i32_, cell(changed, row)));
+      }
+    };
+    const bool is_folded = std::any_of(shape_.ops.begin(), shape_.ops.end(), [](const StepOp& count) {
+      return count.kind == StepOpKind::Count && count.repeats;
+    });
+    if (op.to == 0 || is_folded) return settle_those(order, 0, op.refs - 1);
+    using lower::OrderParts;
+    std::uint32_t sure = 0, growing = 0, shrinking = 0;
+    Value* some_grow = b_.getFalse();
+    Value* some_shrink = b_.getFalse();
+    std::uint32_t next = 1;  // operand
+    for (const StepOp& count : shape_.ops) {
+      if (count.kind != StepOpKind::Count) continue;
+      BIP_ASSERT(next < op.refs, "operand {} of {} that change in order", next, op.refs);
+      Value* value = b_.CreateLoad(i32_, cell(values_, op, next++, nullptr));
+      if (count.change != lower::InteractionChange::Look) {
+        ++sure;
+      } else if (count.delta > 0) {
+        ++growing;
+        some_grow = b_.CreateOr(some_grow, b_.CreateICmpSGE(value, constant(0)));
+      } else {
+        ++shrinking;
+        some_shrink =
+            b_.CreateOr(some_shrink, b_.CreateICmpSGE(value, constant(static_cast<std::uint32_t>(count.delta))));
+      }
     }
+    BIP_ASSERT(next == op.refs, "{} values of {}", next, op.refs);
+    Value* second = b_.CreateLoad(i32_, b_.CreateConstInBoundsGEP1_64(i32_, cell(scratch_, op, 0, nullptr), op.to));
+    llvm::BasicBlock* after = new_block("settled");
+    const auto either = [&](Value* condition, const std::function<void()>& then, const std::function<void()>& other) {
+      llvm::BasicBlock* if_so = new_block("some");
+      llvm::BasicBlock* if_not = new_block("none");
+      b_.CreateCondBr(condition, if_so, if_not);
+      b_.SetInsertPoint(if_so);
+      then();
+      b_.SetInsertPoint(if_not);
+      other();
+    };
+    const auto part = [&](Value* word, std::uint32_t first_bit, std::uint32_t count) {
+      return [=, &settle_those, this] {
+        settle_those(word, first_bit, count);
+        b_.CreateBr(after);
+      };
+    };
+    either(
+        some_grow, [&] { either(some_shrink, part(order, 0, op.refs - 1), part(second, 0, sure + growing)); },
+        [&] {
+          either(some_shrink, part(second, OrderParts::kShrinkingAt, sure + shrinking),
+                 part(order, OrderParts::kSureAt, sure));
+        });
+    b_.SetInsertPoint(after);
   }
 
   // Who is ready is noted first, without branches: nobody can predict it.

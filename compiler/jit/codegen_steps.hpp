@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "compiler/jit/codegen.hpp"
 #include "compiler/lower/lower.hpp"
 
 namespace bip::jit {
@@ -24,8 +25,9 @@ struct StepOperandValue {
 void write_step(llvm::IRBuilder<>& b, const lower::LoweredSystem& lowered, const lower::StepShape& shape,
                 const StepFrame& frame, const std::vector<StepOperandValue>& operands, DebugInfo* debug);
 
-/// Adds a rt::StepsFn called kStepLoopName that knows lowered.steps.loop and draws as rt::take_steps does; the
-/// functions of shapes are in the module. A draw that rt::Prng might reject it leaves to kDrawName.
-void build_step_loop(llvm::Module& module, const lower::LoweredSystem& lowered);
+/// Adds the loop, called loop_name(loop). It knows the rows of lowered.steps.loop and the table, or those of
+/// inner.loop, and draws as rt::take_steps does; the functions of shapes are in the module. A draw that rt::Prng might
+/// reject it leaves to kDrawName.
+void build_step_loop(llvm::Module& module, const lower::LoweredSystem& lowered, StepLoop loop);
 
 }  // namespace bip::jit

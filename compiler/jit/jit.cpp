@@ -73,6 +73,7 @@ struct Compiler {
     const auto number = [](std::size_t k) { return std::to_string(k); };
     add(kCodesName, lowered.codes.data());
     add(kDrawName, reinterpret_cast<const void*>(&draw));
+    add(kOperandTableName, lowered.steps.table.numbers.data());
     if (lowered.image.ffi != nullptr) {
       add(kFfiContextName, &lowered.ffi);
       add(kLoweredName, &lowered);
@@ -166,14 +167,19 @@ struct Compiler {
     std::unique_ptr<llvm::Module> module = build_steps(context, lowered, lines());
     std::vector<std::string> names;
     for (std::size_t k = 0; k < lowered.steps.shapes.size(); ++k) names.push_back(step_name(k));
-    const bool has_loop = has_step_loop(lowered, lines());
-    if (has_loop) names.push_back(kStepLoopName);
+    const std::vector<StepLoop> loops = step_loops(lowered, lines());
+    for (const StepLoop loop : loops) names.push_back(loop_name(loop));
     auto found = add_module(std::move(module), names);
     if (!found) return found.takeError();
-    if (has_loop) {
-      made.steps_fn = found->back().toPtr<rt::StepsFn>();
-      found->pop_back();
+    for (std::size_t k = 0; k < loops.size(); ++k) {
+      const llvm::orc::ExecutorAddr address = (*found)[lowered.steps.shapes.size() + k];
+      switch (loops[k]) {
+        case StepLoop::Drawn: made.steps_fn = address.toPtr<rt::StepsFn>(); break;
+        case StepLoop::Inner: made.inner_steps_fn = address.toPtr<rt::StepsFn>(); break;
+        case StepLoop::Ordered: made.ordered_steps_fn = address.toPtr<rt::OrderedStepsFn>(); break;
+      }
     }
+    found->resize(lowered.steps.shapes.size());
     BIP_ASSERT(found->size() == lowered.steps.shapes.size(), "{} functions of {} shapes", found->size(),
                lowered.steps.shapes.size());
     for (const llvm::orc::ExecutorAddr& address : *found) made.step_fns.push_back(address.toPtr<rt::StepFn>());

@@ -24,7 +24,9 @@ struct JitOptions {
 struct MadeCode {
   std::vector<rt::Code> codes;
   std::vector<rt::StepFn> step_fns;
-  rt::StepsFn steps_fn = nullptr;  // the loop over them, if there is one
+  // The loops over them, if there are any.
+  rt::StepsFn steps_fn = nullptr, inner_steps_fn = nullptr;
+  rt::OrderedStepsFn ordered_steps_fn = nullptr;
   std::size_t modules = 0, from_cache = 0;
   std::vector<std::string> broken_files;  // of the cache; made anew
 };
@@ -35,6 +37,8 @@ inline void install(lower::LoweredSystem& lowered, const MadeCode& made) {
   lowered.step_fns = made.step_fns;
   lowered.image.step_fns = {lowered.step_fns.data(), static_cast<std::uint32_t>(lowered.step_fns.size())};
   lowered.image.steps_fn = made.steps_fn;
+  lowered.image.inner_steps.steps_fn = made.inner_steps_fn;
+  lowered.image.ordered_steps_fn = made.ordered_steps_fn;
 }
 
 /// Owns the machine code; keep alive as long as the image runs.

@@ -94,6 +94,18 @@ bool check_steps(const lower::LoweredSystem& lowered, u32 interactions) {
                "inner interaction {} is in a run of {} from {} on", k, run.count, run.first);
     check_operands(lowered, run, steps.shapes[run.shape], {k - run.first}, interactions);
   }
+  for (const rt::StepRun& run : inner.loop)
+    check_operands(lowered, run, steps.shapes[run.shape], {0u, run.count - 1}, interactions);
+  const lower::OperandTable& table = steps.table;
+  BIP_ASSERT(table.numbers.size() == std::size_t{table.count} * table.width &&
+                 table.first + std::uint64_t{table.count} <= interactions,
+             "a table of {} numbers", table.numbers.size());
+  for (const lower::OperandTable::Kind& kind : table.kinds) {
+    check_shape(lowered, kind.shape, 0);
+    for ([[maybe_unused]] const lower::OperandTable::Operand& operand : kind.operands)
+      BIP_ASSERT(operand.column == lower::OperandTable::kNoColumn || operand.column < table.width, "column {} of {}",
+                 operand.column, table.width);
+  }
   const lower::StepCells& cells = steps.cells;
   BIP_ASSERT(cells.empty() || cells.self_distance.size() == lowered.units.size(), "distances of {} of {} units",
              cells.self_distance.size(), lowered.units.size());

@@ -11,6 +11,7 @@
 #include "compiler/steps/columns.hpp"
 #include "compiler/steps/deriver.hpp"
 #include "compiler/steps/inner_steps.hpp"
+#include "compiler/steps/operand_table.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::steps {
@@ -22,7 +23,7 @@ constexpr std::size_t kMostShapes = 64;  // with strides in them
 bool alike(const StepOp& a, const StepOp& b) {
   return a.kind == b.kind && a.change == b.change && a.unit == b.unit && a.zeroed == b.zeroed && a.delta == b.delta &&
          a.from == b.from && a.to == b.to && a.hiders == b.hiders && a.refs == b.refs && a.reduction == b.reduction &&
-         a.guarded == b.guarded;
+         a.guarded == b.guarded && a.is_sure == b.is_sure;
 }
 
 // Interactions of one shape, as they come.
@@ -116,33 +117,30 @@ void list_entries(lower::Steps& steps) {
   }
 }
 
-// The runs with the most interactions, unless there are so many that a loop over steps would know but few of the
-// interactions.
-std::vector<rt::StepRun> choose_loop(const lower::Steps& steps) {
-  constexpr std::size_t kMostRuns = 6;
-  constexpr std::uint64_t kLeastPart = 8;  // of nine
-  std::vector<rt::StepRun> runs = steps.runs;
-  std::stable_sort(runs.begin(), runs.end(),
-                   [](const rt::StepRun& a, const rt::StepRun& b) { return a.count > b.count; });
-  std::uint64_t all = 0, known = 0;
-  for (const rt::StepRun& run : runs) all += run.count;
-  runs.resize(std::min(runs.size(), kMostRuns));
-  for (const rt::StepRun& run : runs) known += run.count;
-  if (known * (kLeastPart + 1) < all * kLeastPart) runs.clear();
-  return runs;
-}
-
 }  // namespace
 
 std::vector<u32> shape_key(const Instance& folded, const std::vector<std::int32_t>& strides) {
   std::vector<u32> key;
   for (const StepOp& op : folded.ops) {
-    key.insert(key.end(), {static_cast<u32>(op.kind), static_cast<u32>(op.change), op.repeats ? 1u : 0u, op.unit,
-                           op.zeroed, static_cast<u32>(op.delta), op.from, op.to, op.hiders, op.refs,
-                           static_cast<u32>(op.reduction), op.inlined ? 1u : 0u, op.offset, op.guarded ? 1u : 0u});
+    key.insert(key.end(),
+               {static_cast<u32>(op.kind), static_cast<u32>(op.change), op.repeats ? 1u : 0u, op.unit, op.zeroed,
+                static_cast<u32>(op.delta), op.from, op.to, op.hiders, op.refs, static_cast<u32>(op.reduction),
+                op.inlined ? 1u : 0u, op.offset, op.guarded ? 1u : 0u, op.is_sure ? 1u : 0u});
   }
   for (const std::int32_t stride : strides) key.push_back(static_cast<u32>(stride));
   return key;
+}
+
+std::vector<rt::StepRun> choose_loop(std::vector<rt::StepRun> runs, std::uint64_t interactions) {
+  constexpr std::size_t kMostRuns = 6;
+  constexpr std::uint64_t kLeastPart = 8;  // of nine
+  std::stable_sort(runs.begin(), runs.end(),
+                   [](const rt::StepRun& a, const rt::StepRun& b) { return a.count > b.count; });
+  runs.resize(std::min(runs.size(), kMostRuns));
+  std::uint64_t known = 0;
+  for (const rt::StepRun& run : runs) known += run.count;
+  if (known * (kLeastPart + 1) < interactions * kLeastPart) runs.clear();
+  return runs;
 }
 
 void fold(const Instance& in, std::size_t least, Instance& out, std::vector<std::int32_t>& strides) {
@@ -221,14 +219,20 @@ void derive_steps(lower::LoweredSystem& lowered, Columns columns) {
     runs[at->second].add(interaction, folded.refs);
   }
   for (Runs& rest : runs) rest.close();
+  const std::vector<lower::StepShape> shapes = steps.shapes;
+  const std::vector<rt::StepRun> runs_of_shapes = steps.runs;
   split_by_strides(steps);
   list_entries(steps);
-  steps.loop = choose_loop(steps);
+  std::uint64_t with_steps = 0;
+  for (const rt::StepRun& run : steps.runs) with_steps += run.count;
+  steps.loop = choose_loop(steps.runs, with_steps);
   for (const lower::CodeFacts& facts : deriver.facts()) steps.binds.push_back(facts.binds);
   if (has_all && steps.loop.empty()) {
     const bool wherever = columns == Columns::WherePossible;
     derive_inner_steps(deriver, lowered, wherever ? InnerOrders::WherePossible : InnerOrders::WhereOfUse, steps);
   }
+  if (steps.loop.empty() && steps.inner.runs.empty())
+    steps.table = make_operand_table(shapes, runs_of_shapes, steps.operands);
   if (has_all || columns == Columns::WherePossible) lay_out_columns(lowered, deriver.atom_cells(), columns, steps);
   lowered.steps = std::move(steps);
   lowered.image.step_runs = {lowered.steps.runs.data(), static_cast<u32>(lowered.steps.runs.size())};

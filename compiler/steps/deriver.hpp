@@ -52,6 +52,9 @@ struct Instance {
 void fold(const Instance& in, std::size_t least, Instance& out, std::vector<std::int32_t>& strides);
 /// Of folded operations: equal iff they differ in operands alone.
 [[nodiscard]] std::vector<u32> shape_key(const Instance& folded, const std::vector<std::int32_t>& strides);
+/// Returns the runs with the most interactions, for a loop over steps; none if the loop would know too few of the
+/// interactions.
+[[nodiscard]] std::vector<rt::StepRun> choose_loop(std::vector<rt::StepRun> runs, std::uint64_t interactions);
 /// Copies to variables of atoms go into the loop of the code that follows and works on these atoms.
 void inline_copies(Instance& folded, const std::vector<std::int32_t>& strides, u32 atom_cells);
 
@@ -99,6 +102,7 @@ class Deriver {
   bool add_star_transfers(const rt::InteractionInfo& info, const std::vector<bool>& is_sure, Instance& out);
   bool add_ready(const std::vector<u32>& ports, Instance& out, u32& last_changed);
   [[nodiscard]] std::vector<bool> find_sure(u32 fired) const;
+  [[nodiscard]] bool is_sure(const rt::InteractionInfo& info) const;
   [[nodiscard]] u32 transition_of(u32 instance) const;
   [[nodiscard]] bool have_distinct_atoms();
 

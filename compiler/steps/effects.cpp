@@ -140,6 +140,18 @@ bool Deriver::add_interaction(Effect effect, u32 fired, Instance& out) {
     if (effect.delta == all) made.change = InteractionChange::Enters;
     if (effect.delta == -all) made.change = InteractionChange::Leaves;
   }
+  made.is_sure = effect.delta == 0 && is_sure(info);
+  return true;
+}
+
+// A rendezvous of atoms that have one place each, and offer the ports there.
+bool Deriver::is_sure(const rt::InteractionInfo& info) const {
+  if (info.kind != InteractionKind::Flat) return false;
+  for (u32 k = 0; k < info.count; ++k) {
+    const u32 port = tables_.flat_ports[info.first + k], atom = tables_.port_atom[port];
+    if (!tables_.types[tables_.atoms[atom].type].simple || tables_.atom_type(atom).places.size != 1) return false;
+    if (transition_of(port) == kNone) return false;
+  }
   return true;
 }
 

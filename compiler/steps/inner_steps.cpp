@@ -64,6 +64,7 @@ class InnerDeriver {
     steps.inner.atoms = std::move(order_.atoms);
     steps.inner.interactions = std::move(order_.interactions);
     steps.inner.cells = std::move(order_.cells);
+    list_loop(steps);
     steps.inner.run_of = std::move(run_of_);
     if (has_orders_) steps.inner.run_of.insert(steps.inner.run_of.end(), orders_.begin(), orders_.end());
     steps.inner.runs = std::move(runs_);
@@ -86,7 +87,7 @@ class InnerDeriver {
     std::vector<std::int32_t> strides;
     group_of_.assign(order_.interactions.size(), kNone);
     first_ref_.assign(1, 0);
-    orders_.assign(order_.interactions.size(), 0);
+    orders_.assign(2 * order_.interactions.size(), 0);
     // Steps of broadcasts need the scratch for what is ready.
     for (u32 k = 0; k < order_.interactions.size(); ++k)
       has_orders_ = has_orders_ && deriver_.tables().interactions[k].kind != rt::InteractionKind::Star;
@@ -179,7 +180,9 @@ class InnerDeriver {
       if (op.kind != StepOpKind::Interaction) copy(op);
     }
     for (const auto& [delta, interaction] : values) {
-      out.add(StepOpKind::Count).delta = delta;
+      StepOp& made = out.add(StepOpKind::Count);
+      made.delta = delta;
+      made.change = change_of(in, interaction);
       out.ref(interaction);
     }
     const bool all_separate = std::all_of(in.ops.begin(), in.ops.end(), [&](const StepOp& op) {
@@ -189,13 +192,13 @@ class InnerDeriver {
       out.add(StepOpKind::SettleInOrder);
       out.ref(inner);
       for (const auto& [delta, interaction] : values) out.ref(interaction);
-      u32 shift = 0;
+      std::vector<u32> order;
       for (const StepOp& op : in.ops) {
         if (op.kind != StepOpKind::Interaction) continue;
         const auto at = std::find(values.begin(), values.end(), std::pair{op.delta, in.refs[op.first_ref]});
-        orders_[inner] |= static_cast<u32>(at - values.begin()) << shift;
-        shift += kOrderBits;
+        order.push_back(static_cast<u32>(at - values.begin()));
       }
+      add_order(order, in, values, inner, out.ops.back());
       return;
     }
     for (const StepOp& op : in.ops) {
@@ -206,6 +209,45 @@ class InnerDeriver {
         copy(op);
       }
     }
+  }
+
+  static InteractionChange change_of(const Instance& in, u32 interaction) {
+    const auto at = std::find_if(in.ops.begin(), in.ops.end(), [&](const StepOp& op) {
+      return op.kind == StepOpKind::Interaction && in.refs[op.first_ref] == interaction;
+    });
+    return at->change;
+  }
+  // Numbers of values, in the order in which the list changes.
+  void add_order(const std::vector<u32>& order, const Instance& in,
+                 const std::vector<std::pair<std::int32_t, u32>>& values, u32 inner, StepOp& op) {
+    constexpr std::uint32_t kUnsure = 1, kGrows = 2, kShrinks = 4;
+    const auto pack = [&](std::uint32_t without) {
+      u32 packed = 0, count = 0;
+      for (const u32 value : order) {
+        const auto [delta, interaction] = values[value];
+        const bool is_sure = change_of(in, interaction) != InteractionChange::Look;
+        const std::uint32_t kind = is_sure ? 0 : kUnsure | (delta > 0 ? kGrows : kShrinks);
+        if ((kind & without) == 0) packed |= value << (kOrderBits * count++);
+      }
+      return std::pair{packed, count};
+    };
+    using lower::OrderParts;
+    const auto [all, count] = pack(0);
+    const auto [sure, sure_count] = pack(kUnsure);
+    const auto [growing, growing_count] = pack(kShrinks);
+    const auto [shrinking, shrinking_count] = pack(kGrows);
+    orders_[inner] = all;
+    // Values of others may be above 0.
+    const bool are_exact = std::all_of(values.begin(), values.end(), [&](const auto& value) {
+      const rt::InteractionKind kind = deriver_.tables().interactions[order_.interactions[value.second]].kind;
+      return kind == rt::InteractionKind::Flat || kind == rt::InteractionKind::Port;
+    });
+    if (!are_exact || count > OrderParts::kMost || sure_count == count || sure_count > OrderParts::kMostSure ||
+        growing_count > OrderParts::kMostWith || shrinking_count > OrderParts::kMostWith)
+      return;
+    op.to = static_cast<u32>(order_.interactions.size());
+    orders_[inner] |= sure << OrderParts::kSureAt;
+    orders_[inner + op.to] = growing | shrinking << OrderParts::kShrinkingAt;
   }
 
   // How far the operands of an operation move from one interaction to the next, if they do.
@@ -261,6 +303,34 @@ class InnerDeriver {
     }
   }
 
+  // Runs without gaps, with operands that count from their own first interaction.
+  void list_loop(lower::Steps& steps) const {
+    std::vector<u32> begins(runs_.size(), kNone), members(runs_.size(), 0), ends(runs_.size(), 0);
+    u32 with_steps = 0;
+    for (u32 inner = 0; inner < run_of_.size(); ++inner) {
+      const u32 run = run_of_[inner];
+      if (run == kNone) continue;
+      begins[run] = std::min(begins[run], inner);
+      ends[run] = inner + 1;
+      ++members[run];
+      ++with_steps;
+    }
+    std::vector<rt::StepRun> without_gaps;
+    for (std::size_t k = 0; k < runs_.size(); ++k) {
+      if (members[k] == ends[k] - begins[k])
+        without_gaps.push_back({begins[k], members[k], 1, runs_[k].shape, static_cast<u32>(k)});
+    }
+    steps.inner.loop = choose_loop(std::move(without_gaps), with_steps);
+    for (rt::StepRun& run : steps.inner.loop) {
+      const rt::StepRun& of = runs_[run.operands];
+      run.operands = static_cast<u32>(steps.operands.size());
+      for (std::size_t k = 0; k < steps.shapes[run.shape].strides.size(); ++k) {
+        const rt::StepOperand row = steps.operands[of.operands + k];
+        steps.operands.push_back({row.at(run.first - of.first), row.stride});
+      }
+    }
+  }
+
   Deriver& deriver_;
   const lower::LoweredSystem& lowered_;
   InnerOrder order_;
@@ -270,7 +340,8 @@ class InnerDeriver {
   std::vector<lower::StepShape> shapes_;
   std::vector<rt::StepRun> runs_;
   std::vector<rt::StepOperand> operands_;
-  std::vector<u32> run_of_, orders_;
+  std::vector<u32> run_of_;
+  std::vector<u32> orders_;  // by inner interaction, then the second numbers
   bool has_orders_ = true;
 };
 

@@ -27,27 +27,53 @@ struct Unwatched {
 // ---- the choice of the next interaction, a parameter of the loop; the loop has a copy, so that it stays in registers
 // Uniformly.
 struct Drawn {
-  static constexpr bool kTakesMany = true;  // by the image's function for many steps
+  static constexpr bool kMarks = false;
   Prng numbers;
   [[nodiscard]] u32 choose(const StepState& s) { return s.members[s.count == 1 ? 0 : numbers.below(s.count)]; }
+  // By a function of the image for many steps.
+  static StepsFn function_of(const Image& image) { return image.steps_fn; }
+  [[nodiscard]] bool takes_many(const StepState&) const { return true; }
   StepsTaken take_many(StepsFn take, StepState& s, StepHistory& history, u64 limit) {
     return take(s, numbers, history, limit);
   }
   void took(u32) const {}
+  void mark_all(const StepState&) const {}
 };
-// By order; marks what the step has put into the list.
+// By order; marks what the step has put into the list. A short list is searched, and nothing is marked meanwhile.
 struct InOrder {
-  static constexpr bool kTakesMany = false;
+  static constexpr bool kMarks = true;
+  static constexpr u32 kShortAgain = StepOrder::kShort / 2;
   StepOrder order;
   MemberOrder* members;
-  [[nodiscard]] u32 choose(const StepState& s) const {
-    return s.count == 1 ? s.members[0] : members->next(order.from, s.position);
+  bool marks = true;
+  [[nodiscard]] bool is_short(const StepState& s) const { return s.count <= (marks ? kShortAgain : StepOrder::kShort); }
+  [[nodiscard]] u32 choose(const StepState& s) {
+    if (!is_short(s)) {
+      mark_all(s);
+      return members->next(order.from, s.position);
+    }
+    marks = false;
+    // The least distance from there, modulo 2^32.
+    u32 least = s.members[0] - order.from;
+    for (u32 k = 1; k < s.count; ++k) least = std::min(least, s.members[k] - order.from);
+    return order.from + least;
   }
-  static StepsTaken take_many(StepsFn, const StepState&, const StepHistory&, u64) { return {0, kAbsentInteraction}; }
+  /// What was not marked while the list was short.
+  void mark_all(const StepState& s) {
+    for (u32 k = 0; k < s.count && !marks; ++k) members->mark(s.members[k]);
+    marks = true;
+  }
+  static OrderedStepsFn function_of(const Image& image) { return image.ordered_steps_fn; }
+  [[nodiscard]] bool takes_many(const StepState& s) const { return is_short(s); }
+  StepsTaken take_many(OrderedStepsFn take, StepState& s, StepHistory& history, u64 limit) {
+    marks = false;
+    return take(s, order, history, limit);
+  }
   void took(u32 interaction) {
     if (order.follows) order.from = interaction + 1;
   }
   void mark(const StepState& s, const StepOperand* operands, u32 i, const StepEntry* entry, const StepEntry* end) {
+    if (!marks) return;
     for (; entry != end; ++entry) {
       u32 interaction = operands[entry->operand].at(i);
       u32 left = entry->repeats == StepEntry::kOnce ? 1 : operands[entry->repeats].at(i);
@@ -165,8 +191,8 @@ u64 CompiledSteps::run_watched(Choose& given, u64 limit, bool (*is_stopped)(), b
   sound = true;
   const Image& image = *core_.tables.image;
   const bool has_cells = image.step_cells != 0;
-  constexpr bool kTakesMany = Choose::kTakesMany && std::is_same_v<Watch, Unwatched>;
-  const StepsFn takes_many = kTakesMany && (!has_cells || limit >= image.step_cells_pay) ? image.steps_fn : nullptr;
+  auto takes_many = Choose::function_of(image);
+  if (!std::is_same_v<Watch, Unwatched> || (has_cells && limit < image.step_cells_pay)) takes_many = nullptr;
   CacheLineVector<ColumnCell> cells;
   bool in_cells = false;  // are data there, and not in core_.memory.cells?
   while (done < limit && s.count != 0) {
@@ -175,7 +201,7 @@ u64 CompiledSteps::run_watched(Choose& given, u64 limit, bool (*is_stopped)(), b
       look = done + kBetweenLooks;
     }
     u32 interaction = kAbsentInteraction;
-    if (takes_many != nullptr) {
+    if (takes_many != nullptr && choose.takes_many(s)) {
       if (has_cells && !in_cells) {
         fill_cells(image, core_.memory.cells.data(), cells);
         s.cells = cells.data();
@@ -187,11 +213,14 @@ u64 CompiledSteps::run_watched(Choose& given, u64 limit, bool (*is_stopped)(), b
       done += taken.count;
       interaction = taken.interaction;
       if (interaction == kAbsentInteraction) continue;
-      if (in_cells) empty_cells(image, cells, core_.memory.cells.data());
-      in_cells = false;
-    } else {
-      interaction = choose.choose(s);
     }
+    if (in_cells) {
+      empty_cells(image, cells, core_.memory.cells.data());
+      in_cells = false;
+      // A list that is short again and again would fill and empty the columns as often.
+      if (interaction == kAbsentInteraction) takes_many = nullptr;
+    }
+    if (interaction == kAbsentInteraction) interaction = choose.choose(s);
     const u32 row = RunRows::find(blocks, rows, interaction);
     watch.begin_step();
     if (row != kNone) {
@@ -201,7 +230,7 @@ u64 CompiledSteps::run_watched(Choose& given, u64 limit, bool (*is_stopped)(), b
       BIP_ASSERT(interaction >= run.first, "interaction {} is no row of its run", interaction);
       const u32 i = static_cast<u32>((interaction - run.first) * run.inverse >> 32);
       run.fn(s, run.operands, i);
-      if constexpr (!Choose::kTakesMany) {
+      if constexpr (Choose::kMarks) {
         const u32* const entries = first_entry_.data() + image.step_runs[row].shape;
         choose.mark(s, run.operands, i, image.step_entries.data + entries[0], image.step_entries.data + entries[1]);
       }
@@ -218,6 +247,7 @@ u64 CompiledSteps::run_watched(Choose& given, u64 limit, bool (*is_stopped)(), b
     ++done;
   }
   if (in_cells) empty_cells(image, cells, core_.memory.cells.data());
+  choose.mark_all(s);
   given = choose;
   core_.history.set_next(history_at);
   if (!sound) return done;
@@ -271,13 +301,24 @@ u64 CompiledSteps::run_inner(Prng& prng, u64 limit, bool (*is_stopped)()) {
   u32 history_at = core_.history.next();
   const u32* const run_of = inner.run_of.data;
   const CompiledRun* const runs = inner_runs_.data();
+  const StepsFn takes_many = inner.steps_fn;
   u64 done = 0;
   for (u64 look = 0; done < limit && s.count != 0;) {
     if (done >= look) {
       if (is_stopped()) break;
       look = done + kBetweenLooks;
     }
-    const u32 interaction = s.members[s.count == 1 ? 0 : numbers.below(s.count)];
+    u32 interaction = kAbsentInteraction;
+    if (takes_many != nullptr) {
+      StepHistory recent{history, history_at};
+      const StepsTaken taken = takes_many(s, numbers, recent, std::min(limit, look) - done);
+      history_at = recent.at;
+      done += taken.count;
+      interaction = taken.interaction;
+      if (interaction == kAbsentInteraction) continue;
+    } else {
+      interaction = s.members[s.count == 1 ? 0 : numbers.below(s.count)];
+    }
     BIP_ASSERT(run_of[interaction] < inner_runs_.size(), "inner interaction {} has no run", interaction);
     const CompiledRun& run = runs[run_of[interaction]];
     history[history_at] = interaction;

@@ -26,13 +26,6 @@ struct BatchPart;
 class Profile;
 class Team;
 
-/// Each step is the first candidate that is interaction `from` or greater, cyclically. `follows`: `from` is then the
-/// one after that.
-struct StepOrder {
-  u32 from = 0;
-  bool follows = false;
-};
-
 /// Interactions from `first` on with one compiled step.
 struct CompiledRun {
   StepFn fn;

@@ -318,12 +318,13 @@ struct Image {
   Span<StepFn> step_fns = {};  // by shape; empty: no compiled steps
   Span<StepRun> step_runs = {};
   Span<StepOperand> step_operands = {};
-  Span<StepEntry> step_entries = {};   // by shape
-  StepsFn steps_fn = nullptr;          // takes many steps; what it does step_fns do, too
-  Span<StepColumn> step_columns = {};  // not empty: steps_fn works on cells, and knows all interactions that can fire
-  std::uint32_t step_cells = 0;        // how many
-  std::uint32_t step_cells_pay = 0;    // after so many steps filling the columns has paid
-  InnerSteps inner_steps = {};         // their shapes and operands are rows of step_fns and step_operands
+  Span<StepEntry> step_entries = {};          // by shape
+  StepsFn steps_fn = nullptr;                 // takes many steps; what it does step_fns do, too
+  OrderedStepsFn ordered_steps_fn = nullptr;  // the same for policies that choose by order
+  Span<StepColumn> step_columns = {};         // not empty: both work on cells, and know all interactions that can fire
+  std::uint32_t step_cells = 0;               // how many
+  std::uint32_t step_cells_pay = 0;           // after so many steps filling the columns has paid
+  InnerSteps inner_steps = {};                // their shapes and operands are rows of step_fns and step_operands
   Span<TransitionWeight> transition_weights = {};  // in order; without these two all candidates are as likely
   Span<ConnectorWeight> connector_weights = {};    // in order
 };

@@ -58,15 +58,6 @@ struct StepColumn {
   std::uint32_t cell, distance, column_cell, count;
 };
 
-/// Steps on arrays in another order, for long runs of models whose own order has no regularity. Tables by inner number
-/// say which of the core's it is. A run has the interactions that run_of assigns to it, from `first` on, at distance 1.
-struct InnerSteps {
-  Span<std::uint32_t> atoms, interactions, cells;
-  Span<std::uint32_t> run_of;  // by inner interaction; kNone: it cannot fire; then, if steps need it, scratch
-  Span<StepRun> runs;
-  std::uint32_t pay = 0;  // after so many steps filling the arrays has paid
-};
-
 /// The interactions that fired last: a ring.
 struct StepHistory {
   static constexpr std::uint32_t kSize = 1u << 14;
@@ -82,6 +73,27 @@ class Prng;
 /// Draws uniformly and takes steps by itself: `limit` at most, while something is enabled, until it draws an
 /// interaction it does not know.
 using StepsFn = StepsTaken (*)(StepState& state, Prng& prng, StepHistory& history, std::uint64_t limit);
+
+/// Each step is the first candidate that is interaction `from` or greater, cyclically. `follows`: `from` is then the
+/// one after that.
+struct StepOrder {
+  static constexpr std::uint32_t kShort = 8;
+  std::uint32_t from = 0;
+  bool follows = false;
+};
+/// The same with the choice by order. Ends also if more than StepOrder::kShort interactions are enabled: a short list
+/// is searched.
+using OrderedStepsFn = StepsTaken (*)(StepState& state, StepOrder& order, StepHistory& history, std::uint64_t limit);
+
+/// Steps on arrays in another order, for long runs of models whose own order has no regularity. Tables by inner number
+/// say which of the core's it is. A run has the interactions that run_of assigns to it, from `first` on, at distance 1.
+struct InnerSteps {
+  Span<std::uint32_t> atoms, interactions, cells;
+  Span<std::uint32_t> run_of;  // by inner interaction; kNone: it cannot fire; then, if steps need it, scratch
+  Span<StepRun> runs;
+  std::uint32_t pay = 0;       // after so many steps filling the arrays has paid
+  StepsFn steps_fn = nullptr;  // takes many of them; what it does step_fns do, too
+};
 
 inline void interaction_enters(StepState& s, std::uint32_t interaction) {
   BIP_ASSERT(s.position[interaction] == kAbsentInteraction, "interaction {} is in the list already", interaction);

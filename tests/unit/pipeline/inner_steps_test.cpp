@@ -146,13 +146,16 @@ TEST_CASE("steps in inner order are those in the source's order") {
   jit::install(*c.lowered, made);
   const rt::Image& image = c.lowered->image;
   if (is_inner) REQUIRE(image.inner_steps.runs.size != 0);
+  if (is_inner) REQUIRE(image.inner_steps.steps_fn != nullptr);
   rt::Image always = image, never = image;
   always.inner_steps.pay = 1;
   never.inner_steps = {};
+  rt::Image without_loop = always;
+  without_loop.inner_steps.steps_fn = nullptr;
   for (const std::initializer_list<rt::u64> parts :
        {std::initializer_list<rt::u64>{1, 1, 2, 3, 300}, {20'000, 7, 4'096}, {500}}) {
     const Ending expected = run(never, parts);
-    for (const rt::Image& other : {image, always}) {
+    for (const rt::Image& other : {image, always, without_loop}) {
       const Ending found = run(other, parts);
       CHECK(found.steps == expected.steps);
       CHECK(found.interactions == expected.interactions);

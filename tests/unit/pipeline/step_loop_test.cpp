@@ -2,10 +2,15 @@
 // draw may be repeated, where it draws a step that it does not know, and when the ring of recent interactions is full.
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <memory>
+#include <numeric>
+#include <random>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "compiler/pipeline/jit_loader.hpp"
 #include "compiler/pipeline/pipeline.hpp"
@@ -60,6 +65,7 @@ struct LoopRun {
   rt::u64 steps = 0;
   std::vector<rt::u32> interactions;
   rt::Prng prng;
+  rt::State state;
 };
 
 LoopRun run(const rt::Image& image, const rt::Prng& prng, rt::u64 limit) {
@@ -67,11 +73,12 @@ LoopRun run(const rt::Image& image, const rt::Prng& prng, rt::u64 limit) {
   REQUIRE(core.initialize());
   core.keep_list();
   REQUIRE(core.steps().has_steps());
-  LoopRun result{0, {}, prng};
+  LoopRun result{0, {}, prng, {}};
   bool sound = true;
   result.steps = core.steps().run(result.prng, limit, never_stopped, sound);
   REQUIRE(sound);
   result.interactions = core.history().recent(std::min<rt::u64>(result.steps, rt::Core::kHistory));
+  result.state = core.snapshot();
   return result;
 }
 
@@ -144,11 +151,12 @@ std::vector<rt::u32> run_in_order(const rt::Image& image, bool follows, rt::u64 
   std::vector<rt::u32> interactions;
   bool sound = true;
   while (interactions.size() < limit) {
-    const rt::u64 done = core.steps().run(order, part, never_stopped, sound);
+    const rt::u64 wanted = std::min<rt::u64>(part, limit - interactions.size());
+    const rt::u64 done = core.steps().run(order, wanted, never_stopped, sound);
     REQUIRE(sound);
     const std::vector<rt::u32> recent = core.history().recent(done);
     interactions.insert(interactions.end(), recent.begin(), recent.end());
-    if (done < part) break;
+    if (done < wanted) break;
   }
   return interactions;
 }
@@ -174,5 +182,103 @@ TEST_CASE("compiled steps in order are those that the core takes") {
   jit::install(*c.lowered, made);
   for (const bool follows : {false, true}) {
     CHECK(run_in_order(c.lowered->image, follows, 20'000, 1000) == run_one_by_one(c.lowered->image, follows, 20'000));
+  }
+}
+
+namespace {
+
+// Twelve philosophers: a list of five to twelve interactions, which is short at some times and long at others.
+std::string philosophers() {
+  std::string text =
+      "package m\n  port type S()\n  connector type Three(S a, S b, S c)\n    define a b c\n  end\n"
+      "  atom type Phil()\n    data int meals = 0\n    export port S take(), give()\n    place THINKS, EATS\n"
+      "    initial to THINKS\n    on take from THINKS to EATS do { meals = meals + 1; }\n"
+      "    on give from EATS to THINKS\n  end\n"
+      "  atom type Fork()\n    export port S take(), give()\n    place FREE, TAKEN\n    initial to FREE\n"
+      "    on take from FREE to TAKEN\n    on give from TAKEN to FREE\n  end\n"
+      "  compound type Root()\n    component Phil p[12]()\n    component Fork f[12]()\n";
+  for (const std::string port : {"take", "give"})
+    text += "    for i in 0..12 connector Three " + port + "[i](p[(i * 5) % 12]." + port + ", f[(i * 5) % 12]." + port +
+            ", f[(i * 5 + 1) % 12]." + port + ")\n";
+  return text + "  end\nend\n";
+}
+
+// Numbers on a graph of two random circles through all nodes: an edge is enabled if its first node is not far ahead.
+// Each node has four edges and a connector of its own, so nearly all steps are of two kinds.
+std::string graph(int nodes) {
+  std::string text =
+      "package m\n  port type L(int x, int seen)\n"
+      "  connector type Edge(L a, L b)\n    define a b\n"
+      "    on a b provided (a.x < b.x + 3) down { a.x = (a.x + 1) & 7; b.x = (b.x + a.x) & 15; b.seen = a.x; }\n  end\n"
+      "  connector type One(L a)\n    define a\n    on a provided (a.seen > a.x) down { a.seen = 0; }\n  end\n"
+      "  atom type Node()\n    data int x = 0, seen = 0\n    export port L talk(x, seen)\n    place P\n"
+      "    initial to P\n    on talk from P to P\n  end\n"
+      "  compound type Root()\n    component Node n[" +
+      std::to_string(nodes) + "]()\n";
+  std::mt19937 numbers(static_cast<unsigned>(nodes));
+  std::vector<int> circle(static_cast<std::size_t>(nodes));
+  std::iota(circle.begin(), circle.end(), 0);
+  for (const std::string round : {"e", "f"}) {
+    std::shuffle(circle.begin(), circle.end(), numbers);
+    for (std::size_t k = 0; k < circle.size(); ++k) {
+      const std::string a = std::to_string(circle[k]), b = std::to_string(circle[(k + 1) % circle.size()]);
+      text += "    connector Edge " + round + std::to_string(k) + "(n[" + a + "].talk, n[" + b + "].talk)\n";
+      if (round == "e") text += "    connector One o" + std::to_string(k) + "(n[" + a + "].talk)\n";
+    }
+  }
+  return text + "  end\nend\n";
+}
+
+}  // namespace
+
+TEST_CASE("the loop takes steps whose operands are in a table") {
+  const Result<JitPlugin> plugin = load_jit();
+  if (!plugin) {
+    WARN("the build has no LLVM: left out");
+    return;
+  }
+  const auto [text, has_table] =
+      GENERATE(std::pair{graph(4), false}, std::pair{graph(40), false}, std::pair{graph(500), true});
+  Compilation c{CompileOptions{.root = "Root()"}};
+  c.open_texts["m.bip"] = text;
+  REQUIRE(compile(c, "m.bip", Stage::Image));
+  steps::derive_steps(*c.lowered);
+  if (has_table) REQUIRE(!c.lowered->steps.table.empty());
+  jit::MadeCode made;
+  const Result<JitCode> code = (*plugin).compile(*c.lowered, {}, made);
+  REQUIRE(code);
+  jit::install(*c.lowered, made);
+  if (has_table) REQUIRE(c.lowered->image.steps_fn != nullptr);
+  rt::Image stepwise = c.lowered->image;
+  stepwise.steps_fn = nullptr;
+  for (const rt::u64 limit : {1u, 2u, 300u, 4097u, 40'000u}) {
+    const LoopRun looped = run(c.lowered->image, rt::Prng(7), limit), expected = run(stepwise, rt::Prng(7), limit);
+    CHECK(looped.steps == expected.steps);
+    CHECK(looped.interactions == expected.interactions);
+    CHECK(looped.prng == expected.prng);
+    CHECK(looped.state == expected.state);
+  }
+  for (const bool follows : {false, true}) {
+    CHECK(run_in_order(c.lowered->image, follows, 2'000, 1000) == run_one_by_one(c.lowered->image, follows, 2'000));
+  }
+}
+
+TEST_CASE("a short list is searched for the next interaction") {
+  const Result<JitPlugin> plugin = load_jit();
+  if (!plugin) {
+    WARN("the build has no LLVM: left out");
+    return;
+  }
+  Compilation c{CompileOptions{.root = "Root()"}};
+  c.open_texts["m.bip"] = philosophers();
+  REQUIRE(compile(c, "m.bip", Stage::Image));
+  steps::derive_steps(*c.lowered);
+  jit::MadeCode made;
+  const Result<JitCode> code = (*plugin).compile(*c.lowered, {}, made);
+  REQUIRE(code);
+  jit::install(*c.lowered, made);
+  const rt::u64 part = GENERATE(1u, 7u, 1000u);
+  for (const bool follows : {false, true}) {
+    CHECK(run_in_order(c.lowered->image, follows, 5'000, part) == run_one_by_one(c.lowered->image, follows, 5'000));
   }
 }
