@@ -54,7 +54,9 @@ struct Peers {
     if (!pipeline::compile(compilation, "/nowhere/peers.bip", pipeline::Stage::Image)) return;
     interpreter = std::make_unique<interp::Interpreter>(*compilation.lowered);
     core = std::make_unique<rt::Core>(compilation.lowered->image);
-    distribution = rt::distribute(core->tables(), core->priorities(), {{"1", "2"}, {0, 1, 1}});
+    rt::Placement placement{{"1", "2"}, {0, 1, 1}};
+    placement.split_above = 1;
+    distribution = rt::distribute(core->tables(), core->priorities(), placement);
   }
 };
 

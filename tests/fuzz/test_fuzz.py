@@ -83,17 +83,21 @@ def number(value):
     return bytes(made + bytes([value]))
 
 
+PROTOCOL = 3  # runtime/distributed/message.hpp
+
+
 def frames():
     """Of the peers of target_frame.cpp, from node 2 to node 1, and greetings."""
     cells = [5, 1 << 63]
     offer, net = [0, 1, 3, 1, 1, 0, 17, 2, *cells], [0, 2, 3, 0, 3, 1, 2, 17, 2, *cells]
+    release, wake = [5, 0, 3, 1, 0], [6, 0]
     begin, stop = [1, 900, 0, 1, 0, 4, 0, 1, *cells], [2, 12]
     control = [3, 7, 3, 1, 1 << 40, 0, 1, 2, ord("h"), ord("i")]
     made = {}
-    for name, messages in {"offer": [offer], "net": [net], "begin": [begin], "control": [control], "all": [offer, net, begin, stop, control], "none": []}.items():
-        made[name + ".frame"] = b"".join(map(number, [2, 42, 1, 3 if messages else 0, 2, 99, len(messages), *(value for message in messages for value in message)]))
-    made["welcome.frame"] = b"\0" + b"".join(map(number, [2, 2, 77, 2])) + b"ab" + b"".join(map(number, [1 << 63, 2, 3, 1, 0, 1, 1]))
-    made["answer.frame"] = b"\0" + b"".join(map(number, [2, 1, 5, 1])) + b"m"
+    for name, messages in {"offer": [offer], "net": [net], "begin": [begin], "control": [control], "release": [release], "wake": [wake], "all": [offer, net, begin, stop, control], "none": []}.items():
+        made[name + ".frame"] = b"".join(map(number, [PROTOCOL, 42, 1, 3 if messages else 0, 2, 99, len(messages), *(value for message in messages for value in message)]))
+    made["welcome.frame"] = b"\0" + b"".join(map(number, [PROTOCOL, 2, 77, 2])) + b"ab" + b"".join(map(number, [1 << 63, 2, 3, 1, 0, 1, 1]))
+    made["answer.frame"] = b"\0" + b"".join(map(number, [PROTOCOL, 1, 5, 1])) + b"m"
     return made
 
 
