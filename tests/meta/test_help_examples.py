@@ -58,12 +58,33 @@ COMPOUND = """  compound type {0}({1})
     }}
   end
 """
+BIP1 = """model Relay
+  port type Event
+  atomic type Clock
+    export port Event tick
+    behavior
+      initial to S
+      state S
+        on tick to S
+    end
+  end
+  connector type One(Event e)
+    define [e]
+  end
+  compound type Relay
+    component Clock clock
+    connector One one(clock.tick)
+  end
+  component Relay relay
+end
+"""
 passed = failed = 0
 
 
 def write_files(folder):
     model = MODEL + COMPOUND.format("Ring", "int n", "n") + COMPOUND.format("Table", "int n", "n") + COMPOUND.format("Root", "", "3") + "end\n"
     (folder / "model.bip").write_text(model, encoding="utf-8")
+    (folder / "bip1.bip").write_text(BIP1, encoding="utf-8")
     for name in ("kitchen.bip", "arm.gen", "arm.rules"):
         shutil.copy(ROOT / "models/tutorial" / name, folder)
     shutil.copy(folder / "arm.gen", folder / "demo.gen")
