@@ -9,7 +9,7 @@
 #include "compiler/driver/cli_options.hpp"
 #include "compiler/driver/help_formatter.hpp"
 #include "compiler/driver/commands.hpp"
-#include "compiler/driver/report.hpp"
+#include "compiler/driver/usage_error.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/pipeline/host_compiler.hpp"
 

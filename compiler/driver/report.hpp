@@ -1,6 +1,7 @@
 // The output of commands for a compilation, and the resulting exit code.
 #pragma once
 #include "compiler/driver/options.hpp"
+#include "compiler/driver/usage_error.hpp"
 #include "compiler/pipeline/pipeline.hpp"
 
 namespace bip::driver {
@@ -10,9 +11,6 @@ namespace bip::driver {
 
 /// Writes to standard error.
 void print_error_text(const std::string& text);
-
-/// Writes what is wrong with the command line to standard error, and if there is one a line of help. Returns kUsage.
-int usage_error(const std::string& problem, const std::string& help = {});
 
 /// Writes diagnostics and, if asked for, the time table to standard error. Call once, before a run starts.
 /// 1 if there are errors (or warnings under --Werror), else 0.
