@@ -6,23 +6,14 @@
 
 #include "compiler/base/stage_scope.hpp"
 #include "compiler/base/write_file.hpp"
+#include "compiler/driver/genom_files.hpp"
 #include "compiler/migrate/write_bip2.hpp"
 #include "compiler/parse/parse_bip1.hpp"
-#include "compiler/syntax/print.hpp"
 
 namespace bip::driver {
 namespace {
 
 constexpr std::string_view kWrittenByMigrate = "// C code of the BIP1 model `";
-
-std::string in_house_style(const std::string& text) {
-  SourceMap sources;
-  Diagnostics diags;
-  const FileId file = sources.add("migrated", text);
-  const auto syntax = parse::parse_file(sources, file, diags);
-  BIP_ENSURE(syntax.has_value() && !diags.has_errors());
-  return syntax::print(*syntax, sources);
-}
 
 bool is_of_somebody_else(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
@@ -41,7 +32,7 @@ std::optional<Bip1Migration> migrate_bip1(pipeline::Compilation& c, const std::s
   const std::filesystem::path at(output);
   const std::string stem = at.stem().string() + "_code";
   migrate::Bip2Text made = migrate::write_bip2(*model, c.sources, stem, c.diags);
-  return Bip1Migration{in_house_style(made.bip), std::move(made.header), std::move(made.source),
+  return Bip1Migration{formatted(made.bip), std::move(made.header), std::move(made.source),
                        (at.parent_path() / (stem + ".hpp")).string(), (at.parent_path() / (stem + ".cpp")).string()};
 }
 

@@ -44,7 +44,7 @@ enum class ConditionKind : std::uint8_t {
   Recent,   // success `row`: its service has ended with OK, and that still counts
   Held,     // value `row` of a poster
   Ordered,  // pair `row`: the first service was accepted, and the second after it
-  Silent,   // silence `row`: nobody has requested anything for so long
+  Silent,   // silence `row`: no request has come for so long
   Failed,   // failure `row` of a service
   Missed,   // task `row` of those that rules watch has missed its period
   Not,      // one operand

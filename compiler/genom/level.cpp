@@ -247,7 +247,7 @@ class LevelWriter {
     }
   }
 
-  // Whoever asks whether it failed hears of each end that is none of success or interruption.
+  // Failure atoms of the service take part in each end that is neither a success nor an interruption.
   void failures(ServiceRef s) {
     const ServicePlan& p = plan(s).services[s.service];
     const Service& service = plan(s).module->services[s.service];

@@ -167,7 +167,7 @@ class SetSplitter {
     for (u32 interaction = 0; interaction < tables_.interactions.size(); ++interaction) {
       if (!is_of_split_set(interaction)) continue;
       u32& coordinator = distribution_.coordinator_of[interaction];
-      // Without a contended atom nobody else wants what it needs.
+      // Without a contended atom no other interaction needs its atoms.
       coordinator =
           first[interaction] != kNone ? first[interaction] : distribution_.home(distribution_.needs[interaction][0]);
     }
