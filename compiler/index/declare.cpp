@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "compiler/index/index_builder.hpp"
+#include "compiler/syntax/interaction_count.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::index {
@@ -110,7 +111,10 @@ void IndexBuilder::declare(const Decl& d, std::size_t file) {
   if (!id.is_valid()) return;
   if (out_.symbols[id].name_range.begin == d.name.range.begin) out_.symbols[id].detail = header(d);
   declare_params(d.params, id, d.kind == DeclKind::PortType ? Visibility::Visible : Visibility::Hidden);
-  if (d.kind == DeclKind::ConnectorType && d.connector != nullptr) declare_connector(*d.connector, id);
+  if (d.kind == DeclKind::ConnectorType && d.connector != nullptr) {
+    declare_connector(*d.connector, id);
+    out_.symbols[id].interactions = syntax::interaction_count(*d.connector, d.params.size());
+  }
   if (d.kind == DeclKind::AtomType) declare_atom(d, id);
   if (d.kind != DeclKind::CompoundType) return;
   for (const DataDecl& data : d.data) declare_data(data, id, SymbolKind::Data, Visibility::Visible);

@@ -55,6 +55,7 @@ struct Symbol {
   std::vector<SymbolId> members;  // in source order
   std::string detail;             // the declaration on one line, where that is not the text of `range`; see detail_of
   std::string doc;                // the comment above it, without its slashes
+  double interactions = 0;        // of a connector type: how many its `define` gives
 };
 
 enum class UseKind : std::uint8_t { Declaration, Read, Write };

@@ -4,6 +4,7 @@
 #include "runtime/include/bip/assert.hpp"
 
 #include "compiler/model/model_builder.hpp"
+#include "compiler/syntax/interaction_count.hpp"
 
 namespace bip::model {
 
@@ -89,16 +90,9 @@ double interaction_count(const ConnectorType& type, std::uint32_t n) {
   BIP_ASSERT(n < type.define.size(), "node {} of {}", n, type.define.size());
   const DefineNode& node = type.define[n];
   if (node.is_leaf) return 1;
-  bool has_triggers = false;
-  double all = 1, any = 1, without = 1;
-  for (const std::uint32_t child : node.children) {
-    const double c = interaction_count(type, child);
-    all *= c;
-    any *= 1 + c;
-    if (type.define[child].trigger) has_triggers = true;
-    else without *= 1 + c;
-  }
-  return has_triggers ? any - without : all;
+  syntax::GroupCount group;
+  for (const std::uint32_t child : node.children) group.add(interaction_count(type, child), type.define[child].trigger);
+  return group.count();
 }
 
 std::string interaction_text(const ConnectorType& type, const std::vector<std::uint32_t>& params) {

@@ -202,10 +202,10 @@ namespace model {
 /// The largest interaction within `params` (sorted); empty if there is none.
 [[nodiscard]] std::vector<std::uint32_t> largest_interaction(const ConnectorType& type,
                                                              const std::vector<std::uint32_t>& params);
-/// How many interactions a `define` gives, as a double: it may be 2^1000.
 /// All interactions that `define` gives, each sorted; as many as interaction_count says.
 [[nodiscard]] std::vector<std::vector<std::uint32_t>> interactions_of(const ConnectorType& type,
                                                                       std::uint32_t node = 0);
+/// How many interactions a `define` gives below a node, as a double: it may be 2^1000.
 [[nodiscard]] double interaction_count(const ConnectorType& type, std::uint32_t node = 0);
 /// True if a port of type `given` can be used where `wanted` is asked for.
 [[nodiscard]] bool fits(const Model& model, PortTypeId given, PortTypeId wanted);

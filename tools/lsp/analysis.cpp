@@ -3,8 +3,6 @@
 
 #include <utility>
 
-#include "compiler/model/model.hpp"
-
 namespace bip::lsp {
 
 namespace {
@@ -26,19 +24,6 @@ Findings take_findings(const pipeline::Compilation& c) {
   f.diagnostics = c.diags.sorted();
   f.file = c.file;
   return f;
-}
-
-void count_interactions(Findings& f, const pipeline::Compilation& c) {
-  const auto count = [&f](const auto& types) {
-    for (const ConnectorType& type : types) {
-      // Types of other packages have their package before the name.
-      f.interactions.emplace(std::pair(type.name.substr(type.name.rfind('.') + 1), type.loc.line),
-                             model::interaction_count(type));
-    }
-  };
-  // Instantiation takes the types that it uses out of the model.
-  if (c.system) count(c.system->connector_types);
-  if (c.model) count(c.model->connector_types);
 }
 
 void forget_products(pipeline::Compilation& c) {

@@ -1,10 +1,8 @@
 // What the compiler knows of one file: its names, and what its check found. Both may be of different texts: names are
 // read at once, a check of a large text waits for a pause.
 #pragma once
-#include <map>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "compiler/index/index.hpp"
@@ -26,16 +24,12 @@ struct Findings {
   const pipeline::Compilation* compilation = nullptr;  // with the texts of the diagnostics' ranges
   std::vector<const Diagnostic*> diagnostics;          // as `bipc check` lists them
   FileId file;
-  // How many interactions a connector type gives, by its name, without the package, and line; of a file without errors
-  // in its types.
-  std::map<std::pair<std::string, std::uint32_t>, double> interactions;
 
   [[nodiscard]] const std::string* path_of(FileId id) const;
 };
 
-/// What a check found, as `compilation` holds it, but for the interactions. Call both before take_names().
+/// What a check found, as `compilation` holds it. Call it before take_names().
 [[nodiscard]] Findings take_findings(const pipeline::Compilation& compilation);
-void count_interactions(Findings& findings, const pipeline::Compilation& compilation);
 
 /// Names of a parsed file and of the packages that were loaded with it. Names do not need its other products.
 [[nodiscard]] Analysis take_names(std::unique_ptr<pipeline::Compilation> compilation);

@@ -111,10 +111,8 @@ class HintCollector {
   enum class Kind : std::uint8_t { Parameter, Value };
 
   void add_interactions(const Symbol& type, std::uint32_t at) {
-    const std::uint32_t line = d_.analysis.compilation->sources.loc(type.name_range).line;
-    const auto found = d_.findings.interactions.find({std::string(type.name), line});
-    if (found == d_.findings.interactions.end()) return;
-    const double count = found->second;
+    const double count = type.interactions;
+    if (count < 1) return;
     add(at,
         count == 1     ? "1 interaction"
         : count < 1e15 ? std::to_string(static_cast<std::uint64_t>(count)) + " interactions"

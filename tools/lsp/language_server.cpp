@@ -83,7 +83,8 @@ Server::Needs Server::needs_of(std::string_view method) {
       "textDocument/documentSymbol",    "textDocument/semanticTokens/full", "textDocument/semanticTokens/range",
       "textDocument/codeLens",          "textDocument/foldingRange",        "textDocument/selectionRange",
       "textDocument/documentLink",      "textDocument/definition",          "textDocument/hover",
-      "textDocument/documentHighlight", "textDocument/signatureHelp",       "textDocument/formatting"};
+      "textDocument/documentHighlight", "textDocument/signatureHelp",       "textDocument/formatting",
+      "textDocument/inlayHint"};
   const auto is_among = [method](const auto& list) {
     return std::find(std::begin(list), std::end(list), method) != std::end(list);
   };

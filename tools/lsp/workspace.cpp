@@ -97,7 +97,6 @@ void Workspace::analyse(Document& d) {
   Findings findings = take_findings(*c);
   const bool has_tree = c->syntax.has_value() && c->syntax->package != nullptr;
   if (has_names && has_tree) {
-    count_interactions(findings, *c);
     d.has_products = true;
     findings.own = std::move(c);
     d.findings = std::move(findings);
@@ -114,7 +113,6 @@ void Workspace::analyse(Document& d) {
 void Workspace::read_names_of_check(Document& d) {
   if (!std::exchange(d.has_unread_names, false)) return;
   const bool has_tree = d.findings.own->syntax.has_value() && d.findings.own->syntax->package != nullptr;
-  count_interactions(d.findings, *d.findings.own);
   Analysis a = take_names(std::move(d.findings.own));
   if (!has_tree && d.analysis.index.symbols.size() > 0) {
     d.last_names = std::move(d.analysis.index);
