@@ -224,6 +224,31 @@ const actions = {
     expect((await position(page)) === 0, "who looks at an earlier state is taken away from it");
     await page.keyboard.press("End");
   },
+  /** Bars of services of modules: those that were asked for, from the request on, and nothing where they rest. */
+  async services(page) {
+    await page.keyboard.press("5");
+    await page.locator("#panel select").selectOption("services");
+    const found = await page.evaluate(() => {
+      const p = window.page, known = p.timeline.services, rows = p.timeline.rows(p.shownAtoms()), wrong = [];
+      const atoms = new Map([...known].map(([atom, name]) => [name, atom]));
+      for (const { name, bars } of rows) {
+        const atom = atoms.get(name);
+        for (let k = 0; k <= p.run.length; ++k) {
+          const isShown = bars.some(([from, to]) => from <= k && k < to);
+          if (k < p.run.length && isShown !== (p.run.at(k).places[atom] !== "ethr")) wrong.push(name + " at " + k);
+        }
+      }
+      const used = [...known.keys()].filter((atom) => p.run.stays()[atom].length > 1).length;
+      return { known: known.size, rows: rows.length, used, wrong: wrong.slice(0, 3).join(", "), last: rows.length && rows[0].bars[0][1] };
+    });
+    expect(found.known > 100 && found.rows > 0 && found.rows < found.known, "services: " + JSON.stringify(found));
+    expect(found.rows === found.used && found.wrong === "", "bars of services: " + JSON.stringify(found));
+    expect((await page.locator("#panel canvas").getAttribute("aria-label")) === found.rows + " services over the run", "the chart does not say what it shows");
+    await page.locator("#panel select").selectOption("components");
+    expect((await page.locator("#panel canvas").getAttribute("aria-label")).startsWith("places of "), "there is no way back to the components");
+    await page.locator("#panel select").selectOption("services");
+    await page.evaluate(() => document.activeElement.blur());
+  },
   /** The list of steps: each position is shown, and none makes a row anew. */
   async stepList(page) {
     await page.keyboard.press("3");

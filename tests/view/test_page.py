@@ -52,7 +52,7 @@ CASES = [
     ("train_gate_dark", ["view --steps 60 --seed 3 {models}/timed/train_gate.bip -o {page}"], [["walk"], ["key", "4"]], 2000),
     ("tutorial_compounds", ["view --steps 50 {models}/tutorial/factory.bip -o {page}"], [["walk"], ["search", "worker"], ["levels"], ["measure"], ["key", "1"]], 2000),
     ("structure_alone", ["graph {models}/tutorial/factory.bip -o {page}"], [["search", "worker"], ["measure"]], 2000),
-    ("dala", ["rules {rules}", "view --steps 300 {dir}/dala.bip -o {page}"], [["walk"], ["search", "ndd"], ["levels"], ["key", "5"]], 2000),
+    ("dala", ["rules {rules}", "view --steps 300 {dir}/dala.bip -o {page}"], [["walk"], ["services"], ["search", "ndd"], ["levels"], ["key", "5"]], 2000),
 ]
 
 

@@ -48,13 +48,38 @@ function showSequence(panel, run, position, go) {
 // Hues that differ for most eyes (after Okabe and Ito), lighter on dark screens.
 const PLACE_COLOURS = ["#56b4e9", "#e69f00", "#009e73", "#cc79a7", "#f0e442", "#0072b2", "#d55e00", "#999999"];
 
-/** A bar for each component: where it was when. Drawn on a canvas, so that thousands of stays are no burden. */
+/** What the place of a service's controller (package genom.services) means; at rest it is in none of these. */
+const SERVICE_PHASES = {
+  chck: "asked", chkd: "asked", init: "waits", exec: "runs", canc: "cancelled", abrt: "is stopped", fini: "ended", fald: "failed", zomb: "zombie",
+};
+const PHASE_COLOURS = { asked: "#f0e442", waits: "#e69f00", runs: "#56b4e9", cancelled: "#999999", "is stopped": "#cc79a7", ended: "#009e73", failed: "#d55e00", zombie: "#d55e00" };
+
+/**
+ * A bar for each component: where it was when. Or, of modules of robots, for each service that was asked for: from its request to its
+ * end. Drawn on a canvas, so that thousands of stays are no burden.
+ */
 class Timeline {
   constructor(run, go) {
     this.run = run;
     this.go = go;
     this.row = 18;
     this.left = 150;
+    this.services = run.services();
+    this.isOfServices = false;
+  }
+  /** Rows with their bars, [from, to, text, colour] each. */
+  rows(atoms) {
+    const stays = this.run.stays(), end = this.run.length;
+    const bars = (atom, look) => stays[atom].map(([from, place], k) => [from, k + 1 < stays[atom].length ? stays[atom][k + 1][0] : end, ...look(place)]).filter((bar) => bar[2]);
+    if (!this.isOfServices)
+      return atoms.map((atom) => {
+        const places = this.run.type(atom).places;
+        return { name: this.run.name(atom), bars: bars(atom, (place) => [place, PLACE_COLOURS[Math.max(0, places.indexOf(place)) % PLACE_COLOURS.length]]) };
+      });
+    const shown = new Set(atoms);
+    return [...this.services].filter(([atom]) => shown.has(atom))
+      .map(([atom, name]) => ({ name, bars: bars(atom, (place) => [SERVICE_PHASES[place], PHASE_COLOURS[SERVICE_PHASES[place]]]) }))
+      .filter((row) => row.bars.length > 0);
   }
   /** Steps, or time where the model has it. */
   x(position) {
@@ -63,46 +88,46 @@ class Timeline {
     return this.left + (whole === 0 ? 0 : (at / whole) * (this.width - this.left - 10));
   }
   show(panel, position, atoms) {
-    if (this.panel !== panel || !panel.contains(this.canvas) || this.width !== panel.clientWidth - 20 || this.atoms !== atoms.join() || this.version !== this.run.version) this.draw(panel, atoms);
+    if (this.panel !== panel || !panel.contains(this.canvas) || this.width !== panel.clientWidth - 20 || this.atoms !== atoms.join() || this.version !== this.run.version || (this.isOfServices && this.drawnLength !== this.run.length)) this.draw(panel, atoms);
     const line = this.cursor;
-    line.style.left = this.x(position) + 8 + "px";
+    line.style.left = this.x(position) + "px";
     line.setAttribute("aria-label", "position " + position);
   }
   draw(panel, atoms) {
     this.panel = panel;
     this.version = this.run.version;
     this.atoms = atoms.join();
+    this.drawnLength = this.run.length;
     this.width = Math.max(300, panel.clientWidth - 20);
-    const height = this.row * atoms.length + 22, ratio = devicePixelRatio || 1;
+    const rows = this.rows(atoms), height = this.row * rows.length + 22, ratio = devicePixelRatio || 1;
     this.canvas = document.createElement("canvas");
     this.canvas.width = this.width * ratio;
     this.canvas.height = height * ratio;
     this.canvas.style.cssText = `width:${this.width}px;height:${height}px;display:block;cursor:pointer`;
     this.canvas.setAttribute("role", "img");
-    this.canvas.setAttribute("aria-label", "places of " + atoms.length + " components over the run");
+    this.canvas.setAttribute("aria-label", (this.isOfServices ? rows.length + " services" : "places of " + rows.length + " components") + " over the run");
     this.cursor = document.createElement("div");
     this.cursor.style.cssText = `position:absolute;top:0;width:2px;height:${height}px;background:var(--now);pointer-events:none`;
     const g = this.canvas.getContext("2d"), ink = getComputedStyle(document.body).color;
     g.scale(ratio, ratio);
     g.font = "11px Helvetica, Arial, sans-serif";
-    const stays = this.run.stays();
-    atoms.forEach((atom, k) => {
-      const y = this.row * k + 2, places = this.run.type(atom).places;
+    rows.forEach(({ name, bars }, k) => {
+      const y = this.row * k + 2;
       g.fillStyle = ink;
-      g.fillText(clipped(this.run.name(atom), 22), 2, y + 12);
+      g.fillText(clipped(name, 22), 2, y + 12);
       // Of stays narrower than half a pixel only as many are drawn as can be seen.
       let drawn = -1;
-      stays[atom].forEach(([from, place], n) => {
-        const x0 = this.x(from), x1 = n + 1 < stays[atom].length ? this.x(stays[atom][n + 1][0]) : this.x(this.run.length);
-        if (x1 <= x0 || x1 < drawn + 0.5) return;
+      for (const [from, to, text, colour] of bars) {
+        const x0 = this.x(from), x1 = this.x(to);
+        if (x1 <= x0 || x1 < drawn + 0.5) continue;
         drawn = x1;
-        g.fillStyle = PLACE_COLOURS[Math.max(0, places.indexOf(place)) % PLACE_COLOURS.length];
+        g.fillStyle = colour;
         g.fillRect(x0, y, Math.max(x1 - x0 - 0.5, 0.5), this.row - 4);
-        if (x1 - x0 > g.measureText(place).width + 6) {
+        if (x1 - x0 > g.measureText(text).width + 6) {
           g.fillStyle = "#111";
-          g.fillText(place, x0 + 3, y + 11);
+          g.fillText(text, x0 + 3, y + 11);
         }
-      });
+      }
     });
     g.fillStyle = ink;
     for (let k = 0; k <= 4; ++k) {
@@ -120,7 +145,21 @@ class Timeline {
       }
       this.go(low);
     });
-    panel.replaceChildren(this.canvas, this.cursor);
+    const chart = document.createElement("div");
+    chart.style.position = "relative";
+    chart.append(this.canvas, this.cursor);
+    panel.replaceChildren(...(this.services.size > 0 ? [this.choice(panel, atoms)] : []), chart);
+  }
+  choice(panel, atoms) {
+    const label = document.createElement("label"), select = document.createElement("select");
+    select.append(new Option("components"), new Option("services"));
+    select.selectedIndex = Number(this.isOfServices);
+    select.addEventListener("change", () => {
+      this.isOfServices = select.selectedIndex === 1;
+      this.draw(panel, atoms);
+    });
+    label.append("bars of ", select);
+    return label;
   }
 }
 

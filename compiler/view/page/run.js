@@ -127,6 +127,16 @@ class Run {
   name(atom) {
     return this.atoms[atom][0].replace(/^ROOT\./, "");
   }
+  /** Controllers of services of robot modules, with the services' names. */
+  services() {
+    const found = new Map();
+    this.atoms.forEach((_, atom) => {
+      const type = this.type(atom).name.replace(/^genom\.services\./, "");
+      if (type === "ServiceController") found.set(atom, this.name(atom).replace(/\.controller$/, ""));
+      if (type === "ControlService") found.set(atom, this.name(atom));
+    });
+    return found;
+  }
   /** Texts of the state's candidates, and how many there are. */
   choices(position) {
     const entry = this.candidates[position] || { rows: [], count: 0 };
