@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "bip/assert.hpp"
+#include "runtime/explore/heap_bytes.hpp"
 
 namespace bip::rt {
 
@@ -39,7 +40,7 @@ class Zone {
     BIP_ASSERT(i < size_ && j < size_, "clocks {} and {} of {}", i, j, size_);
     return bounds_[std::size_t{i} * size_ + j];
   }
-  [[nodiscard]] std::size_t bytes() const { return bounds_.capacity() * sizeof(i64); }
+  [[nodiscard]] std::size_t bytes() const { return heap_bytes(bounds_); }
 
   /// Only the points of which the bound holds. False: there are none, and the zone is no longer one. O(clocks^2).
   [[nodiscard]] bool meet(const ZoneBound& bound);

@@ -5,6 +5,7 @@
 
 #include "bip/assert.hpp"
 #include "runtime/core/final_state.hpp"
+#include "runtime/explore/heap_bytes.hpp"
 
 namespace bip::rt {
 
@@ -24,7 +25,20 @@ void sort_unique(Bounds& bounds) {
   bounds.erase(std::unique(bounds.begin(), bounds.end()), bounds.end());
 }
 
+// A row of the hash table: its node with key, number and hash, and its bucket.
+constexpr std::size_t kHashRowBytes = allocated(sizeof(std::string) + 3 * sizeof(void*)) + sizeof(void*);
+
 }  // namespace
+
+std::size_t Location::bytes() const {
+  std::size_t sum = sizeof(Location) + heap_bytes(state.places) + heap_bytes(state.marks) + heap_bytes(state.data) +
+                    heap_bytes(state.objects) + heap_bytes(state.time) + heap_bytes(waits) + heap_bytes(leaders) +
+                    heap_bytes(invariants) + heap_bytes(interactions) + heap_bytes(groups) + heap_bytes(cells) +
+                    heap_bytes(asked);
+  for (const InteractionCondition& interaction : interactions) sum += heap_bytes(interaction.bounds);
+  for (const WaitGroup& group : groups) sum += heap_bytes(group.bounds);
+  return sum;
+}
 
 // Constants that can be known are noted at once, in the initial state: most limits are constants or parameters.
 Locations::Locations(Core& core, const ExploreOptions& options, const TimedResponse* response)
@@ -91,7 +105,7 @@ u32 Locations::find_or_add(State&& state, const std::vector<u32>& waits, const s
   append_all(key, waits);
   append_all(key, leaders);
   if (is_pending) key += '\1';
-  const std::size_t size = key.size();
+  const std::size_t key_bytes = kHashRowBytes + allocated(key.capacity());
   const auto [at, is_new] = index_.try_emplace(std::move(key), static_cast<u32>(rows_.size()));
   if (!is_new) return at->second;
   Location row;
@@ -99,8 +113,8 @@ u32 Locations::find_or_add(State&& state, const std::vector<u32>& waits, const s
   row.waits = waits;
   row.leaders = leaders;
   row.is_pending = is_pending;
+  bytes_ += key_bytes + row.bytes();
   rows_.push_back(std::move(row));
-  bytes_ += 2 * size + sizeof(Location);
   return at->second;
 }
 
@@ -196,6 +210,13 @@ void Locations::measure_asked(Location& at) {
 bool Locations::measure(Location& at, const std::vector<i64>& clocks) {
   BIP_ASSERT(clocks.size() == clocks_ + 1, "{} clock values", clocks.size());
   if (at.is_measured) return true;
+  bytes_ -= at.bytes();
+  const bool is_good = measure_bounds(at, clocks);
+  bytes_ += at.bytes();
+  return is_good;
+}
+
+bool Locations::measure_bounds(Location& at, const std::vector<i64>& clocks) {
   if (!core_.restore(point(at, clocks))) return false;
   at.is_final = is_final_state(core_);
   std::vector<MeasuredGuard> guards;

@@ -4,6 +4,7 @@
 // urgent interactions, and what busy atoms wait for, cut a zone into cells in each of which the passing of time is
 // ruled alike.
 #pragma once
+#include <deque>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -45,6 +46,9 @@ struct Location {
   Bounds asked;  // in a part that they cut, what is asked of candidates and ports has one answer; sorted
   bool has_urgent = false;
   std::vector<u32> nodes;  // of the zone graph
+
+  /// What it holds, with what the allocator adds.
+  [[nodiscard]] std::size_t bytes() const;
 };
 inline constexpr u32 kAfterInitial = kNone - 1;
 
@@ -58,6 +62,7 @@ class Locations {
   [[nodiscard]] Location& operator[](u32 row) { return rows_[row]; }
   [[nodiscard]] u32 size() const { return static_cast<u32>(rows_.size()); }
   void clear();
+  /// Of all locations, those that are measured as they are then; without `Location::nodes`.
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
 
   /// Works out what the location demands, at clock values that it is reached with. False: a fault.
@@ -88,6 +93,7 @@ class Locations {
 
  private:
   void append(u32 atom, const MeasuredGuard& guard, Bounds& out);
+  bool measure_bounds(Location& at, const std::vector<i64>& clocks);
   void measure_asked(Location& at);
   void note(const ZoneBound& bound);
   bool measure_variable(Location& at, u32 interaction);
@@ -103,7 +109,7 @@ class Locations {
   std::vector<u32> unread_cells_;
   std::vector<i64> max_, min_;
   bool has_grown_ = false, has_differences_ = false, is_cut_by_all_ = false;
-  std::vector<Location> rows_;
+  std::deque<Location> rows_;
   std::unordered_map<std::string, u32> index_;
   std::size_t bytes_ = 0;
   std::vector<std::vector<TimedTransition>> transitions_;  // by atom, of the location that is measured

@@ -6,6 +6,7 @@
 #include "bip/assert.hpp"
 #include "runtime/core/final_state.hpp"
 #include "runtime/core/text.hpp"
+#include "runtime/explore/heap_bytes.hpp"
 
 namespace bip::rt {
 
@@ -213,8 +214,9 @@ void ZoneSearch::insert(ZoneNode&& node) {
     report_.end = ExploreEnd::States;
     return;
   }
+  node_bytes_ -= heap_bytes(others);
   others.push_back(static_cast<u32>(nodes_.size()));
-  node_bytes_ += sizeof(ZoneNode) + node.zone.bytes() + node.origin.capacity() * sizeof(i64);
+  node_bytes_ += heap_bytes(others) + sizeof(ZoneNode) + node.zone.bytes() + heap_bytes(node.origin);
   report_.depth = std::max(report_.depth, node.depth);
   nodes_.push_back(std::move(node));
   ++report_.zones;
