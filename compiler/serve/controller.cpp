@@ -146,7 +146,7 @@ void Controller::run() {
     {
       std::unique_lock<std::mutex> hold(lock_);
       changed_.wait(hold, [this] { return quits_ || !commands_.empty() || (!is_paused_ && !has_ended_); });
-      if (quits_) return;
+      if (quits_) break;
       commands.swap(commands_);
       system_.go_on();
     }
@@ -164,6 +164,7 @@ void Controller::run() {
     if (outcome == Outcome::Stepped && steps_left_ != 0 && --steps_left_ == 0) pause();
     note_outcome(outcome);
   }
+  watchdog_.leave_thread();
 }
 
 }  // namespace bip::serve

@@ -92,7 +92,13 @@ void Watchdog::enter_thread() {
   stack_t own{};
   own.ss_sp = signal_stack_.get();
   own.ss_size = kSize;
-  (void)::sigaltstack(&own, nullptr);
+  if (::sigaltstack(&own, &stack_before_) != 0) signal_stack_.reset();
+}
+
+void Watchdog::leave_thread() {
+  if (signal_stack_ == nullptr) return;
+  (void)::sigaltstack(&stack_before_, nullptr);
+  signal_stack_.reset();
 }
 
 void Watchdog::begin() {

@@ -6,6 +6,8 @@
 // looks eight times within the bound: the function is called after the bound and an eighth of it at the latest, if the
 // system lets the thread run.
 #pragma once
+#include <signal.h>
+
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -54,6 +56,7 @@ class Watchdog {
 
   // ---- the engine's thread
   void enter_thread();
+  void leave_thread();
   /// Before and after a step or a command, which may wait or work.
   void begin();
   void end() { begun_.store(0, std::memory_order_relaxed); }
@@ -81,6 +84,7 @@ class Watchdog {
   std::atomic<bool> quits_{false};
   std::thread thread_;
   std::unique_ptr<std::byte[]> signal_stack_;  // of the engine's thread
+  stack_t stack_before_{};                     // what that thread had for its handlers
   // A crash: the handler waits on another thread until the function has returned.
   std::atomic<const char*> crash_why_{nullptr};
   std::atomic<bool> has_stopped_for_crash_{false};
