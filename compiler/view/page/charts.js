@@ -88,6 +88,7 @@ class Timeline {
     return this.left + (whole === 0 ? 0 : (at / whole) * (this.width - this.left - 10));
   }
   show(panel, position, atoms) {
+    this.position = position;
     if (this.panel !== panel || !panel.contains(this.canvas) || this.width !== panel.clientWidth - 20 || this.atoms !== atoms.join() || this.version !== this.run.version || (this.isOfServices && this.drawnLength !== this.run.length)) this.draw(panel, atoms);
     const line = this.cursor;
     line.style.left = this.x(position) + "px";
@@ -156,7 +157,8 @@ class Timeline {
     select.selectedIndex = Number(this.isOfServices);
     select.addEventListener("change", () => {
       this.isOfServices = select.selectedIndex === 1;
-      this.draw(panel, atoms);
+      this.panel = null;
+      this.show(panel, this.position, atoms);
     });
     label.append("bars of ", select);
     return label;
