@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <iterator>
 
+#include <fmt/format.h>
+
 #include "compiler/driver/option_groups.hpp"
 #include "runtime/engine/event_file.hpp"
 
@@ -28,6 +30,19 @@ void add_check(CLI::App& app, CheckArguments& a) {
       ->type_name("N[.K]");
   add_compile(*command, a.compile);
   command->footer("Example:\n  bipc check --diagnostics=short model.bip\n  bipc check --lesson 1 kitchen.bip");
+}
+
+// What another engine would not look at is no part of what the person meant.
+void refuse_options_of_other_engines(const CLI::App& run, rt::Engine engine) {
+  const auto refuse = [&run](const char* option, const char* engines) {
+    if (run.count(option) != 0) throw CLI::ValidationError(fmt::format("{} is of {}", option, engines));
+  };
+  if (!rt::has_nodes(engine)) {
+    for (const char* option : {"--nodes", "--split-above", "--on-loss"})
+      refuse(option, "--engine=distributed and --engine=simulated");
+  }
+  if (engine != rt::Engine::Threads && engine != rt::Engine::Batch)
+    refuse("--threads", "--engine=threads and --engine=batch");
 }
 
 void add_run(CLI::App& app, RunArguments& a) {
@@ -98,6 +113,7 @@ void add_run(CLI::App& app, RunArguments& a) {
       ->add_option("--resume", a.run.resume_path,
                    "go on from the checkpoint in PATH, with any number of nodes and any placement")
       ->type_name("PATH");
+  command->final_callback([command, &a] { refuse_options_of_other_engines(*command, a.run.engine); });
   command->add_flag("-a,--asap", a.run.asap,
                     "take each step at the earliest instant at which it is possible (for models with clocks)");
   command->add_flag_callback(
