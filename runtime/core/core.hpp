@@ -75,6 +75,9 @@ class Core {
   [[nodiscard]] State snapshot() const { return parts_.snapshot(); }
   /// To a state of the same image. Cost: a comparison of the states, plus what differs. False: a fault.
   bool restore(const State& state) { return parts_.restore(state); }
+  /// Places, data, clocks and ports of the state, without its candidates: no guard of a connector or a priority is
+  /// evaluated. Before the next step comes `restore`. False: a fault.
+  bool restore_atoms(const State& state) { return parts_.restore_atoms(state); }
 
   /// Ends with a fault that another core of the image met.
   void fail(const Fault& fault) { parts_.fault = fault; }

@@ -146,7 +146,9 @@ State CoreParts::snapshot() const {
   return state;
 }
 
-bool CoreParts::restore(const State& state) {
+bool CoreParts::restore(const State& state) { return restore_atoms(state) && settle_anew(); }
+
+bool CoreParts::restore_atoms(const State& state) {
   BIP_ASSERT(state.places.size() == memory.places.size() && state.marks.size() == memory.marks.size() &&
                  state.data.size() == tables.atom_cells && state.time.empty() != clocks.is_timed(),
              "a state of another image: {} atoms, {} cells", state.places.size(), state.data.size());
@@ -182,7 +184,7 @@ bool CoreParts::restore(const State& state) {
     if (now.watched != 0) ports.touch(atom);
   }
   if (actions.any()) actions.restart_jobs();
-  return settle_anew();
+  return true;
 }
 
 bool CoreParts::settle() {
@@ -192,10 +194,15 @@ bool CoreParts::settle() {
     return true;
   }
   for (u32 interaction : ports.dirty()) {
-    if (search.is_searched(interaction) && !search.list(interaction)) return false;
+    if (!search.is_searched(interaction) || search.list(interaction)) continue;
+    fault.is_of_state = true;
+    return false;
   }
   if (priorities.tables().count != 0) {
-    if (!priorities.settle()) return false;
+    if (!priorities.settle()) {
+      fault.is_of_state = true;
+      return false;
+    }
   } else {
     for (u32 interaction : ports.dirty()) enabled.set(interaction, search.base_count(interaction));
   }

@@ -46,6 +46,8 @@ struct CoreParts {
   [[nodiscard]] State snapshot() const;
   /// To a state of the same image. Cost: a comparison of the states, plus what differs. False: a fault.
   bool restore(const State& state);
+  /// The same without what connectors and priorities make of it: `settle` is due.
+  bool restore_atoms(const State& state);
   /// Is there nothing for `settle` to do before candidates are looked at?
   [[nodiscard]] bool is_settled() const { return ports.dirty().empty() && priorities.dirty().empty(); }
   /// After a step: lists the candidates of the interactions that were marked, then what priorities make of them, then

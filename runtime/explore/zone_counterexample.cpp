@@ -142,7 +142,9 @@ void ZoneSearch::find_path(const Target& target, TimedPath& path) {
       }
       if (!enter_core(before, node.origin)) return;
       const u64 choice = number_of(core_, node.interaction, node.config);
-      if (choice == core_.candidate_count() || !core_.time().take(core_.position(choice))) return;
+      if (choice == core_.candidate_count()) return;
+      // At these clock values the state that it leads to may have a fault, at others of the path not.
+      if (!core_.time().take(core_.position(choice)) && !core_.fault().is_of_state) return;
       taken.push_back({left, node.interaction, node.config});
     }
     if (node.edge == ZoneEdge::GoOn) {

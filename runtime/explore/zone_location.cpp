@@ -217,7 +217,8 @@ bool Locations::measure(Location& at, const std::vector<i64>& clocks) {
 }
 
 bool Locations::measure_bounds(Location& at, const std::vector<i64>& clocks) {
-  if (!core_.restore(point(at, clocks))) return false;
+  // Whether a connector's guard faults may depend on the clocks: that is asked in each cell.
+  if (!core_.restore_atoms(point(at, clocks))) return false;
   at.is_final = is_final_state(core_);
   std::vector<MeasuredGuard> guards;
   for (u32 atom = 0; atom < is_timed_.size(); ++atom) {

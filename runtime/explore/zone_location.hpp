@@ -65,7 +65,7 @@ class Locations {
   /// Of all locations, those that are measured as they are then; without `Location::nodes`.
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
 
-  /// Works out what the location demands, at clock values that it is reached with. False: a fault.
+  /// Works out what the location demands, at clock values that it is reached with. False: a guard of an atom faults.
   [[nodiscard]] bool measure(Location& at, const std::vector<i64>& clocks);
   /// A state of the core: the location with these clock values ([0] unused).
   [[nodiscard]] State point(const Location& at, const std::vector<i64>& clocks) const;

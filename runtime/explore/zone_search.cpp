@@ -262,7 +262,8 @@ bool ZoneSearch::fire(u32 node, const Zone& cell, const std::vector<i64>& point,
   ++report_.steps;
   bool is_pending = at.is_pending, is_requested = false;
   if (response_ != nullptr) observe(&candidate, is_pending, is_requested);
-  if (!core_.time().take(position)) {
+  // Whether the state that it leads to has a fault may depend on the clocks: that is asked in each of its cells.
+  if (!core_.time().take(position) && !core_.fault().is_of_state) {
     note_error(node, point, ErrorIn::Step, candidate.interaction, candidate.config);
     return true;
   }

@@ -6,7 +6,7 @@
 The systems have clocks in ns with small constants, bounds that are open or closed, limits from data, invariants, all urgencies,
 `resume`, triggers, guards, transfers, and divisions by zero in guards, limits and actions. The oracle is written from
 compiler/docs/semantics.md and shares nothing with bipc: it visits every state at every ns, clocks cut off above all constants, and
-says whether a deadlock, a time lock and an error are reachable, and whether a random `E leads to F within T` or
+says whether a deadlock, a time lock and an error are reachable, and whether a random `never E`, `E leads to F within T` or
 `eventually F within T` is violated. Prints the text of a system with another answer. BIPC names the
 program, JOBS the number of processes. Python's library only. To see it go red: let `may_pass` ignore one of its rules.
 """
@@ -153,6 +153,7 @@ class Oracle:
     def __init__(self, atoms, connectors):
         self.atoms, self.connectors = atoms, connectors
         self.deadlock = self.lock = self.error = self.has_no_state = False
+        self.stable = []  # states whose candidates are known
 
     def may_resume(self, state):
         """The atoms that may go on now. An action returns at any instant at which its `resume` holds."""
@@ -298,6 +299,7 @@ class Oracle:
                 self.error = True
                 self.has_no_state |= state == first
                 continue
+            self.stable.append(state)
             resuming = self.may_resume(state)
             following = [state[:a] + (state[a]._replace(waits=None),) + state[a + 1:] for a in resuming]
             later = self.may_pass(state, candidates)
@@ -319,6 +321,14 @@ class Oracle:
             if len(known) > MOST_STATES:
                 return False
         return True
+
+
+def make_state_condition(r, atoms, depth=1):
+    a = r.randrange(len(atoms))
+    kind = r.choice(["at", "at", "data", "&&", "!"] if depth else ["at", "data"])
+    if kind in ("at", "data"):
+        return kind, a, r.randrange(atoms[a].places) if kind == "at" else r.randint(0, 2)
+    return (kind, *(make_state_condition(r, atoms, 0) for _ in range(1 if kind == "!" else 2)))
 
 
 def make_condition(r, atoms, connectors, depth=1):
@@ -381,6 +391,7 @@ def check(seed):
     r = random.Random(f"demands {seed}")
     demands = [sharp(r, oracle, None if r.random() < 0.2 else make_condition(r, atoms, connectors), make_condition(r, atoms, connectors))
                for _ in range(3)]
+    nevers = [make_state_condition(r, atoms) for _ in range(3)]
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "m.bip")
         pathlib.Path(path).write_text(text)
@@ -390,6 +401,7 @@ def check(seed):
         verdict, _ = ask(path, "verify")
         errors, _ = ask(path, "verify", "--property", "errors")
         answers = [ask(path, "verify", "--property", demand_text(demand)) for demand in demands]
+        about_states = [ask(path, "verify", "--property", f"never {condition_text(never)}") for never in nevers]
     expected = (oracle.deadlock, oracle.lock, oracle.error)
     found = (explored["deadlocks"] > 0, explored["time_locks"] > 0, explored["errors"] > 0)
     words = "deadlock %s, time lock %s, error %s"
@@ -405,6 +417,12 @@ def check(seed):
     if errors is None or errors["verdict"] != ("error" if oracle.error else "error-free"):
         difference += f"\nverify --property errors: {errors and errors['verdict']}"
     kinds = []
+    for never, (answer, problem) in zip(nevers, about_states):
+        wanted = "violated" if any(oracle.is_true(never, state, None) for state in oracle.stable) else "holds"
+        wanted = "no-state" if oracle.has_no_state else wanted
+        kinds.append(f"never: {wanted}")
+        if answer is None or answer["verdict"] != wanted:
+            difference += f"\n`never {condition_text(never)}`: {answer and answer['text']}{problem}, the oracle says {wanted}"
     for demand, (answer, problem) in zip(demands, answers):
         wanted = "no-state" if oracle.has_no_state else {None: "large", True: "violated", False: "holds"}[oracle.misses(demand)]
         kinds.append(f"within: {wanted}")

@@ -43,6 +43,9 @@ struct Fault {
   std::string rule;            // the invariant, or the priorities of a cycle
   std::string places;          // of the atom, "A, B"
   std::string data;            // of the atom, "x = 1, b = true"
+  // The step is done: places, data and clocks are those of the state that it leads to, whose candidates cannot be
+  // found.
+  bool is_of_state = false;
   [[nodiscard]] explicit operator bool() const { return code != FaultCode::None; }
 };
 
