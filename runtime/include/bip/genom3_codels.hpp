@@ -2,7 +2,9 @@
 // only; what `bipc genom --codels` writes calls it. Codels that share data never overlap: the model's locks see to
 // that. What crosses modules, and requests, is locked here.
 #pragma once
+#include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <mutex>
 #include <new>
@@ -67,6 +69,7 @@ template <class T>
 struct Written {
   std::mutex lock;
   std::map<std::string, T, std::less<>> values;
+  std::atomic<std::uint64_t> version{0};  // grows with each write
 };
 template <class T, int N>
 struct OutPort {
@@ -108,6 +111,7 @@ genom_event OutPort<T, N>::write_of(const char* id, genom_context self) {
   const auto [at, is_new] = written.values.try_emplace(id);
   if (is_new) clear(at->second);
   assign(at->second, *value);
+  ++written.version;
   return genom_ok;
 }
 

@@ -1,0 +1,727 @@
+// Codels of each robot module in a process of its own (`bipc genom --processes`): a codel that crashes, exits or hangs
+// ends its module, and nothing else. Header only; Linux.
+//
+//   controller --commands--> nursery --forks--> one process per module
+//        \______________ channels: shared memory ______________/
+//
+// The nursery is forked before the first codel runs and never runs one itself, so whatever it forks has fresh data. A
+// channel holds one call at a time and belongs to one thread of the module. Its word `turn` is `2 * generation`, plus 1
+// while the module has it; both sides wait on it by futex. When a process has died the nursery raises the module's
+// generation and with it all turns, so that neither a caller nor a late write of the dead can take one for the other.
+//
+// Posters that other modules read go through the controller: with a reply those that the module has written, with a
+// call those that the module reads and has not seen. Cost of a call: two switches of processes.
+#pragma once
+#include <fcntl.h>
+#include <linux/futex.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/signalfd.h>
+#include <sys/socket.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <climits>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <new>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "bip/codel_calls.hpp"
+#include "bip/codels.hpp"
+
+namespace bip::processes {
+
+// ---- shared memory
+
+inline constexpr std::size_t kChunk = 32768;
+
+struct alignas(64) Channel {
+  std::atomic<std::uint32_t> turn{2};
+  std::int32_t function = 0, owner = 0, answer = 0, report = 0;
+  std::uint32_t size = 0, more = 0;
+  char bytes[kChunk];
+};
+struct alignas(64) ModuleState {
+  std::atomic<std::uint32_t> generation{1};
+  std::atomic<std::uint32_t> threads{1};  // so many of its channels are in use
+  std::atomic<std::uint32_t> served{0};   // calls of this generation
+  std::atomic<std::int32_t> pid{0};       // 0: there is none
+  std::atomic<std::int32_t> status{0};    // of the last one that has ended, as `wait` has it
+};
+static_assert(std::atomic<std::uint32_t>::is_always_lock_free && std::atomic<std::int32_t>::is_always_lock_free,
+              "processes share them");
+
+inline long futex(std::atomic<std::uint32_t>& word, int operation, std::uint32_t value, const timespec* timeout) {
+  return ::syscall(SYS_futex, reinterpret_cast<std::uint32_t*>(&word), operation, value, timeout, nullptr, 0);
+}
+inline void wake_all(std::atomic<std::uint32_t>& word) { (void)futex(word, FUTEX_WAKE, INT_MAX, nullptr); }
+
+/// What became of a process, in words.
+inline std::string death_text(int status) {
+  if (WIFEXITED(status)) return "ended by exit(" + std::to_string(WEXITSTATUS(status)) + ")";
+  const int number = WTERMSIG(status);
+  const char* const name = ::sigabbrev_np(number);
+  return "ended by " + (name == nullptr ? "signal " + std::to_string(number) : "SIG" + std::string(name));
+}
+
+// ---- the level
+
+class Level {
+ public:
+  explicit Level(const Description& description)
+      : d_(description), books_(d_.modules.size()), accepted_(d_.owners.size()), told_(d_.posters.size()) {
+    // One for each codel that may run at a time, and for what others ask meanwhile.
+    std::vector<std::size_t> owners(d_.modules.size());
+    for (const OwnerRow& row : d_.owner_rows) ++owners[index(row.module)];
+    for (const std::size_t count : owners) width_ = std::max(width_, count + 3);
+    for (Book& book : books_) {
+      book.is_taken.resize(width_);
+      book.sent.resize(d_.posters.size());
+      book.heard.resize(d_.posters.size());
+    }
+  }
+  Level(const Level&) = delete;
+  Level& operator=(const Level&) = delete;
+  /// Ends the processes of all modules.
+  ~Level() {
+    if (nursery_ <= 0 || own_pid_ != ::getpid()) return;
+    ::close(commands_);
+    (void)::waitpid(nursery_, nullptr, 0);
+  }
+
+  /// An activity is accepted: from now on its codels run in the process that its module has now, or fail.
+  void accepted(int owner) {
+    if (!start()) return;
+    const OwnerRow& row = d_.owner_rows[index(owner)];
+    notice_death(row.module);
+    const std::lock_guard<std::mutex> hold(lock_);
+    const std::uint32_t generation = state(row.module).generation;
+    Book& book = books_[index(row.module)];
+    Acceptance& activity = accepted_[index(owner)];
+    // What has judged or taken its input may be gone.
+    const bool is_stale = (activity.asked_in != 0 && activity.asked_in != generation) ||
+                          (book.input_in != 0 && book.input_in != generation);
+    const bool needs_init = d_.modules[index(row.module)].needs_init && !row.is_init;
+    activity = {.runs_in = is_stale ? kNever : generation,
+                .lacks_init = needs_init && book.initialised_in != generation};
+    book.input_in = 0;
+  }
+
+  /// A codel of an activity or a task.
+  int step(int function, int owner, int& report) {
+    const OwnerRow& row = d_.owner_rows[index(owner)];
+    Call call{.owner = owner, .report = report};
+    std::uint32_t generation = 0;
+    Outcome outcome;
+    if (!row.is_task) {
+      const std::lock_guard<std::mutex> hold(lock_);
+      generation = accepted_[index(owner)].runs_in;
+      if (accepted_[index(owner)].lacks_init) outcome.why = "its module was started again and waits for its init";
+    }
+    if (outcome.why.empty()) outcome = run(function, row.module, generation, call);
+    if (!outcome.why.empty()) {
+      tell_failure(function, owner, row.is_task ? nullptr : &activity_notes(), d_.owners[index(owner)].name, outcome);
+      return kCodelThrew;
+    }
+    report = call.report;
+    if (row.is_init && call.answer != kCodelThrew && call.report == 0) {
+      const std::lock_guard<std::mutex> hold(lock_);
+      books_[index(row.module)].initialised_in = outcome.generation;
+    }
+    return call.answer;
+  }
+
+  /// A codel that judges or does a request at once, or of a task.
+  int control(int function, int owner, std::string in = {}) {
+    const OwnerRow& row = d_.owner_rows[index(owner)];
+    Call call{.owner = owner, .in = std::move(in)};
+    const Outcome outcome = run(function, row.module, 0, call);
+    if (!outcome.why.empty()) {
+      tell_failure(function, owner, row.is_task ? nullptr : &service_notes(), d_.owners[index(owner)].service, outcome);
+      return kCodelRefuses;
+    }
+    const std::lock_guard<std::mutex> hold(lock_);
+    accepted_[index(owner)].asked_in = outcome.generation;
+    return call.answer;
+  }
+
+  /// Another function of a module. Nothing if its process has died, of which the log tells.
+  std::optional<std::string> call(int function, int module, std::string in, int owner = -1) {
+    Call call{.owner = owner, .in = std::move(in)};
+    const Outcome outcome = run(function, module, 0, call);
+    if (outcome.why.empty()) return std::move(call.out);
+    std::fprintf(stderr, "warning[R0050]: `%s` of module %s: %s\n", d_.functions[index(function)].name,
+                 d_.modules[index(module)].name, outcome.why.c_str());
+    stop_robot(outcome, function, d_.modules[index(module)].name);
+    return std::nullopt;
+  }
+  /// What owner's service was asked with goes to its module.
+  void call_of(int owner, int function, std::string in = {}) {
+    (void)call(function, d_.owner_rows[index(owner)].module, std::move(in), owner);
+  }
+  /// Two texts, of which the first one begins with the module's name and a dot. Nothing: there is no such module.
+  std::optional<std::string> call_by_name(int function, const char* name, const char* more) {
+    const std::string_view module = std::string_view(name).substr(0, std::string_view(name).find('.'));
+    for (std::size_t m = 0; m < d_.modules.size(); ++m) {
+      if (module != d_.modules[m].name) continue;
+      std::string in;
+      append_text(in, name);
+      append_text(in, more);
+      return call(function, static_cast<int>(m), std::move(in));
+    }
+    return std::nullopt;
+  }
+  /// The input of a request that is accepted next.
+  void give_input(int function, const char* service, const char* input) {
+    const std::string_view module = std::string_view(service).substr(0, std::string_view(service).find('.'));
+    if (!start()) return;
+    for (std::size_t m = 0; m < d_.modules.size(); ++m) {
+      if (module != d_.modules[m].name) continue;
+      const std::lock_guard<std::mutex> hold(lock_);
+      books_[m].input_in = states_[m].generation;
+    }
+    (void)call_by_name(function, service, input);
+  }
+
+  /// Called with the reason when a process has died; on the thread that notices it. May be null.
+  std::atomic<void (*)(const char* why)> on_death{nullptr};
+
+ private:
+  static constexpr std::uint32_t kNever = UINT32_MAX;
+
+  // Of an activity: the generations of its module in which its input was judged, and in which it may run.
+  struct Acceptance {
+    std::uint32_t runs_in = 0, asked_in = 0;
+    bool lacks_init = false;
+  };
+  // What the controller knows of a module: which death it has noticed, and numbers of posters in this generation.
+  struct Book {
+    std::uint32_t seen = 1, initialised_in = 0, input_in = 0, posters_of = 1;
+    std::vector<bool> is_taken{};
+    std::vector<std::uint64_t> sent{}, heard{};
+  };
+  struct Command {
+    char what = 0;  // s: start, k: kill
+    std::int32_t module = 0;
+    std::uint32_t generation = 0;
+  };
+  // `why`: it failed, so; `is_death`: because the process has died meanwhile.
+  struct Outcome {
+    std::string why{};
+    bool is_death = false;
+    std::uint32_t generation = 0;
+  };
+  enum class Wait { MyTurn, Died, TooLate };
+  using Clock = std::chrono::steady_clock;
+
+  static std::size_t index(int number) { return static_cast<std::size_t>(number); }
+  [[nodiscard]] ModuleState& state(int module) const { return states_[index(module)]; }
+  [[nodiscard]] Channel& channel(int module, std::size_t k) const { return channels_[index(module) * width_ + k]; }
+
+  // ---- the controller's side: failures
+
+  void tell_failure(int function, int owner, ReplyNotes* notes, const char* whose, const Outcome& outcome) {
+    const char* const codel = d_.functions[index(function)].name;
+    const char* const name = d_.owners[index(owner)].name;
+    std::fprintf(stderr, "warning[R0050]: codel `%s` of %s: %s\n", codel, name, outcome.why.c_str());
+    if (notes != nullptr && *whose != '\0')
+      notes->note(whose, "\"exception\":{\"codel\":" + json_text(codel) + ",\"what\":" + json_text(outcome.why) + "}");
+    stop_robot(outcome, function, name);
+  }
+  void stop_robot(const Outcome& outcome, int function, const char* whose) {
+    void (*const hook)(const char*) = on_death.load();
+    if (!outcome.is_death || hook == nullptr) return;
+    hook((std::string("`") + d_.functions[index(function)].name + "` of " + whose + ": " + outcome.why).c_str());
+  }
+  [[nodiscard]] std::string death_of(int module) const {
+    return "the process of module " + std::string(d_.modules[index(module)].name) + " " +
+           death_text(state(module).status);
+  }
+  // A process may die between two calls.
+  void notice_death(int module) {
+    {
+      const std::lock_guard<std::mutex> hold(lock_);
+      const std::uint32_t generation = state(module).generation;
+      if (std::exchange(books_[index(module)].seen, generation) == generation) return;
+    }
+    const std::string why = death_of(module) + " between two calls";
+    std::fprintf(stderr, "warning[R0050]: %s\n", why.c_str());
+    if (void (*const hook)(const char*) = on_death.load(); hook != nullptr) hook(why.c_str());
+  }
+
+  // ---- the controller's side: calls
+
+  Outcome run(int function, int module, std::uint32_t required, Call& call) {
+    if (!start()) return {.why = "no process can be started"};
+    while (true) {
+      notice_death(module);
+      const std::uint32_t generation = state(module).generation;
+      if (required != 0 && required != generation) return {.why = "the process of its module was started again"};
+      if (state(module).pid == 0) command('s', module, generation);
+      const std::size_t k = take_channel(module);
+      Wait end = Wait::Died;
+      const bool has_begun = exchange(function, module, generation, channel(module, k), call, end);
+      free_channel(module, k);
+      if (end == Wait::MyTurn) return {.generation = generation};
+      if (!has_begun) continue;
+      Outcome outcome{.is_death = true, .generation = generation};
+      if (end == Wait::TooLate) {
+        outcome.why = "the process of module " + std::string(d_.modules[index(module)].name) + " did not answer for " +
+                      std::to_string(d_.functions[index(function)].limit_ms) + " ms and was ended";
+        while (state(module).generation == generation) {
+          command('k', module, generation);
+          watch_nursery();
+          std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+      } else {
+        outcome.why = death_of(module);
+      }
+      const std::lock_guard<std::mutex> hold(lock_);
+      books_[index(module)].seen = std::max(books_[index(module)].seen, generation + 1);
+      return outcome;
+    }
+  }
+
+  std::size_t take_channel(int module) {
+    const std::lock_guard<std::mutex> hold(lock_);
+    std::vector<bool>& taken = books_[index(module)].is_taken;
+    // There are more channels than codels and other functions that may be called at a time.
+    std::size_t k = 0;
+    while (k + 1 < taken.size() && taken[k]) ++k;
+    taken[k] = true;
+    ModuleState& s = state(module);
+    if (s.threads < k + 1) {
+      s.threads = static_cast<std::uint32_t>(k + 1);
+      wake_all(s.threads);
+    }
+    return k;
+  }
+  void free_channel(int module, std::size_t k) {
+    const std::lock_guard<std::mutex> hold(lock_);
+    books_[index(module)].is_taken[k] = false;
+  }
+
+  // False: the process had died before it got the call.
+  bool exchange(int function, int module, std::uint32_t generation, Channel& c, Call& call, Wait& end) {
+    const FunctionRow& row = d_.functions[index(function)];
+    std::optional<Clock::time_point> deadline;
+    if (row.limit_ms > 0) deadline = Clock::now() + std::chrono::milliseconds(row.limit_ms);
+    const std::uint32_t mine = 2 * generation, theirs = mine + 1;
+    if (c.turn != mine) return false;
+    c.function = function;
+    c.owner = call.owner;
+    c.report = call.report;
+    std::string bytes;
+    pack_posters(module, generation, bytes);
+    bytes += call.in;
+    end = send(c, mine, theirs, bytes, deadline);
+    if (end == Wait::Died) return false;
+    std::string reply;
+    if (end == Wait::MyTurn) end = receive(c, mine, theirs, reply, deadline);
+    if (end != Wait::MyTurn) return true;
+    call.answer = c.answer;
+    call.report = c.report;
+    Taker taker(reply);
+    std::string_view activity, service;
+    if (!unpack_posters(module, generation, taker) || !taker.take_text(activity) || !taker.take_text(service)) {
+      // It has written over what it shares with us: its own fault.
+      command('k', module, generation);
+      end = wait(c.turn, mine, 0, {});
+      return true;
+    }
+    if (call.owner >= 0) {
+      const CodelOwner& owner = d_.owners[index(call.owner)];
+      if (!activity.empty()) activity_notes().note(owner.name, std::string(activity));
+      if (!service.empty()) service_notes().note(owner.service, std::string(service));
+    }
+    call.out = taker.rest();
+    return true;
+  }
+
+  // Those that this process has not seen.
+  void pack_posters(int module, std::uint32_t generation, std::string& out) {
+    std::uint32_t count = 0;
+    const std::size_t at = out.size();
+    append(out, count);
+    if (d_.readers.empty()) return;
+    const std::lock_guard<std::mutex> hold(lock_);
+    Book& book = books_[index(module)];
+    renew(book, generation);
+    for (const ReaderRow& reader : d_.readers) {
+      if (reader.module != module) continue;
+      const PosterRow& poster = d_.posters[index(reader.poster)];
+      std::uint64_t& sent = book.sent[index(reader.poster)];
+      if (poster.version() == sent) continue;
+      std::string value;
+      sent = poster.pack(value);
+      append(out, static_cast<std::uint32_t>(reader.poster));
+      append(out, sent);
+      append_text(out, value);
+      ++count;
+    }
+    std::memcpy(out.data() + at, &count, sizeof count);
+  }
+  bool unpack_posters(int module, std::uint32_t generation, Taker& taker) {
+    std::uint32_t count = 0;
+    if (!taker.take(count)) return false;
+    const std::lock_guard<std::mutex> hold(lock_);
+    Book& book = books_[index(module)];
+    renew(book, generation);
+    for (; count > 0; --count) {
+      std::uint32_t poster = 0;
+      std::uint64_t version = 0;
+      std::string_view value;
+      if (!taker.take(poster) || !taker.take(version) || !taker.take_text(value) || poster >= d_.posters.size() ||
+          d_.posters[poster].writer != module)
+        return false;
+      if (version <= book.heard[poster]) continue;
+      if (!d_.posters[poster].unpack(value)) return false;
+      book.heard[poster] = version;
+    }
+    return true;
+  }
+  static void renew(Book& book, std::uint32_t generation) {
+    if (std::exchange(book.posters_of, generation) == generation) return;
+    std::fill(book.sent.begin(), book.sent.end(), 0);
+    std::fill(book.heard.begin(), book.heard.end(), 0);
+  }
+
+  // ---- both sides
+
+  // Until `turn` is `mine`. `theirs`: what it is meanwhile; anything else means that the process has died.
+  Wait wait(std::atomic<std::uint32_t>& turn, std::uint32_t theirs, std::uint32_t mine,
+            const std::optional<Clock::time_point>& deadline) {
+    while (true) {
+      const std::uint32_t now = turn.load(std::memory_order_acquire);
+      if (now == mine) return Wait::MyTurn;
+      if (now != theirs) return Wait::Died;
+      timespec slice{0, 200'000'000};
+      if (deadline) {
+        const auto left = std::chrono::duration_cast<std::chrono::nanoseconds>(*deadline - Clock::now()).count();
+        if (left <= 0) return Wait::TooLate;
+        slice.tv_nsec = std::min<long>(slice.tv_nsec, static_cast<long>(left));
+      }
+      if (futex(turn, FUTEX_WAIT, theirs, is_module_ ? nullptr : &slice) != 0 && errno == ETIMEDOUT) watch_nursery();
+    }
+  }
+  // Died: before the first piece has arrived; later deaths are seen by who waits for the answer.
+  Wait send(Channel& c, std::uint32_t mine, std::uint32_t theirs, std::string_view bytes,
+            const std::optional<Clock::time_point>& deadline) {
+    bool is_first = true;
+    do {
+      const std::size_t size = std::min(bytes.size(), kChunk);
+      if (size != 0) std::memcpy(c.bytes, bytes.data(), size);
+      bytes.remove_prefix(size);
+      c.size = static_cast<std::uint32_t>(size);
+      c.more = bytes.empty() ? 0 : 1;
+      std::uint32_t now = mine;
+      if (!c.turn.compare_exchange_strong(now, theirs, std::memory_order_acq_rel))
+        return is_first ? Wait::Died : Wait::MyTurn;
+      is_first = false;
+      wake_all(c.turn);
+      if (bytes.empty()) break;
+      if (const Wait end = wait(c.turn, theirs, mine, deadline); end != Wait::MyTurn)
+        return end == Wait::Died ? Wait::MyTurn : end;
+    } while (true);
+    return Wait::MyTurn;
+  }
+  Wait receive(Channel& c, std::uint32_t mine, std::uint32_t theirs, std::string& bytes,
+               const std::optional<Clock::time_point>& deadline) {
+    while (true) {
+      if (const Wait end = wait(c.turn, theirs, mine, deadline); end != Wait::MyTurn) return end;
+      bytes.append(c.bytes, std::min<std::size_t>(c.size, kChunk));
+      if (c.more == 0) return Wait::MyTurn;
+      std::uint32_t now = mine;
+      if (!c.turn.compare_exchange_strong(now, theirs, std::memory_order_acq_rel)) return Wait::Died;
+      wake_all(c.turn);
+    }
+  }
+
+  // ---- the controller's side: processes
+
+  bool start() {
+    std::call_once(begun_, [this] {
+      const std::size_t modules = d_.modules.size(), head = sizeof(ModuleState) * modules;
+      void* const place = ::mmap(nullptr, head + sizeof(Channel) * modules * width_, PROT_READ | PROT_WRITE,
+                                 MAP_SHARED | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+      if (place == MAP_FAILED) return;
+      states_ = static_cast<ModuleState*>(place);
+      channels_ = reinterpret_cast<Channel*>(static_cast<std::byte*>(place) + head);
+      std::uninitialized_default_construct_n(states_, modules);
+      std::uninitialized_default_construct_n(channels_, modules * width_);
+      own_pid_ = ::getpid();
+      open_nursery();
+    });
+    return nursery_ > 0;
+  }
+
+  void open_nursery() {
+    int ends[2];
+    if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0) return;
+    // What is buffered belongs to the controller.
+    (void)std::fflush(stdout);
+    const pid_t child = ::fork();
+    if (child == 0) {
+      ::close(ends[0]);
+      be_nursery(ends[1]);
+    }
+    ::close(ends[1]);
+    if (child < 0) {
+      ::close(ends[0]);
+      return;
+    }
+    commands_ = ends[0];
+    nursery_ = child;
+    for (std::size_t m = 0; m < d_.modules.size(); ++m) command('s', static_cast<int>(m), states_[m].generation);
+  }
+
+  void command(char what, int module, std::uint32_t generation) {
+    const Command message{what, module, generation};
+    (void)::send(commands_, &message, sizeof message, MSG_NOSIGNAL);
+  }
+
+  // If it has died, all modules have: another one.
+  void watch_nursery() {
+    const std::lock_guard<std::mutex> hold(nursery_lock_);
+    const pid_t ended = ::waitpid(nursery_, nullptr, WNOHANG);
+    if (ended == 0 || (ended < 0 && errno != ECHILD)) return;
+    ::close(commands_);
+    for (std::size_t m = 0; m < d_.modules.size(); ++m) note_end(static_cast<int>(m), SIGKILL);
+    open_nursery();
+  }
+
+  // The process of a module is gone: what waits for it wakes up.
+  void note_end(int module, int status) {
+    ModuleState& s = state(module);
+    s.status = status;
+    s.pid = 0;
+    const std::uint32_t next = s.generation + 1;
+    s.generation = next;
+    for (std::size_t k = 0; k < width_; ++k) {
+      channel(module, k).turn = 2 * next;
+      wake_all(channel(module, k).turn);
+    }
+  }
+
+  // ---- the nursery's side
+
+  // Ends with the controller, and with it end the modules' processes.
+  [[noreturn]] void be_nursery(int socket) {
+    constexpr int kSocket = 3, kChildren = 4;
+    if (socket != kSocket) (void)::dup2(socket, kSocket);
+    (void)::close_range(4, ~0U, 0);
+    if (const int nothing = ::open("/dev/null", O_RDONLY); nothing > 0) {
+      (void)::dup2(nothing, STDIN_FILENO);
+      ::close(nothing);
+    }
+    (void)::prctl(PR_SET_NAME, "bip-modules");
+    std::set_terminate([] { std::abort(); });
+    for (int number = 1; number < 32; ++number) {
+      if (number != SIGPIPE && number != SIGKILL && number != SIGSTOP) (void)::signal(number, SIG_DFL);
+    }
+    // Of a terminal: for the controller.
+    for (const int number : {SIGINT, SIGHUP, SIGQUIT}) (void)::signal(number, SIG_IGN);
+    sigset_t children;
+    sigemptyset(&children);
+    sigaddset(&children, SIGCHLD);
+    (void)::sigprocmask(SIG_SETMASK, &children, nullptr);
+    if (::signalfd(-1, &children, 0) != kChildren) ::_exit(1);
+    pollfd ends[] = {{kSocket, POLLIN, 0}, {kChildren, POLLIN, 0}};
+    while (true) {
+      if (::poll(ends, 2, -1) < 0 && errno != EINTR) ::_exit(1);
+      if (ends[1].revents != 0) {
+        signalfd_siginfo ignored;
+        (void)!::read(kChildren, &ignored, sizeof ignored);
+        int status = 0;
+        for (pid_t pid = 0; (pid = ::waitpid(-1, &status, WNOHANG)) > 0;) bury(pid, status);
+      }
+      if (ends[0].revents == 0) continue;
+      Command message;
+      if (::recv(kSocket, &message, sizeof message, 0) != sizeof message) end_modules();
+      ModuleState& s = state(message.module);
+      if (s.generation != message.generation) continue;
+      if (message.what == 'k' && s.pid > 0) (void)::kill(s.pid, SIGKILL);
+      if (message.what == 's' && s.pid == 0) fork_module(message.module);
+    }
+  }
+  // The controller is gone, or does not need them any more.
+  [[noreturn]] void end_modules() {
+    for (std::size_t m = 0; m < d_.modules.size(); ++m) {
+      if (states_[m].pid > 0) (void)::kill(states_[m].pid, SIGKILL);
+    }
+    while (::waitpid(-1, nullptr, 0) > 0) {
+    }
+    ::_exit(0);
+  }
+  void bury(pid_t pid, int status) {
+    for (std::size_t m = 0; m < d_.modules.size(); ++m) {
+      if (states_[m].pid != pid) continue;
+      const bool has_served = states_[m].served.exchange(0) != 0;
+      note_end(static_cast<int>(m), status);
+      // One that dies before its first answer waits until it is needed.
+      if (has_served) fork_module(static_cast<int>(m));
+    }
+  }
+  void fork_module(int module) {
+    const pid_t nursery = ::getpid(), child = ::fork();
+    if (child == 0) be_module(module, nursery);
+    // Without a process the callers would wait for ever.
+    if (child < 0) note_end(module, SIGKILL);
+    else state(module).pid = child;
+  }
+
+  // ---- a module's side
+
+  [[noreturn]] void be_module(int module, pid_t nursery) {
+    (void)::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (::getppid() != nursery) ::_exit(0);
+    (void)::close_range(3, ~0U, 0);
+    sigset_t none;
+    sigemptyset(&none);
+    (void)::sigprocmask(SIG_SETMASK, &none, nullptr);
+    (void)::prctl(PR_SET_NAME, d_.modules[index(module)].name);
+    // Handlers and static objects are the controller's.
+    (void)::on_exit([](int status, void*) { end_process(status); }, nullptr);
+    is_module_ = true;
+    const std::uint32_t generation = state(module).generation;
+    if (generation > 1) {
+      for (const StartRow& row : d_.starts) {
+        if (d_.owner_rows[index(row.owner)].module != module) continue;
+        Call call{.owner = row.owner};
+        execute(row.function, call);
+      }
+    }
+    std::thread([this, module, generation] {
+      for (std::uint32_t known = 1;;) {
+        const std::uint32_t wanted = state(module).threads;
+        for (; known < wanted; ++known)
+          std::thread([this, module, generation, known] { serve(module, generation, known); }).detach();
+        (void)futex(state(module).threads, FUTEX_WAIT, wanted, nullptr);
+      }
+    }).detach();
+    limit_memory();
+    serve(module, generation, 0);
+  }
+  [[noreturn]] static void end_process(int status) {
+    (void)std::fflush(stdout);
+    ::_exit(status);
+  }
+
+  void limit_memory() const {
+    if (d_.memory_mb <= 0) return;
+    unsigned long pages[6] = {};
+    if (std::FILE* const file = std::fopen("/proc/self/statm", "r"); file != nullptr) {
+      for (unsigned long& number : pages) {
+        if (std::fscanf(file, "%lu", &number) != 1) break;
+      }
+      (void)std::fclose(file);
+    }
+    const rlim_t limit =
+        pages[5] * static_cast<rlim_t>(::sysconf(_SC_PAGESIZE)) + static_cast<rlim_t>(d_.memory_mb) * 1024 * 1024;
+    const rlimit bound{limit, limit};
+    (void)::setrlimit(RLIMIT_DATA, &bound);
+  }
+
+  void execute(int function, Call& call) const {
+    const FunctionRow& row = d_.functions[index(function)];
+    try {
+      row.run(call);
+    } catch (const std::exception& exception) {
+      std::fprintf(stderr, "warning[R0048]: `%s` threw an exception: %s\n", row.name, exception.what());
+    } catch (...) {
+      std::fprintf(stderr, "warning[R0048]: `%s` threw an exception\n", row.name);
+    }
+    (void)std::fflush(stdout);
+  }
+
+  [[noreturn]] void serve(int module, std::uint32_t generation, std::size_t k) {
+    Channel& c = channel(module, k);
+    const std::uint32_t theirs = 2 * generation, mine = theirs + 1;
+    std::string bytes, reply;
+    while (true) {
+      bytes.clear();
+      if (receive(c, mine, theirs, bytes, {}) != Wait::MyTurn) ::_exit(0);
+      Taker taker(bytes);
+      see_posters(taker);
+      Call call{.owner = c.owner, .report = c.report, .in = std::string(taker.rest())};
+      execute(c.function, call);
+      state(module).served.fetch_add(1);
+      reply.clear();
+      show_posters(module, reply);
+      const bool has_owner = call.owner >= 0;
+      append_text(reply, has_owner ? activity_notes().take(d_.owners[index(call.owner)].name) : "");
+      append_text(reply, has_owner ? service_notes().take(d_.owners[index(call.owner)].service) : "");
+      reply += call.out;
+      c.answer = call.answer;
+      c.report = call.report;
+      if (send(c, mine, theirs, reply, {}) != Wait::MyTurn) ::_exit(0);
+    }
+  }
+  // Those of a call that was sent before another one may arrive after it.
+  void see_posters(Taker& taker) {
+    std::uint32_t count = 0;
+    (void)taker.take(count);
+    const std::lock_guard<std::mutex> hold(module_lock_);
+    for (; count > 0; --count) {
+      std::uint32_t poster = 0;
+      std::uint64_t version = 0;
+      std::string_view value;
+      if (!taker.take(poster) || !taker.take(version) || !taker.take_text(value)) return;
+      if (version > told_[poster] && d_.posters[poster].unpack(value)) told_[poster] = version;
+    }
+  }
+  void show_posters(int module, std::string& out) {
+    std::uint32_t count = 0;
+    const std::size_t at = out.size();
+    append(out, count);
+    const std::lock_guard<std::mutex> hold(module_lock_);
+    for (std::size_t k = 0; k < d_.posters.size(); ++k) {
+      const PosterRow& poster = d_.posters[k];
+      if (poster.writer != module || poster.version() == told_[k]) continue;
+      std::string value;
+      told_[k] = poster.pack(value);
+      append(out, static_cast<std::uint32_t>(k));
+      append(out, told_[k]);
+      append_text(out, value);
+      ++count;
+    }
+    std::memcpy(out.data() + at, &count, sizeof count);
+  }
+
+  const Description d_;
+  std::mutex lock_;  // of books and acceptances
+  std::mutex nursery_lock_;
+  std::mutex module_lock_;  // of `told_`; only modules take it, so that no fork finds it taken
+  std::vector<Book> books_;
+  std::vector<Acceptance> accepted_;
+  std::vector<std::uint64_t> told_;  // in a module: numbers of posters that it has been told of, or has told of
+  std::size_t width_ = 3;            // channels of a module
+  ModuleState* states_ = nullptr;
+  Channel* channels_ = nullptr;
+  std::once_flag begun_;
+  int commands_ = -1;
+  pid_t nursery_ = 0, own_pid_ = 0;
+  bool is_module_ = false;
+};
+
+}  // namespace bip::processes
