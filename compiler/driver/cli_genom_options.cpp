@@ -49,6 +49,20 @@ void add_generation(CLI::App* command, GenomArguments& a) {
                      ->allow_extra_args(false)
                      ->excludes(executive)
                      ->type_name("FILE"));
+  auto* processes = command->add_flag(
+      "--processes", a.processes,
+      "use the execution flavour and run the codels of each module in a process of its own, which is started again "
+      "when it has died");
+  add_duration(*command, "--kill-after", a.kill_after,
+               "end the process of a codel that takes so long, or so much longer than its budget (default: 0: never)")
+      ->needs(processes);
+  command
+      ->add_option("--module-memory", a.module_memory,
+                   "megabytes that the process of each module may take beside those at its beginning (default: no "
+                   "limit)")
+      ->check(is_number(1, 1000000))
+      ->needs(processes)
+      ->type_name("MB");
   command
       ->add_option("--instances", a.instances,
                    "activities of a service that may run at the same time (default: 1; one more for a service that "

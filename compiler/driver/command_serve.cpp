@@ -21,6 +21,7 @@ bool find_safe_stop(const ServeArguments& arguments, void* library, serve::Watch
   if (library != nullptr) {
     watch.safe_stop = reinterpret_cast<void (*)(const char*)>(::dlsym(library, watch.safe_stop_name.c_str()));
     watch.called_now = reinterpret_cast<const std::atomic<const char*>* (*)()>(::dlsym(library, "bip_called_now"));
+    watch.set_module_hook = reinterpret_cast<void (*)(void (*)(const char*))>(::dlsym(library, "bip_set_module_hook"));
     watch.set_crash_hook = reinterpret_cast<void (*)(void (*)(const char*))>(::dlsym(library, "bip_set_crash_hook"));
   }
   watch.late = arguments.late_after;
@@ -53,7 +54,12 @@ int command_serve(const ServeArguments& arguments) {
   if (void* const library = c.lowered->library; library != nullptr) {
     serve::Requests& requests = controller.requests();
     requests.result_of = reinterpret_cast<decltype(requests.result_of)>(::dlsym(library, "bip_reply_result"));
-    requests.poster_value = reinterpret_cast<decltype(requests.poster_value)>(::dlsym(library, "bip_poster_value"));
+    // With processes the module's own is asked.
+    for (const char* const name : {"bip_poster_value", "bip_module_poster_value"}) {
+      void* const function = ::dlsym(library, name);
+      if (function == nullptr) break;
+      requests.poster_value = reinterpret_cast<decltype(requests.poster_value)>(function);
+    }
     requests.input_problem = reinterpret_cast<decltype(requests.input_problem)>(::dlsym(library, "bip_input_problem"));
   }
   controller.real_time_priority = arguments.real_time_priority;

@@ -76,13 +76,14 @@ genom::TranslateOptions translate_options(const GenomArguments& a, const std::ve
   for (const std::string& file : files) o.generate.sources.push_back(fs::path(file).filename().string());
   if (a.executive || a.served) o.generate.executive = a.served ? genom::Executive::Served : genom::Executive::Cpp;
   o.generate.calls_c = !a.codels.empty();
+  o.generate.processes = {.are_own = a.processes, .kill_after_us = a.kill_after / 1000, .memory_mb = a.module_memory};
   for (const std::string& file : a.codels) {
     // As the package finds it.
     std::error_code ignored;
     const fs::path relative = fs::relative(file, fs::absolute(a.output).parent_path(), ignored);
     o.generate.c_sources.push_back(relative.empty() ? file : relative.string());
   }
-  if (a.skeleton || a.executive || a.served || !a.codels.empty() || a.flavour == "execution")
+  if (a.skeleton || a.executive || a.served || a.processes || !a.codels.empty() || a.flavour == "execution")
     o.generate.flavour = genom::Flavour::Execution;
   o.generate.lock = a.lock == "module"  ? genom::LockGranularity::Module
                     : a.lock == "codel" ? genom::LockGranularity::Codel

@@ -10,6 +10,7 @@
 #include <map>
 #include <set>
 
+#include "compiler/genom/codel_processes.hpp"
 #include "compiler/genom/codels.hpp"
 #include "compiler/genom/names.hpp"
 #include "compiler/genom/plan.hpp"
@@ -338,8 +339,9 @@ class Glue {
   std::string run() {
     out_ = fmt::format(
         "// Between {0}.bip and the codels of its components. Written by `bipc genom --codels`.\n#include "
-        "\"{0}_codels.hpp\"\n\n#include \"bip/genom3_codels.hpp\"\n",
-        options_.package);
+        "\"{0}_codels.hpp\"\n\n#include \"bip/genom3_{1}.hpp\"\n",
+        options_.package, options_.processes.are_own ? "bytes" : "codels");
+    if (options_.processes.are_own) here_ = "here_";
     for (const Module& m : modules_) out_ += fmt::format("#include \"ac{}.h\"\n", m.component->name);
     out_ += "\n";
     std::set<std::string> done;
@@ -357,10 +359,15 @@ class Glue {
     out_ += "}  // namespace\n\nstatic void take_input(int owner);\n";
     for (std::size_t i = 0; i < modules_.size(); ++i) codels(i);
     requests();
+    if (!options_.processes.are_own) return std::move(out_);
+    posters();
+    out_ += process_definitions(modules_, options_, posters_, readers_);
     return std::move(out_);
   }
 
  private:
+  [[nodiscard]] const char* scope() const { return here_.empty() ? "" : "static "; }
+
   void events() {
     std::set<std::string> done;
     for (const Module& m : modules_) {
@@ -479,6 +486,37 @@ class Glue {
         c.name, s.name, type, outputs);
   }
 
+  // The out port that an in port reads.
+  [[nodiscard]] bool is_source(const Component& reader, const idl::Port& in, const Component& writer,
+                               const idl::Port& out) const {
+    return !in.is_out && out.is_out && out.name == in.name && out.is_multiple == in.is_multiple &&
+           writer.types[out.type].c_name == reader.types[in.type].c_name;
+  }
+
+  // What crosses processes.
+  void posters() {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < modules_.size(); ++i) {
+      const Component& c = *modules_[i].component;
+      for (const idl::Port& out : c.ports) {
+        if (!out.is_out) continue;
+        posters_ += fmt::format(
+            "    {{.writer = {0},\n     .pack = [](std::string& out) {{ return g3::pack(OutPort_{1}_{2}::written, "
+            "out); "
+            "}},\n     .version = [] {{ return OutPort_{1}_{2}::written.version.load(); }},\n     .unpack = "
+            "[](std::string_view in) {{ return g3::unpack(OutPort_{1}_{2}::written, in); }}}},\n",
+            i, c.name, out.name);
+        for (std::size_t reader = 0; reader < modules_.size(); ++reader) {
+          const Component& other = *modules_[reader].component;
+          if (reader != i && std::any_of(other.ports.begin(), other.ports.end(),
+                                         [&](const idl::Port& in) { return is_source(other, in, c, out); }))
+            readers_ += fmt::format("    {{{}, {}}},\n", reader, count);
+        }
+        ++count;
+      }
+    }
+  }
+
   // Bounds of sequences; and an in port reads the out port of its name and type.
   void start() {
     out_ += "\n// Before anything runs.\nconst bool kStarted = [] {\n";
@@ -493,9 +531,7 @@ class Glue {
         if (p.is_out) continue;
         for (const Module& other : modules_) {
           const idl::Port* const out = find_row(other.component->ports, p.name);
-          if (out == nullptr || !out->is_out || out->is_multiple != p.is_multiple ||
-              other.component->types[out->type].c_name != c.types[p.type].c_name)
-            continue;
+          if (out == nullptr || !is_source(c, p, *other.component, *out)) continue;
           out_ += fmt::format("  InPort_{0}_{1}::source = &OutPort_{2}_{1}::written;\n", c.name, p.name,
                               other.component->name);
         }
@@ -548,7 +584,7 @@ class Glue {
             fmt::format("kBehaviour_{}_task_{}", c.name, row.name), "std::string()", "");
     }
     for (const auto& [name, owners] : controls) {
-      out_ += fmt::format("\nint {}(int owner) {{\n  switch (owner) {{\n", codel_function(name));
+      out_ += fmt::format("\n{}int {}{}(int owner) {{\n  switch (owner) {{\n", scope(), here_, codel_function(name));
       for (const Owner& o : owners)
         out_ += fmt::format(
             "    case {0}: return g3::run_control(\"{1}\", kCodelOwners[owner], kExceptions, {2}, [](genom_context "
@@ -557,7 +593,8 @@ class Glue {
       out_ += "    default: return bip::kCodelRefuses;\n  }\n}\n";
     }
     for (const auto& [name, owners] : steps) {
-      out_ += fmt::format("\nint {}(int owner, int& report) {{\n  switch (owner) {{\n", codel_function(name));
+      out_ += fmt::format("\n{}int {}{}(int owner, int& report) {{\n  switch (owner) {{\n", scope(), here_,
+                          codel_function(name));
       for (const Owner& o : owners)
         out_ += fmt::format(
             "    case {0}: return g3::run_step(\"{1}\", kCodelOwners[owner], kExceptions, {2}, report, "
@@ -603,10 +640,10 @@ class Glue {
     out_ += fmt::format(
         "\nstatic void take_input(int owner) {{\n  const std::string_view input = "
         "g3::asked_inputs()[kCodelOwners[owner].service];\n"
-        "  switch (owner) {{\n{}    default: return;\n  }}\n}}\nvoid service_begin(int owner) {{ "
+        "  switch (owner) {{\n{0}    default: return;\n  }}\n}}\n{2}void {3}service_begin(int owner) {{ "
         "g3::begin(kCodelOwners[owner], [&] {{ take_input(owner); }}); }}\n"
-        "\nvoid service_end(int owner) {{\n  switch (owner) {{\n{}    default: return;\n  }}\n}}\n",
-        begins, ends);
+        "\n{2}void {3}service_end(int owner) {{\n  switch (owner) {{\n{1}    default: return;\n  }}\n}}\n",
+        begins, ends, scope(), here_);
     if (options_.executive != Executive::Served) return;
     out_ +=
         "\nvoid request_asked(const char* service, const char* input) { g3::note_asked(service, input); }\n"
@@ -635,6 +672,8 @@ class Glue {
   const GenerateOptions& options_;
   std::vector<Plan> plans_;
   std::string out_;
+  // What runs in a module's process has this before its name; and the tables of what crosses processes.
+  std::string here_, posters_, readers_;
   int ports_ = 0;
 };
 

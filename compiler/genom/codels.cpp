@@ -6,21 +6,13 @@
 
 #include <algorithm>
 
+#include "compiler/genom/codel_processes.hpp"
 #include "compiler/genom/generate_package.hpp"
 #include "compiler/genom/names.hpp"
 #include "compiler/genom/plan.hpp"
 
 namespace bip::genom {
 namespace {
-
-struct Function {
-  std::string name;
-  std::string module;
-  bool has_report = false;           // of an activity: returns what is next, and may set a report
-  std::string says;                  // what it is, for a reader
-  std::vector<std::string> answers;  // "EXEC = 2"
-  int first = 0;                     // answer of the skeleton
-};
 
 std::string text_of(const Activity& activity, const Yield& y, bool is_3) {
   switch (y.next) {
@@ -34,16 +26,24 @@ std::string text_of(const Activity& activity, const Yield& y, bool is_3) {
   return {};
 }
 
-void add(std::vector<Function>& all, Function f) {
-  const bool known = std::any_of(all.begin(), all.end(),
-                                 [&](const Function& g) { return g.name == f.name && g.has_report == f.has_report; });
-  if (!known) all.push_back(std::move(f));
+void add(std::vector<CodelFunction>& all, CodelFunction f) {
+  const auto known = std::find_if(
+      all.begin(), all.end(), [&](const CodelFunction& g) { return g.name == f.name && g.has_report == f.has_report; });
+  if (known == all.end()) return all.push_back(std::move(f));
+  known->is_unlimited = known->is_unlimited || f.is_unlimited;
+  known->budget_us = std::max(known->budget_us, f.budget_us);
 }
 
-void add_activity(std::vector<Function>& all, const Module& m, const std::string& owner, const Activity& activity) {
+void add_activity(std::vector<CodelFunction>& all, const Module& m, const std::string& owner,
+                  const Activity& activity) {
   for (const State& s : activity.states) {
     if (!s.codel.name.is_set()) continue;
-    Function f{bip_name(s.codel.name.text), m.name.text, true, fmt::format("{}, state {}", owner, s.name.text), {}, 0};
+    CodelFunction f{.name = bip_name(s.codel.name.text),
+                    .module = m.name.text,
+                    .has_report = true,
+                    .says = fmt::format("{}, state {}", owner, s.name.text),
+                    .is_unlimited = s.codel.is_async && s.codel.budget_us == 0,
+                    .budget_us = s.codel.is_async ? s.codel.budget_us : 0};
     for (const Yield& y : s.yields) {
       if (y.next == Next::Other) continue;
       if (f.answers.empty()) f.first = answer_code(y);
@@ -51,35 +51,6 @@ void add_activity(std::vector<Function>& all, const Module& m, const std::string
     }
     add(all, std::move(f));
   }
-}
-
-std::vector<Function> functions_of(const std::vector<Module>& modules) {
-  std::vector<Function> all;
-  for (const Module& m : modules) {
-    for (const Service& s : m.services) {
-      std::vector<std::string> reports{"OK = 0"};
-      for (std::size_t k = 0; k < s.reports.size(); ++k)
-        reports.push_back(fmt::format("{} = {}", s.reports[k].text, k + 1));
-      if (s.validate.name.is_set())
-        add(all, {bip_name(s.validate.name.text), m.name.text, false, fmt::format("{}, its parameters", s.name.text),
-                  reports, 0});
-      for (const Codel& c : s.body) {
-        if (c.name.is_set()) add(all, {bip_name(c.name.text), m.name.text, false, s.name.text, reports, 0});
-      }
-      add_activity(all, m, s.name.text, s.activity);
-    }
-    for (const Task& t : m.tasks) {
-      if (t.permanent.is_set())
-        add(all, {bip_name(t.permanent.text),
-                  m.name.text,
-                  false,
-                  fmt::format("task {}, in each cycle", t.name.text),
-                  {"OK = 0"},
-                  0});
-      add_activity(all, m, "task " + t.name.text, t.activity);
-    }
-  }
-  return all;
 }
 
 const char* cpp_type(const ValueRow& v) {
@@ -92,7 +63,7 @@ bool has_text_values(const GenerateOptions& options) {
 }
 
 // "inline int codel_goMain(int owner, int& report) { return bip::guarded_step(...); }"
-std::string guarded_text(const Function& f) {
+std::string guarded_text(const CodelFunction& f) {
   return fmt::format(
       "inline int {}(int owner{}) {{ return bip::guarded_{}(\"{}\", kCodelOwners[owner], [&] {{ return {}({}); }}); "
       "}}\n",
@@ -121,11 +92,48 @@ std::string joined(const std::vector<std::string>& parts) {
 
 }  // namespace
 
+std::vector<CodelFunction> functions_of(const std::vector<Module>& modules) {
+  std::vector<CodelFunction> all;
+  for (const Module& m : modules) {
+    for (const Service& s : m.services) {
+      std::vector<std::string> reports{"OK = 0"};
+      for (std::size_t k = 0; k < s.reports.size(); ++k)
+        reports.push_back(fmt::format("{} = {}", s.reports[k].text, k + 1));
+      if (s.validate.name.is_set())
+        add(all, {.name = bip_name(s.validate.name.text),
+                  .module = m.name.text,
+                  .says = fmt::format("{}, its parameters", s.name.text),
+                  .answers = reports});
+      for (const Codel& c : s.body) {
+        if (c.name.is_set())
+          add(all, {.name = bip_name(c.name.text), .module = m.name.text, .says = s.name.text, .answers = reports});
+      }
+      add_activity(all, m, s.name.text, s.activity);
+    }
+    for (const Task& t : m.tasks) {
+      if (t.permanent.is_set())
+        add(all, {.name = bip_name(t.permanent.text),
+                  .module = m.name.text,
+                  .says = fmt::format("task {}, in each cycle", t.name.text),
+                  .answers = {"OK = 0"}});
+      add_activity(all, m, "task " + t.name.text, t.activity);
+    }
+  }
+  return all;
+}
+
 std::string value_function(const Module& module, const ValueRow& value) {
   return bip_name(fmt::format("{}_{}_{}", module.name.text, module.posters[value.poster.poster].name.text, value.name));
 }
 std::string value_function(const std::vector<Module>& modules, const ValueRow& value) {
   return value_function(modules[value.poster.module], value);
+}
+std::string called_value_function(const Module& module, const ValueRow& value, bool has_processes) {
+  return (has_processes ? "codel_value_" : "") + value_function(module, value);
+}
+
+std::string request_function(const GenerateOptions& options, const std::string& what) {
+  return (options.processes.are_own && !options.calls_c ? "codel_request_" : "request_") + what;
 }
 
 std::string codel_prototypes(const std::vector<Module>& modules, const GenerateOptions& options) {
@@ -136,9 +144,10 @@ std::string codel_prototypes(const std::vector<Module>& modules, const GenerateO
                        v.type == ValueType::Int     ? "int"
                        : v.type == ValueType::Float ? "float"
                                                     : "string",
-                       value_function(modules, v));
+                       called_value_function(modules[v.poster.module], v, options.processes.are_own));
   }
-  for (const Function& f : functions_of(modules))
+  if (options.processes.are_own) out += "  extern function service_accepted(const int)\n";
+  for (const CodelFunction& f : functions_of(modules))
     out += fmt::format("  extern function int {}(const int{})\n", codel_function(f.name), f.has_report ? ", int" : "");
   return out;
 }
@@ -157,6 +166,7 @@ std::string codel_header(const std::vector<Module>& modules, const GenerateOptio
   out +=
       "// The others return 0 (OK) or the number of a report. Anything else suspends the task.\n#pragma once\n#include "
       "\"bip/codels.hpp\"\n";
+  if (options.processes.are_own) out += "#include \"bip/codel_processes.hpp\"\n";
   if (options.executive != Executive::Anybody)
     out +=
         "#include \"bip/service_requests.hpp\"\n\nusing bip::request_known;\nusing bip::request_number;\n"
@@ -186,7 +196,7 @@ std::string codel_header(const std::vector<Module>& modules, const GenerateOptio
   for (const ValueRow& v : options.constraints.values)
     out += fmt::format("{} {}();\n", cpp_type(v), value_function(modules, v));
   std::string module;
-  for (const Function& f : functions_of(modules)) {
+  for (const CodelFunction& f : functions_of(modules)) {
     if (options.calls_c) break;  // their own headers
     if (f.module != module) out += fmt::format("\n// ---- {}\n", f.module);
     module = f.module;
@@ -194,13 +204,17 @@ std::string codel_header(const std::vector<Module>& modules, const GenerateOptio
         fmt::format("// {}: {}\nint {}({});\n", f.says, joined(f.answers), f.name, f.has_report ? "int& report" : "");
   }
   out += fmt::format(
-      "\n// ---- What {}.bip calls: an exception ends what its codel belongs to, and nothing else.\n"
+      "\n// ---- What {}.bip calls: {} ends what its codel belongs to, and nothing else.\n"
       "inline constexpr bip::CodelOwner kCodelOwners[] = {{\n{}}};\n",
-      options.package, owners_text(make_plans(modules, options)));
-  for (const Function& f : functions_of(modules))
+      options.package, options.processes.are_own ? "an exception, a signal or an exit" : "an exception",
+      owners_text(make_plans(modules, options)));
+  if (options.processes.are_own) out += process_declarations(modules, options);
+  for (const CodelFunction& f : functions_of(modules)) {
+    if (options.processes.are_own && !options.calls_c) break;  // those that call processes
     out += options.calls_c
                ? fmt::format("int {}(int owner{});\n", codel_function(f.name), f.has_report ? ", int& report" : "")
                : guarded_text(f);
+  }
   if (options.calls_c) out += "void service_begin(int owner);\nvoid service_end(int owner);\n";
   if (options.executive == Executive::Served)
     out +=
@@ -226,7 +240,7 @@ std::string codel_source(const std::vector<Module>& modules, const GenerateOptio
   }
   for (const ValueRow& v : options.constraints.values)
     out += fmt::format("\n{} {}() {{ return {}; }}\n", cpp_type(v), value_function(modules, v), v.values.front());
-  for (const Function& f : functions_of(modules)) {
+  for (const CodelFunction& f : functions_of(modules)) {
     out += fmt::format("\n// {}: {}\nint {}({}) {{ return {}; }}\n", f.says, joined(f.answers), f.name,
                        f.has_report ? "int& /*report*/" : "", f.first);
   }

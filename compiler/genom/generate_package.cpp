@@ -126,7 +126,7 @@ std::string generate(const std::vector<Module>& modules, const GenerateOptions& 
       all.insert(all.end(), requests[m].begin(), requests[m].end());
       if (options.executive == Executive::Served) mailboxes += mailbox_type(plans[m], requests[m]);
     }
-    out.insert(executive_at, executive_type(options.executive, all) + mailboxes);
+    out.insert(executive_at, executive_type(options, all) + mailboxes);
   }
   return out + "end\n";
 }

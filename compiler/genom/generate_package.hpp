@@ -16,11 +16,19 @@ enum class LockGranularity : std::uint8_t { ByGeneration, Module, Codel };
 /// `bipc serve`.
 enum class Executive : std::uint8_t { Anybody, Cpp, Served };
 
+/// Where codels run: with the engine, or those of each module in a process of its own (bip/codel_processes.hpp).
+struct Processes {
+  bool are_own = false;
+  std::int64_t kill_after_us = 0;  // a codel that takes so much longer than its budget is ended; 0: none is
+  std::int64_t memory_mb = 0;      // of each; 0: no limit
+};
+
 struct GenerateOptions {
   Flavour flavour = Flavour::Verification;
   Executive executive = Executive::Anybody;  // another one: execution flavour
   bool calls_c = false;                      // codels are genom3's C functions (c_codels.hpp)
   std::vector<std::string> c_sources;        // and these are their files
+  Processes processes;                       // of codels; execution flavour only
   std::string package;                       // of the execution flavour also the stem of its C++ files
   std::vector<std::string> sources;          // file names, for the first comment
   LockGranularity lock = LockGranularity::ByGeneration;

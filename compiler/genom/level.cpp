@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <map>
 
+#include "compiler/genom/codels.hpp"
 #include "compiler/genom/level_condition.hpp"
 #include "compiler/genom/wires.hpp"
 
@@ -218,7 +219,8 @@ class LevelWriter {
     std::string action;
     if (is_served()) {
       trig.push_back(executives_[s.module] + "." + requests_[s.module][s.service].event);
-      action = fmt::format("if ({0}.asked != \"\") then request_input({0}.asked, {0}.asked_input); fi", trig.back());
+      action = fmt::format("if ({0}.asked != \"\") then {1}({0}.asked, {0}.asked_input); fi", trig.back(),
+                           request_function(options_, "input"));
     }
     for (std::size_t i = 0; i < constraints_.failures.size(); ++i) {
       if (constraints_.failures[i].service == s) trig.push_back(parts_.failures[i] + ".forget");
@@ -329,7 +331,8 @@ class LevelWriter {
     const std::string& executive = executives_[module];
     w.ports.push_back(executive + ".ask");
     w.guard = fmt::format("{}.ask.due_service == \"{}\"", executive, requests_[module][request].text);
-    if (is_served()) w.action = fmt::format("request_asked({0}.ask.due, {0}.ask.due_input)", executive);
+    if (is_served())
+      w.action = fmt::format("{1}({0}.ask.due, {0}.ask.due_input)", executive, request_function(options_, "asked"));
   }
 
   // Either every rule allows it, or one rejects it; then what it interrupts is told.

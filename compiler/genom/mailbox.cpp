@@ -12,6 +12,8 @@
 
 #include <algorithm>
 
+#include "compiler/genom/codels.hpp"
+
 namespace bip::genom {
 namespace {
 
@@ -71,20 +73,20 @@ std::vector<Asked> asked_of(const Plan& plan, std::size_t index, const Constrain
   return all;
 }
 
-std::string executive_type(Executive executive, const std::vector<Asked>& all) {
+std::string executive_type(const GenerateOptions& options, const std::vector<Asked>& all) {
   std::string out =
       "\n  // Of the text of a request: its service, values of its parameters (bip/service_requests.hpp).\n"
       "  extern function string request_service(string)\n"
       "  extern function float request_number(string, int)\n"
       "  extern function string request_word(string, int)\n"
       "  extern function bool request_known(string, string)\n";
-  if (executive == Executive::Served) {
+  if (options.executive == Executive::Served) {
     return out +
            "\n  // What a request came with, as its client wrote it: when it is asked for, for codels that judge it; "
            "and "
-           "once it is accepted.\n"
-           "  extern function request_asked(string, string)\n"
-           "  extern function request_input(string, string)\n"
+           "once it is accepted.\n" +
+           fmt::format("  extern function {}(string, string)\n  extern function {}(string, string)\n",
+                       request_function(options, "asked"), request_function(options, "input")) +
            "\n  port type Asks(string due, string due_service, string due_input, int due_number)\n"
            "  port type Posts(string text, string input, int number)\n"
            "  port type Accepted(string asked, string asked_input, int asked_number)\n"

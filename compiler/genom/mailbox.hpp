@@ -28,7 +28,7 @@ struct Asked {
 /// The requests to a module, in file order, then `Abort`.
 [[nodiscard]] std::vector<Asked> asked_of(const Plan& plan, std::size_t index, const Constraints& constraints);
 /// Port types and C++ functions, and for Executive::Cpp the atom type.
-[[nodiscard]] std::string executive_type(Executive executive, const std::vector<Asked>& all);
+[[nodiscard]] std::string executive_type(const GenerateOptions& options, const std::vector<Asked>& all);
 /// Executive::Served: the atom type of a module's mailbox.
 [[nodiscard]] std::string mailbox_type(const Plan& plan, const std::vector<Asked>& requests);
 

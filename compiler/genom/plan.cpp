@@ -135,6 +135,7 @@ class Planner {
                      (options.lock == LockGranularity::ByGeneration && module.generation == 3);
     plan_.calls = options.flavour == Flavour::Execution;
     plan_.calls_c = options.calls_c;
+    plan_.has_processes = options.processes.are_own;
     plan_.executive = options.executive;
     plan_.type = types_.claim(type_name(module.name.text), "Module");
     plan_.component = bip_name(module.name.text);

@@ -81,9 +81,10 @@ struct PosterPlan {
 
 struct Plan {
   const Module* module = nullptr;
-  bool by_codel = false;  // lock granularity
-  bool calls = false;     // execution flavour: codels are called
-  bool calls_c = false;   // codels get inputs of requests and give outputs
+  bool by_codel = false;       // lock granularity
+  bool calls = false;          // execution flavour: codels are called
+  bool calls_c = false;        // codels get inputs of requests and give outputs
+  bool has_processes = false;  // codels of each module run in a process of its own
   Executive executive = Executive::Anybody;
   bool is_launched_by_rules = false;  // rules say when activities begin
   std::string type;                   // of the module's compound; begins the names of its other types

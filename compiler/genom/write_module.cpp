@@ -140,13 +140,15 @@ std::string ModuleWriter::called(const std::vector<Codel>& codels, std::size_t a
 // What C++ does as a request is accepted.
 std::string ModuleWriter::accepted(const Service& s, std::size_t activity) const {
   const std::string calls = called(s.body, activity, "trig.answer");
-  if (!plan_.calls_c) return calls;
+  const std::string begins =
+      plan_.has_processes ? fmt::format("service_accepted({})", plan_.owner_of_activity(activity)) : "";
+  if (!plan_.calls_c) return begins + (begins.empty() || calls.empty() ? "" : "; ") + calls;
   // The codel that judges the input has read it.
-  std::string action =
-      s.validate.name.is_set() ? "" : fmt::format("service_begin({})", plan_.owner_of_activity(activity));
+  std::string action = begins;
   const auto then = [&](const std::string& more) {
     if (!more.empty()) action += (action.empty() ? "" : action.ends_with("fi") ? " " : "; ") + more;
   };
+  then(s.validate.name.is_set() ? "" : fmt::format("service_begin({})", plan_.owner_of_activity(activity)));
   then(calls);
   const std::string end = fmt::format("service_end({})", plan_.owner_of_activity(activity));
   if (s.kind == ServiceKind::Control)

@@ -42,9 +42,9 @@ void write_poster(std::string& out, const Plan& plan, std::size_t poster) {
     transitions += fmt::format("    on {} from idle to idle do {{ PosterAge = 0;", port);
     std::size_t rest = k;
     for (const ValueRow* v : p.values) {
-      transitions += fmt::format(
-          " {} = {};", bip_name(v->name),
-          plan.calls ? value_function(*plan.module, *v) + "()" : text_of(*v, rest % v->values.size(), false));
+      transitions += fmt::format(" {} = {};", bip_name(v->name),
+                                 plan.calls ? called_value_function(*plan.module, *v, plan.has_processes) + "()"
+                                            : text_of(*v, rest % v->values.size(), false));
       rest /= v->values.size();
     }
     transitions += " }\n";

@@ -39,6 +39,7 @@ void Watchdog::start() {
   thread_ = std::thread([this] { watch(); });
   if (options_.safe_stop == nullptr || options_.set_crash_hook == nullptr) return;
   crash_watchdog.store(this);
+  if (options_.set_module_hook != nullptr) options_.set_module_hook(&Watchdog::on_module_death);
   options_.set_crash_hook(&Watchdog::on_crash);
   static const bool is_set = [] {
     // An exception of another thread, and `std::exit` of the model's C++.
@@ -54,7 +55,10 @@ void Watchdog::start() {
 void Watchdog::halt() {
   if (!thread_.joinable()) return;
   Watchdog* self = this;
-  if (crash_watchdog.compare_exchange_strong(self, nullptr)) options_.set_crash_hook(nullptr);
+  if (crash_watchdog.compare_exchange_strong(self, nullptr)) {
+    options_.set_crash_hook(nullptr);
+    if (options_.set_module_hook != nullptr) options_.set_module_hook(nullptr);
+  }
   quits_ = true;
   changed_.release();
   thread_.join();
@@ -72,6 +76,11 @@ void Watchdog::on_crash(const char* why) {
     const timespec moment{0, 1'000'000};
     ::nanosleep(&moment, nullptr);
   }
+}
+
+// On the thread that has noticed it, which goes on.
+void Watchdog::on_module_death(const char* why) {
+  if (Watchdog* const watchdog = crash_watchdog.load(); watchdog != nullptr) watchdog->stop_robot(why);
 }
 
 void Watchdog::stop_robot(std::string why) {

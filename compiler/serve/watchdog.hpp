@@ -33,6 +33,8 @@ struct WatchOptions {
   const std::atomic<const char*>* (*called_now)() = nullptr;
   /// Sets what the handler of signals that end the process calls, with the reason. May be null.
   void (*set_crash_hook)(void (*hook)(const char* why)) = nullptr;
+  /// Sets what is called when the process of a module has died (bip/codel_processes.hpp). May be null.
+  void (*set_module_hook)(void (*hook)(const char* why)) = nullptr;
 };
 /// What was noticed, in the words of a log.
 struct Alarm {
@@ -68,6 +70,7 @@ class Watchdog {
   void look();
   void do_asked_stops();
   static void on_crash(const char* why);
+  static void on_module_death(const char* why);
   [[nodiscard]] std::int64_t busy_for(std::int64_t now) const;
   void alarm(Alarm::Kind kind, std::int64_t ns, std::string text);
 

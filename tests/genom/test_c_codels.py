@@ -7,6 +7,7 @@ it reads. They are translated, served, and asked as clients ask; every check loo
 import os
 import pathlib
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -142,10 +143,41 @@ def beside(level):
     check("its output comes when it is back", level.final(ponder) == ("OK", {"answer": "forty-two"}), level.replies)
 
 
-def main():
+def restart(level):
+    """A process of a component that dies is replaced: its IDS is new, and the codels that start its task have run."""
+    check("an attribute is set", level.ask("track.set_limit", limit={"high": 3})[0] == "OK")
+    ponder = level.begin("track.ponder", seconds=20)
+    level.next(ponder, "intermediate")
+    nursery = children(level.server.pid)["bip-modules"]
+    before = children(nursery)
+    os.kill(before["track"], signal.SIGKILL)
+    report, told = level.final(ponder)
+    # Its codel has begun, or not yet.
+    check("what ran there fails, also beside its task", report == "codel_exception" and told["codel"] == "ponderStart" and ("ended by SIGKILL" in told["what"] or "started again" in told["what"]), (report, told))
+    check("the IDS is as the start codel left it", (got := level.ask("track.get_drive"))[0] == "OK" and got[1]["drive"]["limit"]["high"] == 2, got)
+    check("what others wrote is read again", (got := level.ask("track.chase")) == ("e_far", {"name": "::track::e_far", "detail": {"distance": -2, "what": "behind"}}), got)
+    after = children(nursery)
+    check("the other component has not noticed", before["eye"] == after["eye"] and before["track"] != after["track"], (before, after))
+
+
+def children(parent):
+    """{name: pid}"""
+    found = {}
+    for stat in pathlib.Path("/proc").glob("[0-9]*/stat"):
+        try:
+            pid, rest = stat.read_text().split(" (", 1)
+        except OSError:
+            continue  # gone meanwhile
+        name, rest = rest.rsplit(") ", 1)
+        if int(rest.split()[1]) == parent:
+            found[name] = int(pid)
+    return found
+
+
+def run(options, parts):
     with tempfile.TemporaryDirectory(prefix="codels-") as work:
         shutil.copytree(HERE, work, dirs_exist_ok=True)
-        made = subprocess.run([BIPC, "genom", "--served", "--codels", "codels/track_codels.c", "--codels", "codels/track_more.cc", "track.gen", "eye.gen", "-o", "m.bip"], cwd=work, capture_output=True, text=True)
+        made = subprocess.run([BIPC, "genom", "--served", *options, "--codels", "codels/track_codels.c", "--codels", "codels/track_more.cc", "track.gen", "eye.gen", "-o", "m.bip"], cwd=work, capture_output=True, text=True)
         check("they are translated", made.returncode == 0, made.stdout + made.stderr)
         # Nothing of them needs what -w hides.
         warned = subprocess.run(["cc", "-std=c99", "-Wall", "-Wextra", "-Wno-array-parameter", "-Werror", "-D_GNU_SOURCE", "-fsyntax-only", "-I.", f"-I{ROOT}/runtime/include", "codels/track_codels.c"], cwd=work, capture_output=True, text=True)
@@ -153,7 +185,7 @@ def main():
         level = Level(work)
         try:
             with level.client:
-                for part in (refusals, values, activities, ports, faults, beside):
+                for part in parts:
                     part(level)
                 level.client.ask("shutdown")
             check("it ends with 0", level.server.wait(20) == 0)
@@ -161,6 +193,13 @@ def main():
             level.server.kill()
         log = pathlib.Path(work, "log").read_text(encoding="utf-8")
         check("the log tells of what was thrown", "codel `oddStart` of track.odd threw an exception: cannot creep" in log and "raised ::genom::syserr" in log, log)
+
+
+def main():
+    parts = (refusals, values, activities, ports, faults, beside)
+    run([], parts)
+    # Nothing is different for a client if components are processes of their own.
+    run(["--processes"], (*parts, restart))
     return finish("codels")
 
 

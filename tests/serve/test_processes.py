@@ -1,0 +1,228 @@
+#!/usr/bin/env python3
+"""Codels in processes of their own under `bipc serve` (compiler/docs/genom.md): what crashes, exits or hangs ends its module, and nothing else.
+
+The same two modules are served twice: with --processes, where each fault is one activity that fails while the other module drives, answers, and is stopped by
+a rule; and without, where the same fault ends the server, so that the test shows what it is for. Python's library only. The last line is "processes: N passed, N failed".
+"""
+import os
+import pathlib
+import signal
+import subprocess
+import tempfile
+import time
+
+from checks import BIPC, Client, check, finish
+
+EYE = """module eye { number: 1; internal_data: DATA; };
+request Init { type: init; exec_task: Look; codel_main: eyeInit; };
+request Address { type: exec; exec_task: Look; codel_main: eyeAddress; };
+request Die { type: exec; exec_task: Look; codel_main: eyeDie; };
+request Exit { type: exec; exec_task: Look; codel_main: eyeExit; };
+request Hang { type: exec; exec_task: Look; codel_main: eyeHang; };
+request Slow { type: exec; exec_task: Slowly; codel_main: eyeSlow; };
+request Watch { type: exec; exec_task: Look; codel_main: eyeWatch; };
+request Count { type: exec; exec_task: Look; codel_control: eyeJudge; codel_main: eyeCount; fail_reports: EMPTY; };
+request Set { type: control; codel_control: eyeSet; };
+exec_task Look { period: 2; };
+exec_task Slowly { period: 2; };
+poster Seen { update: auto; data: s::seen; exec_task: Look; };
+"""
+WHEEL = """module wheel { number: 2; internal_data: DATA; };
+request Drive { type: exec; exec_task: Motion; codel_main: wheelDrive; codel_inter: wheelBrake; };
+request Stop { type: control; interrupt_activity: Drive; };
+request Count { type: exec; exec_task: Motion; codel_main: wheelCount; };
+exec_task Motion { period: 2; };
+"""
+RULES = """rules robot;
+modules "eye.gen", "wheel.gen" with "robot.yields";
+value seen of eye.Seen: 0, 1;
+blind: when eye.Address.failed run wheel.Stop report "BLIND";
+"""
+CODELS = """#include "robot_codels.hpp"
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <thread>
+namespace {
+int count = 0, seen = 0;
+std::string asked, accepted;
+void note(const std::string& what) {
+  std::FILE* file = std::fopen("events", "a");
+  std::fprintf(file, "%s\\n", what.c_str());
+  std::fclose(file);
+}
+}  // namespace
+void request_asked(const char* service, const char* input) { if (!std::strcmp(service, "eye.Count")) asked = input; }
+void request_input(const char* service, const char* input) { if (!std::strcmp(service, "eye.Count")) accepted = input; }
+extern "C" void safe_stop(const char* why) { note(std::string("stop: ") + why); }
+extern "C" const char* bip_poster_value(const char* poster) {
+  static std::string json;
+  json = "{\\"seen\\":" + std::to_string(seen) + "}";
+  return std::strcmp(poster, "eye.Seen") == 0 ? json.c_str() : nullptr;
+}
+int eye_Seen_seen() { return seen; }
+int eyeInit(int&) { return 0; }
+int eyeAddress(int&) { static volatile long nowhere = 0; *reinterpret_cast<volatile int*>(nowhere) = 1; return 0; }
+int eyeDie(int&) { std::abort(); }
+int eyeExit(int&) { std::exit(0); }
+int eyeHang(int&) { std::this_thread::sleep_for(std::chrono::seconds(30)); return 0; }
+int eyeSlow(int&) { std::this_thread::sleep_for(std::chrono::milliseconds(600)); return 0; }
+int eyeWatch(int&) { return 2; }
+int eyeJudge() { return asked == "bad" ? 1 : 0; }
+int eyeCount(int&) { ++seen; note("eye counts " + std::to_string(++count) + " " + accepted); return 0; }
+int eyeSet() { return 0; }
+int wheelDrive(int&) { return 2; }
+int wheelBrake(int&) { return 0; }
+int wheelCount(int&) { note("wheel counts " + std::to_string(++count)); return 0; }
+"""
+
+
+class Level:
+    def __init__(self, work, *options):
+        self.work = work
+        work.mkdir()
+        for name, text in (("eye.gen", EYE), ("wheel.gen", WHEEL), ("robot.rules", RULES), ("robot_codels.cpp", CODELS), ("robot.yields", "codel eyeSlow async 1 s\n")):
+            (work / name).write_text(text, encoding="utf-8")
+        made = subprocess.run([BIPC, "rules", "robot.rules", "--served", "--skeleton", *options, "-o", "robot.bip"], cwd=work, capture_output=True, text=True)
+        assert made.returncode == 0, made.stdout + made.stderr
+        with open(work / "log", "w", encoding="utf-8") as log:
+            self.server = subprocess.Popen([BIPC, "serve", "--asap", "--policy", "fair", "--socket", "s", "--stall-after", "0", "robot.bip"], cwd=work, stdout=log, stderr=log)
+        while "listening" not in self.log():
+            assert self.server.poll() is None, self.log()
+            time.sleep(0.02)
+        here = os.getcwd()
+        os.chdir(work)  # the path of a socket is short
+        self.client = Client("s", 20)
+        os.chdir(here)
+        self.client.ask("subscribe", requests=True)
+        self.replies = {}
+
+    def log(self):
+        return (self.work / "log").read_text(encoding="utf-8")
+
+    def events(self):
+        return (self.work / "events").read_text(encoding="utf-8").splitlines() if (self.work / "events").exists() else []
+
+    def begin(self, service, input=""):
+        answer = self.client.ask("request", service=service, input=input)
+        assert answer["ok"], answer
+        return answer["request"]
+
+    def reply(self, number, kind="final", seconds=20):
+        end = time.monotonic() + seconds
+        while (number, kind) not in self.replies and time.monotonic() < end:
+            try:
+                note = self.client.note(timeout=1)
+            except TimeoutError:
+                continue
+            if note["note"] == "request":
+                self.replies[note["request"], note["reply"]] = note
+        return self.replies.get((number, kind), {"report": f"no {kind} reply"})
+
+    def ask(self, service, input=""):
+        return self.reply(self.begin(service, input))
+
+    def processes(self):
+        """{name: pid} of those below the server."""
+        found, parents = {}, {self.server.pid}
+        for _ in range(2):
+            for stat in pathlib.Path("/proc").glob("[0-9]*/stat"):
+                try:
+                    pid, rest = stat.read_text().split(" (", 1)
+                except OSError:
+                    continue  # gone meanwhile
+                name, rest = rest.rsplit(") ", 1)
+                if int(rest.split()[1]) in parents:
+                    found[name] = int(pid)
+            parents |= set(found.values())
+        return found
+
+
+def revive(level):
+    """After a crash of GenoM 2's module: zombies go, then it is initialised anew."""
+    while level.ask("eye.Abort")["report"] != "UNKNOWN_ACTIVITY":
+        pass
+    check("its init runs again", (got := level.ask("eye.Init"))["report"] == "OK", got)
+
+
+def apart(work):
+    level = Level(work, "--processes", "--kill-after", "300ms")
+    level.ask("eye.Init")
+    check("each module is a process", {"eye", "wheel", "bip-modules"} <= set(level.processes()), level.processes())
+    check("inputs come to the module", level.ask("eye.Count", "3 1")["report"] == "OK" and "eye counts 1 3 1" in level.events(), level.events())
+    check("what is asked is judged there", (got := level.ask("eye.Count", "bad"))["report"] == "CONTROL_CODEL_ERROR" or got["report"] == "EMPTY", got)
+    check("and changes nothing", level.ask("eye.Count")["report"] == "OK" and "eye counts 2 " in level.events(), level.events())
+    check("its poster is shown", (got := level.client.ask("poster", poster="eye.Seen"))["value"] == {"seen": 2}, got)
+    check("unknown ones are not", not (got := level.client.ask("poster", poster="eye.Sun"))["ok"], got)
+    check("what takes its time beside the task is not ended", (got := level.ask("eye.Slow"))["report"] == "OK", got)
+    drive = level.begin("wheel.Drive")
+    level.reply(drive, "intermediate")
+    for fault, what in (("Exit", "ended by exit(0)"), ("Die", "ended by SIGABRT"), ("Hang", "did not answer for 300 ms and was ended"), ("Address", "ended by SIGSEGV")):
+        watch = level.begin("eye.Watch")
+        level.reply(watch, "intermediate")
+        before = level.processes()
+        got = level.ask(f"eye.{fault}")
+        codel = "eye" + fault
+        check(f"{fault} fails", got["report"] == "ACTIVITY_FAILED" and got.get("exception", {}).get("codel") == codel and what in got["exception"]["what"], got)
+        check("the log says which codel of whom, and how", f"warning[R0050]: codel `{codel}` of eye.{fault}: the process of module eye {what}" in level.log(), level.log())
+        check("another activity of its module fails as well", (got := level.reply(watch))["report"] == "ACTIVITY_FAILED" and "started again" in got["exception"]["what"], got)
+        check("the robot is stopped", [e for e in level.events() if e.startswith("stop: ") and codel in e and what in e], level.events())
+        check("the other module has not noticed it", level.processes().get("wheel") == before["wheel"] and level.ask("wheel.Count")["report"] == "OK", level.processes())
+        check("it drives until the rule stops it", fault == "Address" or (drive, "final") not in level.replies, level.replies)
+        revive(level)
+        check("there is another process with fresh data", level.processes().get("eye") != before["eye"] and level.ask("eye.Count")["report"] == "OK" and level.events()[-1].startswith("eye counts 1 "), level.events())
+    check("the rule has seen that it failed", level.reply(drive)["report"] == "ACTIVITY_INTERRUPTED", level.replies)
+    os.kill(level.processes()["wheel"], signal.SIGKILL)
+    check("a process that is killed is replaced", level.ask("wheel.Count")["report"] in ("OK", "ACTIVITY_FAILED") and level.ask("wheel.Abort") and level.ask("wheel.Count")["report"] == "OK", level.log())
+    os.kill(level.processes()["bip-modules"], signal.SIGKILL)
+    level.ask("wheel.Count"), level.ask("wheel.Abort")
+    check("so are all of them", (got := level.ask("wheel.Count"))["report"] == "OK" and {"eye", "wheel", "bip-modules"} <= set(level.processes()), (got, level.log()))
+    pids = level.processes()
+    level.client.ask("shutdown")
+    check("the server ends well", level.server.wait(20) == 0, level.log())
+    check("and the processes with it", not [name for name, pid in pids.items() if os.path.exists(f"/proc/{pid}")], pids)
+
+
+def orphans(work):
+    """A controller that is killed leaves nobody behind."""
+    level = Level(work, "--processes")
+    level.ask("eye.Init")
+    pids = level.processes()
+    level.server.kill()
+    level.server.wait()
+    end = time.monotonic() + 20
+    while (left := [name for name, pid in pids.items() if runs(pid)]) and time.monotonic() < end:
+        time.sleep(0.02)
+    check("a controller that is killed leaves no process", len(pids) == 3 and not left, left)
+
+
+def runs(pid):
+    try:
+        return pathlib.Path(f"/proc/{pid}/stat").read_text().rsplit(") ", 1)[1][0] != "Z"
+    except OSError:
+        return False
+
+
+def together(work):
+    """Without processes the same faults end the server."""
+    for fault, code in (("Address", -signal.SIGSEGV), ("Exit", 0)):
+        level = Level(work / fault)
+        level.ask("eye.Init")
+        level.begin(f"eye.{fault}")
+        check(f"{fault} ends all", (got := level.server.wait(20)) == code, got)
+
+
+def main():
+    with tempfile.TemporaryDirectory(prefix="processes-") as name:
+        work = pathlib.Path(name)
+        apart(work / "apart")
+        orphans(work / "orphans")
+        (work / "together").mkdir()
+        together(work / "together")
+    return finish("processes")
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
