@@ -4,8 +4,8 @@
     tests/genom/test_dala_faults.py [--table]
 
 The rover is a process of its own (models/dala/mission/rover.cpp): it moves by the wall clock as it was last told, whatever becomes of the controller, and writes down what
-is so. Facts are judged by that record alone (`facts`), with no code of the controller's. Each of the two levels, fourteen modules under `bipc serve`, goes through all faults;
-each fact has to hold with the rules and the watchdog, and to be broken without them, else the test shows nothing. --table prints it only.
+is so. Facts are judged by that record alone (`facts`), with no code of the controller's. Each of two levels, fourteen modules under `bipc serve`, goes through all faults, a
+third one, with modules in processes of their own (--processes), through the last one; each fact has to hold with the rules and the watchdog, and to be broken without them, else the test shows nothing. --table prints it only.
 Python's library, and g++ for the rover. The last line is "faults: N passed, N failed".
 """
 import argparse
@@ -40,7 +40,10 @@ FACTS = {"a sharp picture is asked for while it drives": ("s blurred", 0.0, 1.0)
          "the decisional level falls silent": ("m after 1.5 s", 0.6, 1.0),
          "a codel hangs for 4 s": ("m after 0.5 s", 0.6, 1.0),
          "NDD fails: its speed gets old": ("m on an old speed", 0.6, 1.0),
-         "a codel writes to a bad address": ("m after the crash", 0.6, 1.0)}
+         "a codel writes to a bad address": ("m after the crash", 0.6, 1.0),
+         "the same, modules in processes of their own": ("m after the crash", 0.6, 1.0)}
+# Of the level whose modules are processes: all others go through the rest.
+CRASH, APART = list(FACTS)[-2:]
 
 
 def facts(rows, begin, end):
@@ -56,9 +59,9 @@ def facts(rows, begin, end):
 
 
 class Level:
-    """The fourteen modules, served, and a rover; `is_kept`: under dala.rules and a watchdog, else with neither."""
+    """The fourteen modules, served, and a rover; `is_kept`: under dala.rules and a watchdog, else with neither. `generation`: more options of `bipc rules`."""
 
-    def __init__(self, work, is_kept):
+    def __init__(self, work, is_kept, *generation):
         self.work, self.is_kept = work, is_kept
         work.mkdir()
         for name in ("world.hpp", "camera.hpp", "bus.hpp", "dala_codels.cpp", "rover.cpp"):
@@ -73,7 +76,7 @@ class Level:
         (work / "dala.rules").write_text(rules, encoding="utf-8")
         (work / "m.yields").write_text("".join((DALA / name).read_text(encoding="utf-8") for name in ("dala.yields", "mission/async.yields")), encoding="utf-8")
         self.run("g++", "-std=c++20", "-O1", "rover.cpp", "-o", "rover")
-        self.run(BIPC, "rules", "dala.rules", "--yields", "m.yields", "--served", "--skeleton", "--control-period", "2", "-o", "dala.bip")
+        self.run(BIPC, "rules", "dala.rules", "--yields", "m.yields", "--served", "--skeleton", "--control-period", "2", *generation, "-o", "dala.bip")
         self.rover = subprocess.Popen(["./rover", "bus", "record", "6", "0"], cwd=work, stdin=subprocess.PIPE)
         while not (work / "record").exists():
             time.sleep(0.01)
@@ -151,11 +154,14 @@ class Level:
             raise AssertionError("it does not stand")
 
     # ---- the faults, in this order; each a fact and its number
-    def go(self):
+    def begin(self):
         for text in BEGINNINGS:
             number = self.do(text)
             if text[:5] != "Aspec" and "StartAcq" not in text and not self.ended(number, 20):
                 raise AssertionError(f"{text} does not end")
+
+    def go(self):
+        self.begin()
         for _ in range(4):  # pictures to send later
             self.ended(self.do("VIAM.Acquire(Panoramic)"), 10)
         self.do("NDD.GoTo 500 0")
@@ -210,6 +216,33 @@ class Level:
         found[next(names)] = facts(self.rows(), begin, self.now())[2]
         return found
 
+    def go_apart(self):
+        """A crash ends its module, which is started again; the others go on, and so does the controller."""
+        self.begin()
+        self.do("NDD.GoTo 500 0")
+        self.drive(f"RFLEX.GotoPosition {self.rows()[-1][X] + 30} 0")
+        crash = self.ask("Hueblob.SetHue crash")
+        begin = self.now()
+        self.listen(4)
+        found = facts(self.rows(), begin, self.now())[2]
+        self.expect(crash, "SIGSEGV")
+        self.do("Hueblob.Abort")  # the zombie
+        self.expect(self.ask("Hueblob.SetHue red"), "init")  # what it was told before is gone
+        for text in ("Hueblob.Abort", "Hueblob.Init", "Hueblob.SetHue red"):
+            last = self.do(text)
+            self.ended(last, 10)
+        if [r["report"] for r in self.replies[last]] != ["OK", "OK"]:
+            raise AssertionError(f"Hueblob does not go on: {self.replies[last]}, {self.log()[-1500:]}")
+        self.drive()
+        if self.level.poll() is not None or "R0049" not in self.log():
+            raise AssertionError(f"the robot was not stopped: {self.log()[-1500:]}")
+        return {APART: found}
+
+    def expect(self, number, word):
+        """It has failed, with an exception that says so."""
+        if not self.ended(number, 10) or word not in str(self.replies[number][-1].get("exception")):
+            raise AssertionError(f"{word}: {self.replies.get(number)}, {self.log()[-1500:]}")
+
     def end(self):
         if self.level.poll() is None:
             self.level.kill()
@@ -220,28 +253,31 @@ class Level:
 
 def measure(work):
     """{fact: (with rules and watchdog, without)}"""
-    found, problems = {}, []
+    found, problems = {"kept": {}, "free": {}, "apart": {}}, []
 
-    def one(is_kept):
+    def one(name):
         level = None
         try:
-            level = Level(work / ("kept" if is_kept else "free"), is_kept)
-            found[is_kept] = level.go()
+            level = Level(work / name, name != "free", *(["--processes"] if name == "apart" else []))
+            found[name] = level.go_apart() if name == "apart" else level.go()
         except Exception as problem:  # of a thread: told by who waits for it
-            problems.append(f"{'with' if is_kept else 'without'} rules: {problem!r}")
+            problems.append(f"{name}: {problem!r}")
         finally:
             if level is not None:
                 level.end()
 
     work.mkdir(exist_ok=True)
-    threads = [threading.Thread(target=one, args=(is_kept,)) for is_kept in (True, False)]
+    threads = [threading.Thread(target=one, args=(name,)) for name in found]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
     if problems:
         raise AssertionError("; ".join(problems))
-    return {fact: (found[True][fact], found[False][fact]) for fact in FACTS}
+    # Without rules and processes it is the same fault.
+    found["free"][APART] = found["free"][CRASH]
+    found["kept"] |= found["apart"]
+    return {fact: (found["kept"][fact], found["free"][fact]) for fact in FACTS}
 
 
 def print_table(table):

@@ -2,9 +2,9 @@
 // where red rocks are in them. Obstacles are grey, rocks bright red, both a metre high; ground below the horizon, sky
 // above.
 #pragma once
+#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include "world.hpp"
 
@@ -14,10 +14,12 @@ struct Pixel {
   std::uint8_t red, green, blue;
 };
 
+inline constexpr std::size_t kMostPixels = 1280UL * 480;
+
 struct Image {
   int columns = 0, rows = 0;
-  double from = 0, to = 0;      // directions of the first column and past the last one, from the rover's heading
-  std::vector<Pixel> pixels{};  // column after column
+  double from = 0, to = 0;  // directions of the first column and past the last one, from the rover's heading
+  std::array<Pixel, kMostPixels> pixels;  // column after column
 
   [[nodiscard]] double direction(int column) const { return from + (to - from) * column / columns; }
 };
@@ -25,8 +27,10 @@ struct Image {
 inline constexpr double kRockRadius = 0.15;
 
 inline void take(Image& image, const World& w, int columns, int rows, double from, double to) {
-  image = {columns, rows, from, to, std::move(image.pixels)};
-  image.pixels.resize(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+  image.columns = columns;
+  image.rows = rows;
+  image.from = from;
+  image.to = to;
   const double to_rock = std::hypot(w.rock_x - w.x, w.rock_y - w.y),
                rock_at = std::atan2(w.rock_y - w.y, w.rock_x - w.x) - w.heading;
   for (int c = 0; c < columns; ++c) {

@@ -9,11 +9,14 @@
 #include <chrono>
 #include <cstdint>
 #include <fstream>
+#include <map>
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
 #include <thread>
+#include <vector>
 
+#include "bip/shared_object.hpp"
 #include "bus.hpp"
 #include "camera.hpp"
 #include "world.hpp"
@@ -25,14 +28,20 @@ using namespace dala;
 // What is next in an activity; of other codels 0 is OK.
 constexpr int kOk = 0, kEther = 0, kExec = 2, kEnd = 3, kInter = 4;
 
-World& world() {
-  static World w;
-  return w;
-}
-// What VIAM shows in its poster.
-Image& panorama() {
-  static Image image;
-  return image;
+// What modules see also from processes of their own (`bipc rules --processes`); all else here is its module's.
+struct Shared {
+  World world;
+  Image panorama;                       // what VIAM shows in its poster
+  std::atomic<bool> is_stopped{false};  // without a bus
+};
+const bip::SharedObject<Shared> kShared;
+World& world() { return kShared->world; }
+Image& panorama() { return kShared->panorama; }
+
+// What requests came with, as numbers, by service.
+std::map<std::string, std::vector<double>>& arguments() {
+  static std::map<std::string, std::vector<double>> numbers;
+  return numbers;
 }
 
 // Requests for Stereo.SetSource so far: read by a codel that runs beside the engine.
@@ -43,15 +52,12 @@ std::atomic<int>& sources_set() {
 
 // What a request came with, as numbers; `without` if there are too few.
 double input(const char* service, std::size_t k, double without) {
-  const std::vector<double>& numbers = world().arguments[service];
+  const std::vector<double>& numbers = arguments()[service];
   return k < numbers.size() ? numbers[k] : without;
 }
 
 // The rover stands until it is told to move again: set beside everything else (safe_stop).
-std::atomic<bool>& is_stopped() {
-  static std::atomic<bool> stopped{false};
-  return bus() != nullptr ? bus()->is_stopped : stopped;
-}
+std::atomic<bool>& is_stopped() { return bus() != nullptr ? bus()->is_stopped : kShared->is_stopped; }
 // The speed that the wheels are to follow was found now.
 void note_reference() {
   if (bus() != nullptr) bus()->found_at = bus()->now.load();
@@ -76,7 +82,7 @@ void talk_to_rover(Bus& b) {
   w.y = b.y;
   w.heading = b.heading;
   w.v = b.v;
-  w.windows = {{0, 1e9}};
+  w.windows = {{{0, 1e9}, {0, 1e9}}};
   b.wanted_v = w.wanted_v;
   b.wanted_turn = w.wanted_turn;
   b.follows = w.is_tracking;
@@ -113,7 +119,7 @@ void request_asked(const char*, const char*) {}
 // Words are no number: NaN.
 void request_input(const char* service, const char* text) {
   const std::string bare = service;
-  std::vector<double>& numbers = world().arguments[bare.substr(0, bare.find('('))];
+  std::vector<double>& numbers = arguments()[bare.substr(0, bare.find('('))];
   numbers.clear();
   if (bare == "Stereo.SetSource") ++sources_set();
   if (bare == "Hueblob.SetHue") hue() = text;
@@ -430,11 +436,12 @@ int hueblobDetectStart(int&) { return kExec; }
 int hueblobDetectMain(int&) { return kEnd; }
 int hueblobDetectEnd(int&) { return kEther; }
 int hueCheckHue() { return kOk; }
-// Faults: with the word `hang` it takes four seconds, with `crash` it writes where there is nothing, with `throw` it
-// throws.
+// Faults: with the word `hang` it takes four seconds, with `crash` it writes where there is nothing, with `exit` it
+// ends the process, with `throw` it throws.
 int hueblobSetHueMain(int&) {
   if (hue() == "throw") throw std::runtime_error("no such hue");
   if (hue() == "hang") std::this_thread::sleep_for(std::chrono::seconds(4));
+  if (hue() == "exit") std::exit(0);
   static volatile std::uintptr_t nowhere = 0;
   if (hue() == "crash") *reinterpret_cast<volatile int*>(nowhere) = 1;
   return kEther;

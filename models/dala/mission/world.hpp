@@ -1,14 +1,12 @@
 // Where Dala drives: a plane with round obstacles, and the devices of the rover. Metres, seconds, radians; nothing is
 // random.
 //
-// Codels advance it, each its own device in its own period, so that a suspended task leaves its device as it was.
+// Codels advance it, each its own device in its own period, so that a suspended task leaves its device as it was. It
+// has no memory of its own, so that processes can share it.
 #pragma once
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
-#include <string>
-#include <vector>
 
 namespace dala {
 
@@ -41,9 +39,8 @@ struct World {
   double rock_x = 3.4, rock_y = 1.8;
   double fastest = 0.5;  // of NDD
   long cycles = 0;       // of the wheels
-  std::vector<Disc> obstacles{{2.0, 0.1, 0.35}, {4.4, 1.2, 0.4}, {1.2, 2.2, 0.3}, {3.6, 2.6, 0.35}};
-  std::vector<Window> windows{{20, 75}, {79, 400}};
-  std::map<std::string, std::vector<double>> arguments;  // of requests, by service
+  std::array<Disc, 4> obstacles{{{2.0, 0.1, 0.35}, {4.4, 1.2, 0.4}, {1.2, 2.2, 0.3}, {3.6, 2.6, 0.35}}};
+  std::array<Window, 2> windows{{{20, 75}, {79, 400}}};
   double driven = 0, nearest = kRange;
 
   [[nodiscard]] bool orbiter_is_visible() const {
