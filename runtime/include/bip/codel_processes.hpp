@@ -66,7 +66,10 @@ struct alignas(64) ModuleState {
   std::atomic<std::uint32_t> threads{1};  // so many of its channels are in use
   std::atomic<std::uint32_t> served{0};   // calls of this generation
   std::atomic<std::int32_t> pid{0};       // 0: there is none
-  std::atomic<std::int32_t> status{0};    // of the last one that has ended, as `wait` has it
+  std::atomic<std::uint32_t> culprit{0};  // 1 + the channel whose call ends this process; 0: not known
+  // Of the last one that has ended: as `wait` has it, and its culprit.
+  std::atomic<std::int32_t> status{0};
+  std::atomic<std::uint32_t> ended_by{0};
 };
 static_assert(std::atomic<std::uint32_t>::is_always_lock_free && std::atomic<std::int32_t>::is_always_lock_free,
               "processes share them");
@@ -75,6 +78,13 @@ inline long futex(std::atomic<std::uint32_t>& word, int operation, std::uint32_t
   return ::syscall(SYS_futex, reinterpret_cast<std::uint32_t*>(&word), operation, value, timeout, nullptr, 0);
 }
 inline void wake_all(std::atomic<std::uint32_t>& word) { (void)futex(word, FUTEX_WAKE, INT_MAX, nullptr); }
+
+/// In a module: a thread notes that it is what ends the process.
+inline thread_local std::atomic<std::uint32_t>* own_culprit = nullptr;
+inline thread_local std::uint32_t own_channel = 0;
+inline void note_culprit() {
+  if (own_culprit != nullptr) own_culprit->store(own_channel);
+}
 
 /// What became of a process, in words.
 inline std::string death_text(int status) {
@@ -257,14 +267,15 @@ class Level {
     return "the process of module " + std::string(d_.modules[index(module)].name) + " " +
            death_text(state(module).status);
   }
-  // A process may die between two calls.
+  // A process may die between two calls. Whose call has ended it tells of that.
   void notice_death(int module) {
     {
       const std::lock_guard<std::mutex> hold(lock_);
       const std::uint32_t generation = state(module).generation;
       if (std::exchange(books_[index(module)].seen, generation) == generation) return;
     }
-    const std::string why = death_of(module) + " between two calls";
+    if (state(module).ended_by != 0) return;
+    const std::string why = death_of(module);
     std::fprintf(stderr, "warning[R0050]: %s\n", why.c_str());
     if (void (*const hook)(const char*) = on_death.load(); hook != nullptr) hook(why.c_str());
   }
@@ -273,6 +284,8 @@ class Level {
 
   Outcome run(int function, int module, std::uint32_t required, Call& call) {
     if (!start()) return {.why = "no process can be started"};
+    // A task goes on in another process, if not its own codel has ended this one.
+    int retries = call.owner >= 0 && d_.owner_rows[index(call.owner)].is_task ? 1 : -1;
     while (true) {
       notice_death(module);
       const std::uint32_t generation = state(module).generation;
@@ -288,12 +301,15 @@ class Level {
       if (end == Wait::TooLate) {
         outcome.why = "the process of module " + std::string(d_.modules[index(module)].name) + " did not answer for " +
                       std::to_string(d_.functions[index(function)].limit_ms) + " ms and was ended";
+        state(module).culprit = static_cast<std::uint32_t>(k + 1);
         while (state(module).generation == generation) {
           command('k', module, generation);
           watch_nursery();
           std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }
       } else {
+        const std::uint32_t culprit = state(module).ended_by;
+        if (retries >= 0 && culprit != k + 1 && (culprit != 0 || retries-- > 0)) continue;
         outcome.why = death_of(module);
       }
       const std::lock_guard<std::mutex> hold(lock_);
@@ -514,6 +530,7 @@ class Level {
   void note_end(int module, int status) {
     ModuleState& s = state(module);
     s.status = status;
+    s.ended_by = s.culprit.exchange(0);
     s.pid = 0;
     const std::uint32_t next = s.generation + 1;
     s.generation = next;
@@ -601,7 +618,20 @@ class Level {
     (void)::sigprocmask(SIG_SETMASK, &none, nullptr);
     (void)::prctl(PR_SET_NAME, d_.modules[index(module)].name);
     // Handlers and static objects are the controller's.
-    (void)::on_exit([](int status, void*) { end_process(status); }, nullptr);
+    (void)::on_exit(
+        [](int status, void*) {
+          note_culprit();
+          (void)std::fflush(stdout);
+          ::_exit(status);
+        },
+        nullptr);
+    struct sigaction action {};
+    action.sa_handler = [](int number) {
+      note_culprit();
+      (void)::raise(number);
+    };
+    action.sa_flags = static_cast<int>(SA_RESETHAND | SA_NODEFER | SA_ONSTACK);
+    for (const int number : {SIGSEGV, SIGFPE, SIGBUS, SIGABRT, SIGILL}) (void)::sigaction(number, &action, nullptr);
     is_module_ = true;
     const std::uint32_t generation = state(module).generation;
     if (generation > 1) {
@@ -622,11 +652,6 @@ class Level {
     limit_memory();
     serve(module, generation, 0);
   }
-  [[noreturn]] static void end_process(int status) {
-    (void)std::fflush(stdout);
-    ::_exit(status);
-  }
-
   void limit_memory() const {
     if (d_.memory_mb <= 0) return;
     unsigned long pages[6] = {};
@@ -658,6 +683,14 @@ class Level {
     Channel& c = channel(module, k);
     const std::uint32_t theirs = 2 * generation, mine = theirs + 1;
     std::string bytes, reply;
+    own_culprit = &state(module).culprit;
+    own_channel = static_cast<std::uint32_t>(k + 1);
+    // For a handler when the stack is full.
+    std::vector<std::byte> more_stack(1 << 16);
+    stack_t handlers{};
+    handlers.ss_sp = more_stack.data();
+    handlers.ss_size = more_stack.size();
+    (void)::sigaltstack(&handlers, nullptr);
     while (true) {
       bytes.clear();
       if (receive(c, mine, theirs, bytes, {}) != Wait::MyTurn) ::_exit(0);

@@ -25,6 +25,7 @@ std::atomic<std::uint64_t> poster_version{0};
 
 struct Meeting {
   std::atomic<int> arrived{0};
+  std::atomic<bool> waits{false};
 };
 const bip::SharedObject<Meeting> kMeeting;
 
@@ -34,7 +35,22 @@ enum Owner : int { kGo, kInit, kTask, kOther };
 constexpr ModuleRow kPlain[] = {{"a", false}, {"b", false}};
 constexpr ModuleRow kWithInit[] = {{"a", true}, {"b", false}};
 
-enum Function : int { kCount, kCrash, kExit, kHang, kEcho, kWrite, kRead, kMeet, kPid, kGrow, kStart, kNote };
+enum Function : int {
+  kCount,
+  kCrash,
+  kExit,
+  kHang,
+  kEcho,
+  kWrite,
+  kRead,
+  kMeet,
+  kPid,
+  kGrow,
+  kStart,
+  kLinger,
+  kCrashBeside,
+  kNote
+};
 constexpr FunctionRow kFunctions[] = {
     {"count", 0, [](Call& call) { call.answer = ++ids; }},
     {"crash", 0, [](Call&) { (void)::raise(SIGSEGV); }},
@@ -61,6 +77,17 @@ constexpr FunctionRow kFunctions[] = {
        std::free(memory);
      }},
     {"start", 0, [](Call&) { ids = 100; }},
+    // Stays in the first process for ever, in another one not at all.
+    {"linger", 0,
+     [](Call& call) {
+       if (!kMeeting->waits.exchange(true)) std::this_thread::sleep_for(std::chrono::seconds(600));
+       call.answer = 5;
+     }},
+    {"crash beside", 0,
+     [](Call&) {
+       while (!kMeeting->waits) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+       (void)::raise(SIGSEGV);
+     }},
     {"note", 0, [](Call& call) { bip::activity_notes().note(kOwners[call.owner].name, "\"output\":1"); }},
 };
 constexpr StartRow kStarts[] = {{kStart, kTask}};
@@ -168,11 +195,36 @@ TEST_CASE("a death between two calls is noticed") {
   REQUIRE(::kill(before, SIGKILL) == 0);
   // Until the process that started it has buried it, the call is the one that meets the death.
   int answer = 0;
-  for (int k = 0; k < 1000 && (answer = step(level, kCount, kGo)) != bip::kCodelThrew; ++k) {
+  for (int k = 0; k < 100000 && (answer = step(level, kCount, kGo)) != bip::kCodelThrew; ++k) {
   }
   CHECK(answer == bip::kCodelThrew);
   CHECK(contains(why, "the process of module a ended by SIGKILL"));
   CHECK(pid_of(level, 0) != before);
+}
+
+TEST_CASE("a task goes on when something else has ended its process") {
+  Level level(plain());
+  static std::atomic<int> deaths{0};
+  deaths = 0;
+  level.on_death = [](const char*) { ++deaths; };
+  level.accepted(kGo);
+  CHECK(step(level, kCount, kGo) == 1);
+  kMeeting->waits = false;
+  int task = 0;
+  std::thread beside([&] { task = step(level, kLinger, kTask); });
+  CHECK(step(level, kCrashBeside, kGo) == bip::kCodelThrew);
+  beside.join();
+  CHECK(task == 5);
+  CHECK(deaths == 1);
+  CHECK(contains(exception_of(kGo), "ended by SIGSEGV"));
+  // Nobody of the module has ended this one.
+  kMeeting->waits = false;
+  std::thread again([&] { task = step(level, kLinger, kTask); });
+  while (!kMeeting->waits) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  REQUIRE(::kill(pid_of(level, 0), SIGKILL) == 0);
+  again.join();
+  CHECK(task == 5);
+  CHECK(deaths == 2);
 }
 
 TEST_CASE("after a restart activities wait for the init of their module") {
