@@ -31,11 +31,13 @@ WHEEL = """module wheel { number: 2; internal_data: DATA; };
 request Drive { type: exec; exec_task: Motion; codel_main: wheelDrive; codel_inter: wheelBrake; };
 request Stop { type: control; interrupt_activity: Drive; };
 request Count { type: exec; exec_task: Motion; codel_main: wheelCount; };
+request Peek { type: exec; exec_task: Motion; codel_main: wheelPeek; };
 exec_task Motion { period: 2; };
 """
 RULES = """rules robot;
 modules "eye.gen", "wheel.gen" with "robot.yields";
 value seen of eye.Seen: 0, 1;
+enough: wheel.Peek requires eye.Seen.seen < 2 report "SEEN-ENOUGH";
 blind: when eye.Address.failed run wheel.Stop report "BLIND";
 """
 CODELS = """#include "robot_codels.hpp"
@@ -68,13 +70,14 @@ int eyeAddress(int&) { static volatile long nowhere = 0; *reinterpret_cast<volat
 int eyeDie(int&) { std::abort(); }
 int eyeExit(int&) { std::exit(0); }
 int eyeHang(int&) { std::this_thread::sleep_for(std::chrono::seconds(30)); return 0; }
-int eyeSlow(int&) { std::this_thread::sleep_for(std::chrono::milliseconds(600)); return 0; }
+int eyeSlow(int&) { std::this_thread::sleep_for(std::chrono::milliseconds(2500)); return 0; }
 int eyeWatch(int&) { return 2; }
 int eyeJudge() { return asked == "bad" ? 1 : 0; }
 int eyeCount(int&) { ++seen; note("eye counts " + std::to_string(++count) + " " + accepted); return 0; }
 int eyeSet() { return 0; }
 int wheelDrive(int&) { return 2; }
 int wheelBrake(int&) { return 0; }
+int wheelPeek(int&) { return 0; }
 int wheelCount(int&) { note("wheel counts " + std::to_string(++count)); return 0; }
 """
 
@@ -83,7 +86,7 @@ class Level:
     def __init__(self, work, *options):
         self.work = work
         work.mkdir()
-        for name, text in (("eye.gen", EYE), ("wheel.gen", WHEEL), ("robot.rules", RULES), ("robot_codels.cpp", CODELS), ("robot.yields", "codel eyeSlow async 1 s\n")):
+        for name, text in (("eye.gen", EYE), ("wheel.gen", WHEEL), ("robot.rules", RULES), ("robot_codels.cpp", CODELS), ("robot.yields", "codel eyeSlow async 10 s\n")):
             (work / name).write_text(text, encoding="utf-8")
         made = subprocess.run([BIPC, "rules", "robot.rules", "--served", "--skeleton", *options, "-o", "robot.bip"], cwd=work, capture_output=True, text=True)
         assert made.returncode == 0, made.stdout + made.stderr
@@ -148,18 +151,20 @@ def revive(level):
 
 
 def apart(work):
-    level = Level(work, "--processes", "--kill-after", "300ms")
+    level = Level(work, "--processes", "--kill-after", "2s")
     level.ask("eye.Init")
     check("each module is a process", {"eye", "wheel", "bip-modules"} <= set(level.processes()), level.processes())
+    check("a rule asks its process what its poster holds", (got := level.ask("wheel.Peek"))["report"] == "OK", got)
     check("inputs come to the module", level.ask("eye.Count", "3 1")["report"] == "OK" and "eye counts 1 3 1" in level.events(), level.events())
     check("what is asked is judged there", (got := level.ask("eye.Count", "bad"))["report"] == "CONTROL_CODEL_ERROR" or got["report"] == "EMPTY", got)
     check("and changes nothing", level.ask("eye.Count")["report"] == "OK" and "eye counts 2 " in level.events(), level.events())
+    check("and hears of what is new", (got := level.ask("wheel.Peek"))["report"] == "SEEN-ENOUGH", got)
     check("its poster is shown", (got := level.client.ask("poster", poster="eye.Seen"))["value"] == {"seen": 2}, got)
     check("unknown ones are not", not (got := level.client.ask("poster", poster="eye.Sun"))["ok"], got)
     check("what takes its time beside the task is not ended", (got := level.ask("eye.Slow"))["report"] == "OK", got)
     drive = level.begin("wheel.Drive")
     level.reply(drive, "intermediate")
-    for fault, what in (("Exit", "ended by exit(0)"), ("Die", "ended by SIGABRT"), ("Hang", "did not answer for 300 ms and was ended"), ("Address", "ended by SIGSEGV")):
+    for fault, what in (("Exit", "ended by exit(0)"), ("Die", "ended by SIGABRT"), ("Hang", "did not answer for 2000 ms and was ended"), ("Address", "ended by SIGSEGV")):
         watch = level.begin("eye.Watch")
         level.reply(watch, "intermediate")
         before = level.processes()
