@@ -182,6 +182,9 @@ def run(options, parts):
         # Nothing of them needs what -w hides.
         warned = subprocess.run(["cc", "-std=c99", "-Wall", "-Wextra", "-Wno-array-parameter", "-Werror", "-D_GNU_SOURCE", "-fsyntax-only", "-I.", f"-I{ROOT}/runtime/include", "codels/track_codels.c"], cwd=work, capture_output=True, text=True)
         check("the headers are plain C", warned.returncode == 0, warned.stderr)
+        for clang in filter(None, map(shutil.which, ("clang++", "clang++-19"))):
+            read = subprocess.run([clang, "-std=c++20", "-w", "-fsyntax-only", "-I.", f"-I{ROOT}/runtime/include", "m_codels.cpp"], cwd=work, capture_output=True, text=True)
+            check(f"{clang} compiles what calls them", read.returncode == 0, read.stderr)
         level = Level(work)
         try:
             with level.client:

@@ -24,19 +24,25 @@
 namespace bip::genom3 {
 
 /// A JSON value. Numbers stay texts, so that 64 bits are kept.
+struct JsonMember;
 struct Json {
   enum class Kind { Null, Bool, Number, Text, Array, Object } kind = Kind::Null;
   bool is_true = false;
   std::string text;
   std::vector<Json> items;
-  std::vector<std::pair<std::string, Json>> members;
-  [[nodiscard]] const Json* find(std::string_view name) const {
-    for (const auto& [key, value] : members) {
-      if (key == name) return &value;
-    }
-    return nullptr;
-  }
+  std::vector<JsonMember> members;
+  [[nodiscard]] const Json* find(std::string_view name) const;
 };
+struct JsonMember {
+  std::string name;
+  Json value;
+};
+inline const Json* Json::find(std::string_view name) const {
+  for (const JsonMember& member : members) {
+    if (member.name == name) return &member.value;
+  }
+  return nullptr;
+}
 
 /// Throws std::runtime_error with what is wrong and where.
 class JsonReader {
@@ -80,7 +86,7 @@ class JsonReader {
         if (!v.members.empty()) expect(',', "`,`");
         std::string name = string();
         expect(':', "`:`");
-        v.members.emplace_back(std::move(name), value(depth + 1));
+        v.members.push_back({std::move(name), value(depth + 1)});
       }
       return v;
     }
@@ -329,10 +335,10 @@ void from_json(const Json& json, T& v, const std::string& where) {
       from_json(*given, member, where + "." + name);
     });
     if (known == json.members.size() + json.items.size()) return;
-    for (const auto& [name, value] : json.members) {
+    for (const JsonMember& given : json.members) {
       bool is_member = false;
-      genom_members(v, [&](const char* member, auto&) { is_member = is_member || name == member; });
-      if (!is_member) refuse(where, "has no member `" + name + "`");
+      genom_members(v, [&](const char* member, auto&) { is_member = is_member || given.name == member; });
+      if (!is_member) refuse(where, "has no member `" + given.name + "`");
     }
     refuse(where, "has too many values");
   } else {
