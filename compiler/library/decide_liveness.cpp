@@ -14,7 +14,7 @@
 #include "compiler/pipeline/limits.hpp"
 #include "compiler/system/uses_time.hpp"
 #include "compiler/verify/evidence/counterexample_text.hpp"
-#include "compiler/verify/liveness/liveness.hpp"
+#include "compiler/verify/liveness/decide_runs.hpp"
 #include "compiler/verify/net/unread_data.hpp"
 #include "runtime/explore/counterexample.hpp"
 #include "runtime/trace/trace.hpp"
@@ -24,10 +24,10 @@ namespace bip::library {
 namespace {
 
 // What has no answer yet is said. False: it was.
-bool is_decided_by_graph(const VerifyRequest& request, Compilation& c) {
+bool has_an_engine(const VerifyRequest& request, Compilation& c) {
   if (request.wants_certificate) {
     c.diags.report(Diag::kB1900, c.root_range, "a certificate for a property of runs")
-        .help("without `--certificate` the property is decided on all reachable states");
+        .help("without `--certificate` the property is decided");
     return false;
   }
   if (const std::string what = system::first_timed(*c.system); !what.empty()) {
@@ -112,40 +112,56 @@ std::string violated_text(const rt::Image& image, const verify::Question& questi
   return text;
 }
 
+// What the circuit showed, and of how much of the system.
+std::string proof_text(const verify::Question& question, const VerifyRequest& request,
+                       const verify::KLivenessProof& proof, std::size_t atoms) {
+  const std::string part = proof.atoms == atoms ? rt::counted(atoms, "component")
+                                                : fmt::format("{} of {}", proof.atoms, rt::counted(atoms, "component"));
+  std::string text =
+      verify::is_invariant_of_past(question.formula)
+          ? fmt::format("holds: `{}`: true at each point of all runs, by IC3 on {}\n", question.formula.text, part)
+          : fmt::format("holds: `{}`: true of all runs, by k-liveness: at most {} on {} ({})\n", question.formula.text,
+                        rt::counted(proof.rounds, "round"), part, fairness_text(request.fairness));
+  if (proof.may_have_errors) text += "note: runs that end in a run-time error were not looked at\n";
+  return text;
+}
+
 }  // namespace
 
 Verdict decide_liveness(const VerifyRequest& request, Compilation& c, const verify::Question& question,
                         const std::string& note, const verify::CancellationToken& token, const verify::Report& report) {
   Verdict verdict;
-  if (!is_decided_by_graph(request, c)) return verdict;
-  verify::LivenessResult found;
+  if (!has_an_engine(request, c)) return verdict;
   Executor executor(MachineCode::Fresh);
-  if (calls_cpp(*c.system)) {
-    found.reason = "what the model's C++ remembers is part of no state, so no cycle of states is known";
-  } else {
-    if (!executor.prepare(c, request.backend, Optimisation::Auto)) return verdict;
-    verify::LivenessOptions options;
-    options.fairness = request.fairness;
-    options.megabytes = static_cast<std::size_t>(request.megabytes);
-    options.cancellation = token.within(request.timeout);
-    options.unread_cells = verify::find_unread_cells(*c.system, c.lowered->image, data_of(question));
-    options.report = report;
-    found = verify::decide_liveness(question.formula, c.lowered->image, options);
-  }
+  const bool has_graph = !calls_cpp(*c.system);
+  if (has_graph && !executor.prepare(c, request.backend, Optimisation::Auto)) return verdict;
+  verify::LivenessOptions options;
+  options.fairness = request.fairness;
+  options.megabytes = static_cast<std::size_t>(request.megabytes);
+  options.cancellation = token.within(request.timeout);
+  if (has_graph) options.unread_cells = verify::find_unread_cells(*c.system, c.lowered->image, data_of(question));
+  options.report = report;
+  const verify::RunsDecision decision =
+      verify::decide_runs(question.formula, *c.system, c.lowered->image,
+                          has_graph ? verify::StateAccess::Searchable : verify::StateAccess::CallsCpp, options);
+  const verify::LivenessResult& found = decision.on_graph;
+  // Null as well for what is true of any run.
+  const verify::KLivenessProof* proof = decision.proof && decision.proof->atoms != 0 ? &*decision.proof : nullptr;
   nlohmann::ordered_json json{{"format", "bipc-verdict"}, {"version", 1}};
   const std::string states = rt::counted(found.states, "reachable state");
   // Finite runs decide it, so fairness does not matter.
   const bool is_invariant = verify::is_invariant_of_past(question.formula);
-  switch (found.outcome) {
+  switch (decision.outcome) {
     case verify::Outcome::Holds:
       verdict.exit_code = kOk;
       verdict.text =
-          found.states == 0 ? fmt::format("holds: `{}`: true of any run of any model\n", question.formula.text)
+          proof != nullptr    ? proof_text(question, request, *proof, c.system->atoms.size())
+          : found.states == 0 ? fmt::format("holds: `{}`: true of any run of any model\n", question.formula.text)
           : is_invariant
               ? fmt::format("holds: `{}`: true at each point of all runs through {}\n", question.formula.text, states)
               : fmt::format("holds: `{}`: true of all runs through {} ({})\n", question.formula.text, states,
                             fairness_text(request.fairness));
-      if (found.has_errors) verdict.text += kEndsInError;
+      if (found.has_errors && proof == nullptr) verdict.text += kEndsInError;
       json["verdict"] = "holds";
       break;
     case verify::Outcome::Violated:
@@ -155,7 +171,7 @@ Verdict decide_liveness(const VerifyRequest& request, Compilation& c, const veri
       break;
     case verify::Outcome::Unknown:
       verdict.exit_code = kUnknown;
-      verdict.text = "unknown: " + found.reason + '\n';
+      verdict.text = "unknown: " + decision.reason + '\n';
       if (found.states != 0) verdict.text += "no violation among the runs through " + states + '\n';
       json["verdict"] = "unknown";
       break;
@@ -163,9 +179,14 @@ Verdict decide_liveness(const VerifyRequest& request, Compilation& c, const veri
   verdict.text += note;
   json["property"] = question.formula.text;
   if (!is_invariant) json["fairness"] = verify::name_of(request.fairness);
-  if (found.outcome == verify::Outcome::Holds) json["method"] = "runs";
-  if (found.states != 0) json["states"] = found.states;
-  if (found.outcome == verify::Outcome::Violated) {
+  if (decision.outcome == verify::Outcome::Holds) json["method"] = proof != nullptr ? "k-liveness" : "runs";
+  if (proof != nullptr) {
+    if (!is_invariant) json["rounds"] = proof->rounds;
+    json["components"] = proof->atoms;
+  }
+  // Of a proof on the circuit no states are known.
+  if (found.states != 0 && proof == nullptr) json["states"] = found.states;
+  if (decision.outcome == verify::Outcome::Violated) {
     json["steps"] = found.choices.size();
     json["choices"] = found.choices;
     if (!found.is_prefix) json["cycle"] = found.cycle;
@@ -181,7 +202,7 @@ Verdict decide_liveness(const VerifyRequest& request, Compilation& c, const veri
           rt::trace_of_counterexample(c.lowered->image, rt::MaximalProgress::On, found.choices, rt::TraceFormat::Json);
     verdict.counterexample = std::move(run);
   }
-  if (found.outcome == verify::Outcome::Unknown) json["reason"] = found.reason;
+  if (decision.outcome == verify::Outcome::Unknown) json["reason"] = decision.reason;
   json["text"] = verdict.text;
   if (request.stats) {
     verdict.text += fmt::format("{}, {}; automaton of {}, product of {}\n", rt::counted(found.states, "state"),
@@ -190,6 +211,12 @@ Verdict decide_liveness(const VerifyRequest& request, Compilation& c, const veri
     json["graph"] = {{"states", found.states}, {"steps", found.steps}};
     json["automaton"] = found.automaton_states;
     json["product"] = found.nodes;
+    if (proof != nullptr) {
+      verdict.text += fmt::format("{} in {}; {} of fairness\n", rt::counted(proof->lemmas, "lemma"),
+                                  rt::counted(proof->frames, "frame"), rt::counted(proof->units, "unit"));
+      json["lemmas"] = proof->lemmas;
+      json["frames"] = proof->frames;
+    }
   }
   verdict.json = json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
   verdict.is_answered = true;

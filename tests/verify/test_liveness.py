@@ -6,9 +6,11 @@
 Each system is asked three properties, each with one kind of fairness. The oracle enumerates states by semantics of its own and
 decides by another method: positions of a run are (state, what was true at the position before, step, promises for the next
 position), truth comes from the memory and the promises (Lichtenstein, Pnueli 1985), and strong fairness by trying every set of interactions that are impossible from some point on. A
-violation that bipc reports is followed step by step: the cycle must close, be fair, and violate the property. Prints the text of
+violation that bipc reports is followed step by step: the cycle must close, be fair, and violate the property. The circuit is asked
+alone, too (bip-prove-runs): it must not prove what is violated, and prove some of what holds. Prints the text of
 a system with another answer. BIPC names the program, JOBS the number of processes. Python's library only. To see it go red: let
-`covers` in compiler/verify/liveness/automaton.cpp ignore `postponed`, or count no unit in `is_accepting` of components.cpp.
+`covers` in compiler/verify/liveness/automaton.cpp ignore `postponed`, or count no unit in `is_accepting` of components.cpp, or
+let `add_end` of round_monitor.cpp add no step.
 """
 import collections
 import concurrent.futures
@@ -25,6 +27,7 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 BUILD = pathlib.Path(os.environ.get("BUILD") or os.environ.get("BIPC_BUILD_DIR") or ROOT / "build").resolve()
 BIPC = os.environ.get("BIPC") or str(BUILD / "bipc")
+PROVER = str(BUILD / "bip-prove-runs")
 MOST_STATES, MOST_NODES = 60, 6000
 PROPERTIES_OF_A_SYSTEM = 3
 
@@ -489,7 +492,7 @@ def check(seed):
     atoms, connectors, rule = make_system(r)
     text = text_of(atoms, connectors, rule)
     graph = Graph(atoms, connectors, rule)
-    kinds, problems = [], []
+    kinds, problems, asked_of_circuit = [], [], []
     if len(graph.states) > MOST_STATES:
         return ["large"], ""
     with tempfile.TemporaryDirectory() as folder:
@@ -530,6 +533,18 @@ def check(seed):
                     difference = f"it does not hold under {helpful}"
             if difference:
                 problems.append(f"`{asked}` --fair={fairness}: {difference}\n{verdict['text']}")
+            asked_of_circuit.append((fairness, asked, expected, is_invariant_of_past(formula)))
+        done = subprocess.run([PROVER, path], input="".join(f"{fairness} {asked}\n" for fairness, asked, _, _ in asked_of_circuit),
+                              capture_output=True, text=True, timeout=120)
+        answers = done.stdout.splitlines()
+        if len(answers) != len(asked_of_circuit):
+            problems.append(f"bip-prove-runs: {len(answers)} answers\n{done.stderr}")
+        for (fairness, asked, expected, is_invariant), answer in zip(asked_of_circuit, answers):
+            is_proved = answer.startswith("holds")
+            if is_proved and expected:
+                problems.append(f"`{asked}` --fair={fairness}: the circuit says `{answer}`, the oracle says violated")
+            if not expected:
+                kinds.append(f"circuit, {'invariant of past' if is_invariant else fairness.split(':')[0]}: {'proved' if is_proved else 'open'}")
     return kinds, f"seed {seed}: " + "\n".join(problems) + f"\n{text}" if problems else ""
 
 
@@ -546,6 +561,10 @@ def main():
     print(", ".join(f"{kind}: {n}" for kind, n in sorted(kinds.items())))
     # What decides nothing is no test.
     needed = [f"{kind} {verdict}" for kind in ("none", "weak", "strong", "invariant of past") for verdict in ("holds", "violated")]
+    proved = [f"circuit, {kind}: proved" for kind in ("none", "weak", "strong", "invariant of past")]
+    if count >= 100 and any(kinds[kind] < count // 30 for kind in proved):
+        bad += 1
+        print("the circuit proved too few")
     if count >= 100 and (kinds["large"] > count or any(kinds[kind] < count // 20 for kind in needed)):
         bad += 1
         print("too few questions of some kind")

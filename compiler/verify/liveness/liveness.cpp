@@ -206,7 +206,8 @@ class LivenessDecision {
     return Product::fits(graph_.states(), automaton_) &&
            graph_.bytes() + nodes * AcceptingComponent::kBytesPerNode <= options_.megabytes * kMegabyte;
   }
-  [[nodiscard]] std::string reason_of(rt::ExploreEnd end) const {
+  std::string reason_of(rt::ExploreEnd end) {
+    result_.is_out_of_time = end != rt::ExploreEnd::Memory;
     if (end == rt::ExploreEnd::Memory) return "the memory does not suffice";
     return options_.cancellation.is_cancelled() ? "interrupted" : "the time is over";
   }

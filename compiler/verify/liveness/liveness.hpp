@@ -29,6 +29,7 @@ struct LivenessOptions {
 struct LivenessResult {
   Outcome outcome = Outcome::Unknown;
   std::string reason;                              // Unknown
+  bool is_out_of_time = false;                     // Unknown: with more time it may be decided
   std::uint64_t states = 0, steps = 0, nodes = 0;  // of the graph so far, of the product
   std::uint32_t automaton_states = 0;
   bool has_errors = false;              // a step of the graph ends in a run-time error

@@ -44,7 +44,7 @@ class Ic3 {
         if (bad_state == Answer::Unknown) return std::move(answer_);
         if (bad_state == Answer::Unsatisfiable) break;
         const u32 obligation = static_cast<u32>(obligations_.size());
-        obligations_.push_back({lifted_bad_cube(), last_frame(), kNoRow, chosen_step()});
+        obligations_.push_back({lifted_bad_cube(), last_frame(), kNoRow, chosen_step(), {}});
         if (last_frame() == 0 || meets_initial(obligations_[obligation].cube, system_))
           return counterexample(obligation);
         const std::optional<u32> first = block_cube(obligation);
@@ -68,15 +68,18 @@ class Ic3 {
   struct ProofObligation {
     Cube cube;
     u32 frame = 0;
-    u32 next = kNoRow;  // the obligation that `step` leads to
-    u32 step = kNoRow;  // row of TransitionSystem::steps
+    u32 next = kNoRow;                // the obligation that `step` leads to
+    u32 step = kNoRow;                // row of TransitionSystem::steps
+    std::vector<Signal> inputs = {};  // that are 1 in this step; only for observed signals
   };
 
   [[nodiscard]] u32 last_frame() const { return static_cast<u32>(frames_.size()) - 1; }
 
   // Encodes the cone of influence of the bad states in both solvers, and the initial states as frame F_0.
   void encode() {
-    const ConeOfInfluence cone = cone_of_influence(system_, {problem_.bad});
+    std::vector<Signal> roots = problem_.observed;
+    roots.push_back(problem_.bad);
+    const ConeOfInfluence cone = cone_of_influence(system_, roots);
     for (u32 bit = 0; bit < system_.bits.size(); ++bit) {
       if (cone.bits[bit] != 0) bits_.push_back(bit);
     }
@@ -102,6 +105,7 @@ class Ic3 {
       free_inputs_.push_back(input);
     }
     for (u32 bit : bits_) std::erase(free_inputs_, system_.bits[bit].now);
+    find_traced_inputs();
     add_frame();
     for (u32 bit : bits_) {
       const std::int8_t initial = system_.bits[bit].initial;
@@ -109,10 +113,33 @@ class Ic3 {
     }
   }
 
+  // All inputs of the step that observed signals and the next state depend on.
+  void find_traced_inputs() {
+    if (problem_.observed.empty()) return;
+    for (const Signal signal : problem_.observed) (void)cnf_.literal(signal);
+    std::vector<std::uint8_t> is_bit(system_.aig.size(), 0);
+    for (const u32 bit : bits_) is_bit[node_of(system_.bits[bit].now)] = 1;
+    for (u32 node = 1; node < system_.aig.size(); ++node) {
+      const Signal input = node << 1;
+      if (system_.aig.is_input(node) && is_bit[node] == 0 && cnf_.encoded(input) != 0) traced_inputs_.push_back(input);
+    }
+  }
+  [[nodiscard]] std::vector<Signal> inputs_of_model() const {
+    std::vector<Signal> inputs;
+    for (const Signal input : traced_inputs_) {
+      if (solver_.is_true(cnf_.encoded(input))) inputs.push_back(input);
+    }
+    return inputs;
+  }
+
   // The transition relation: exactly one chosen step, which is possible and ends in no fault. Bad states are also asked
   // for without a step, so all this stands behind an activation literal.
   void encode_transitions(const ConeOfInfluence& cone) {
     transition_activation_ = solver_.new_variable();
+    if (problem_.constraint != kTrue) {
+      solver_.add({-transition_activation_, cnf_.literal(problem_.constraint)});
+      lift_constraint_ = lift_cnf_.literal(problem_.constraint);
+    }
     std::vector<Lit> chosen, lift_chosen;
     bool all_relevant = true;
     for (u32 row = 0; row < system_.steps.size(); ++row) {
@@ -243,6 +270,7 @@ class Ic3 {
     std::vector<Lit> target_fails;
     for (u32 cube_literal : successor) target_fails.push_back(-literal_of(lift_next_, cube_literal));
     if (step != kNoRow) target_fails.push_back(-lift_cnf_.literal(system_.steps[step].fine));
+    if (lift_constraint_ != 0) target_fails.push_back(-lift_constraint_);
     return lift(target_fails);
   }
 
@@ -363,7 +391,8 @@ class Ic3 {
       if (answer == Answer::Satisfiable) {
         // A predecessor in F_{frame-1}: a new obligation one frame below, and this one again after it.
         const u32 step = chosen_step();
-        ProofObligation predecessor{lifted_predecessor(obligations_[current].cube, step), frame - 1, current, step};
+        ProofObligation predecessor{lifted_predecessor(obligations_[current].cube, step), frame - 1, current, step,
+                                    inputs_of_model()};
         retire_query_clauses();
         const bool is_first = frame == 1 || meets_initial(predecessor.cube, system_);
         obligations_.push_back(std::move(predecessor));
@@ -424,8 +453,11 @@ class Ic3 {
     answer_.end = Ic3End::Reached;
     answer_.frames = last_frame();
     u32 obligation = first;
-    for (; obligations_[obligation].next != kNoRow; obligation = obligations_[obligation].next)
+    if (!problem_.observed.empty()) answer_.first = obligations_[first].cube;
+    for (; obligations_[obligation].next != kNoRow; obligation = obligations_[obligation].next) {
       answer_.steps.push_back(obligations_[obligation].step);
+      if (!problem_.observed.empty()) answer_.inputs.push_back(std::move(obligations_[obligation].inputs));
+    }
     answer_.bad_step = obligations_[obligation].step;
     BIP_LOG(Ic3, 1, "a bad state is reached in {} steps, {} frames", answer_.steps.size(), answer_.frames);
     return std::move(answer_);
@@ -482,8 +514,10 @@ class Ic3 {
   std::vector<u32> bits_, steps_;                       // rows in the cone of influence
   std::vector<Lit> now_, next_, lift_now_, lift_next_;  // by bit; 0 outside of the cone
   Lit bad_ = 0, lift_bad_ = 0;
+  Lit lift_constraint_ = 0;                // 0: none
   Lit transition_activation_ = 0;          // the transition relation holds
   std::vector<Signal> free_inputs_;        // inputs that are no state bits
+  std::vector<Signal> traced_inputs_;      // the same, and those of observed signals
   std::vector<std::vector<Cube>> frames_;  // delta encoded: a lemma stands in the last frame in which it holds
   std::vector<Lit> activation_;            // by frame; 0: the initial states
   std::vector<Lit> stale_activations_;     // of clauses of satisfied queries

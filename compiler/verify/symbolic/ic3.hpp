@@ -27,6 +27,9 @@ struct Ic3Problem {
   const TransitionSystem* system = nullptr;
   Signal bad = kFalse;                          // may depend on the chosen step
   std::vector<std::vector<Signal>> invariants;  // clauses over current values, true in every reachable state
+  // What every step obeys besides; it may depend on inputs. A step that does not is none.
+  Signal constraint = kTrue;
+  std::vector<Signal> observed;  // a counterexample has the inputs of these as well
   CancellationToken cancellation;
   std::function<void(u32 frame, std::size_t lemmas)> report;  // called every 64 queries; may be empty
 };
@@ -35,6 +38,10 @@ struct Ic3Answer {
   std::vector<Cube> lemmas;  // Safe: cubes that are never entered; inductive together with the invariants
   std::vector<u32> steps;    // Reached: rows of TransitionSystem::steps from the initial state
   u32 bad_step = kNoRow;     // Reached: the step that is bad itself, if the property is about steps
+  // Reached, if the problem has observed signals: of the first state what is not known of all initial ones, and by step
+  // the inputs that are 1. They determine the values of all signals in question.
+  Cube first;
+  std::vector<std::vector<Signal>> inputs;
   u32 frames = 0;
 };
 

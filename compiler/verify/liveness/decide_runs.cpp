@@ -1,0 +1,92 @@
+// See decide_runs.hpp. The table is the whole strategy.
+#include "compiler/verify/liveness/decide_runs.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace bip::verify {
+
+namespace {
+
+enum class RunsEngine : std::uint8_t { Graph, KLiveness };
+struct RunsTurn {
+  RunsEngine engine;
+  double fraction = 1;  // of the time that is left
+  double at_most = std::numeric_limits<double>::infinity();
+};
+// What is small is visited at once. A graph is made anew in its second turn.
+constexpr RunsTurn kRunsTurns[] = {{RunsEngine::Graph, 1.0 / 8, 3},
+                                   {RunsEngine::KLiveness, 1.0 / 3, 120},
+                                   {RunsEngine::Graph},
+                                   // The graph gave up for memory.
+                                   {RunsEngine::KLiveness}};
+
+class RunsPortfolio {
+ public:
+  RunsPortfolio(const Formula& formula, const System& system, const rt::Image& image, const LivenessOptions& options)
+      : formula_(formula), system_(system), image_(image), options_(options) {}
+
+  RunsDecision run(StateAccess access) {
+    if (access == StateAccess::CallsCpp) {
+      graph_reason_ = "what the model's C++ remembers is part of no state, so no cycle of states is known";
+      may_visit_ = false;
+    }
+    for (const RunsTurn& turn : kRunsTurns) {
+      const bool is_graph = turn.engine == RunsEngine::Graph;
+      if (!(is_graph ? may_visit_ : may_prove_)) continue;
+      const double left = options_.cancellation.seconds_left();
+      // The first turns also have an answer to what needs no time. Nobody else needs the rest of it if the graph cannot
+      // grow.
+      const bool is_last = !is_graph && !may_visit_;
+      const double seconds = is_last ? left : std::min(left * turn.fraction, turn.at_most);
+      is_graph ? visit(seconds) : prove(seconds);
+      if (decision_.outcome != Outcome::Unknown) return std::move(decision_);
+      if (options_.cancellation.is_over()) break;
+    }
+    decision_.reason = graph_reason_;
+    if (!proof_reason_.empty() && proof_reason_ != graph_reason_)
+      decision_.reason += (graph_reason_.empty() ? "" : "; ") + proof_reason_;
+    return std::move(decision_);
+  }
+
+ private:
+  void visit(double seconds) {
+    LivenessOptions options = options_;
+    options.cancellation = options_.cancellation.within(seconds);
+    decision_.on_graph = decide_liveness(formula_, image_, options);
+    decision_.outcome = decision_.on_graph.outcome;
+    graph_reason_ = decision_.on_graph.reason;
+    may_visit_ = decision_.on_graph.is_out_of_time;
+  }
+  void prove(double seconds) {
+    KLivenessOptions options;
+    options.fairness = options_.fairness;
+    options.megabytes = options_.megabytes;
+    options.cancellation = options_.cancellation.within(seconds);
+    options.report = options_.report;
+    KLivenessProof proof = prove_by_k_liveness(formula_, system_, image_, options);
+    proof_reason_ = proof.reason;
+    may_prove_ = proof.is_out_of_time;
+    if (proof.outcome != Outcome::Holds) return;
+    decision_.outcome = Outcome::Holds;
+    decision_.proof = std::move(proof);
+  }
+
+  const Formula& formula_;
+  const System& system_;
+  const rt::Image& image_;
+  const LivenessOptions& options_;
+  RunsDecision decision_;
+  std::string graph_reason_, proof_reason_;
+  bool may_visit_ = true, may_prove_ = true;
+};
+
+}  // namespace
+
+RunsDecision decide_runs(const Formula& formula, const System& system, const rt::Image& image, StateAccess access,
+                         const LivenessOptions& options) {
+  return RunsPortfolio(formula, system, image, options).run(access);
+}
+
+}  // namespace bip::verify

@@ -1,0 +1,336 @@
+// See k_liveness.hpp.
+#include "compiler/verify/liveness/k_liveness.hpp"
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "compiler/base/log.hpp"
+#include "compiler/system/inner_priorities.hpp"
+#include "compiler/verify/invariants/affine_bounds.hpp"
+#include "compiler/verify/liveness/automaton.hpp"
+#include "compiler/verify/liveness/round_monitor.hpp"
+#include "compiler/verify/symbolic/ic3.hpp"
+#include "compiler/verify/symbolic/mode_signals.hpp"
+#include "runtime/include/bip/assert.hpp"
+
+namespace bip::verify {
+
+namespace {
+
+// Of the time that is left an attempt may use this part.
+constexpr double kShareOfAttempt = 1.0 / 4;
+constexpr double kShareOfInvariants = 1.0 / 4, kShareOfRemark = 1.0 / 16;
+// Of a part, which mostly has such runs because it lacks what would end them.
+constexpr std::uint32_t kMostRoundsOfPart = 64;
+
+using KeptAtoms = std::vector<std::uint8_t>;  // by atom
+
+// The values of a circuit's signals along a counterexample.
+class CircuitRun {
+ public:
+  CircuitRun(const TransitionSystem& machine, const Ic3Answer& answer) : machine_(machine) {
+    std::vector<std::uint8_t> state;
+    for (const StateBit& bit : machine.bits) state.push_back(bit.initial > 0 ? 1 : 0);
+    for (const u32 literal : answer.first) {
+      if (machine.bits[cube_bit(literal)].initial < 0) state[cube_bit(literal)] = cube_value(literal) ? 1 : 0;
+    }
+    states_.push_back(state);
+    for (const std::vector<Signal>& inputs : answer.inputs) {
+      std::vector<std::uint8_t>& values = values_.emplace_back(machine.aig.size(), 0);
+      for (std::size_t bit = 0; bit < state.size(); ++bit) values[node_of(machine.bits[bit].now)] = state[bit];
+      for (const Signal input : inputs) values[node_of(input)] = 1;
+      for (u32 node = 1; node < machine.aig.size(); ++node) {
+        if (machine.aig.is_input(node)) continue;
+        const Aig::Node& operands = machine.aig.node(node);
+        values[node] = of(values, operands.a) && of(values, operands.b) ? 1 : 0;
+      }
+      for (std::size_t bit = 0; bit < state.size(); ++bit) state[bit] = of(values, machine.bits[bit].next) ? 1 : 0;
+      states_.push_back(state);
+    }
+  }
+  [[nodiscard]] std::uint8_t bit(std::size_t position, u32 row) const { return states_[position][row]; }
+  [[nodiscard]] bool value(std::size_t position, Signal signal) const { return of(values_[position], signal); }
+
+ private:
+  static bool of(const std::vector<std::uint8_t>& values, Signal signal) {
+    return (values[node_of(signal)] != 0) != ((signal & 1) != 0);
+  }
+  const TransitionSystem& machine_;
+  std::vector<std::vector<std::uint8_t>> states_, values_;  // by position: by bit, by node
+};
+
+class KLiveness {
+ public:
+  KLiveness(const Formula& formula, const System& system, const rt::Image& image, const KLivenessOptions& options)
+      : formula_(formula), system_(system), image_(image), options_(options) {}
+
+  KLivenessProof run() {
+    Result<Automaton> automaton = make_automaton(formula_, true);
+    if (!automaton) return unknown(automaton.error());
+    automaton_ = std::move(*automaton);
+    if (automaton_.is_empty()) {
+      result_.outcome = Outcome::Holds;
+      return std::move(result_);
+    }
+    machine_ = build_transition_system(system_, image_, options_.megabytes);
+    if (!machine_.unsupported.empty()) return unknown(machine_.unsupported);
+    if (machine_.starts_with_fault) return unknown("the initial state could not be entered");
+    if (!ranges_hold(machine_, options_.cancellation)) return unknown("the ranges of data could not be confirmed");
+    find_clauses();
+    if (!follows_all_internals()) return unknown("more internal transitions in a row than the circuit follows");
+    find_parts();
+    try_parts();
+    if (result_.outcome == Outcome::Unknown)
+      return unknown(options_.cancellation.is_cancelled() ? "interrupted"
+                     : options_.cancellation.is_over()    ? "the time is over"
+                                                          : "no bound for the rounds of a run was found");
+    return std::move(result_);
+  }
+
+ private:
+  KLivenessProof unknown(const std::string& reason) {
+    result_.outcome = Outcome::Unknown;
+    result_.reason = reason;
+    result_.is_out_of_time = options_.cancellation.is_over();
+    return std::move(result_);
+  }
+
+  struct Part {
+    RoundMonitor::Part atoms;
+    std::vector<std::uint32_t> expected = {};  // units of fairness that a round needs: as they turn out to matter
+    std::unique_ptr<RoundMonitor> monitor = nullptr;
+    bool has_run = false;  // of rounds without end, fair to all units: no bound exists
+  };
+
+  // Modes and equations of the structure, and the invariants that exclude deadlocks: what must happen mostly rests on
+  // them.
+  void find_clauses() {
+    const Net net = build_net(system_);
+    if (net.too_large_atom != kNoRow || !system::first_inner_priority(system_).empty()) return;
+    const CancellationToken share =
+        options_.cancellation.within(options_.cancellation.seconds_left() * kShareOfInvariants);
+    Proof proof = prove_deadlock_freedom(net, share);
+    if (proof.reachable.empty()) proof = find_reachable_modes(net);
+    clauses_ = mode_clauses(net, proof, machine_, image_);
+    const AffineInvariants affine = find_affine_invariants(net, machine_, image_, clauses_, share);
+    for (const AffineEquation& equation : affine.equations)
+      clauses_.push_back({equation_signal(equation, machine_, image_)});
+    for (const VariableBound& bound : affine.bounds) clauses_.push_back({bound_signal(bound, machine_, image_)});
+    for (const PlaceValue& value : affine.places) clauses_.push_back(place_clause(value, machine_, image_));
+  }
+
+  // A step after which the circuit has lost its way must not be reachable, or runs would be missing.
+  [[nodiscard]] bool follows_all_internals() const { return is_never(machine_.lost, kShareOfAttempt); }
+  [[nodiscard]] bool is_never(Signal bad, double share) const {
+    Ic3Problem problem;
+    problem.system = &machine_;
+    problem.bad = bad;
+    problem.invariants = clauses_;
+    problem.cancellation = options_.cancellation.within(options_.cancellation.seconds_left() * share);
+    return run_ic3(problem).end == Ic3End::Safe;
+  }
+
+  // The atoms of the property, then those that take part in steps with them, and so on; at last all.
+  void find_parts() {
+    const rt::Tables tables = rt::link(image_, rt::MaximalProgress::On);
+    std::vector<std::vector<std::uint32_t>> steps;
+    std::vector<std::uint32_t> connector;
+    for (const SystemStep& step : machine_.steps) {
+      steps.emplace_back();
+      for (const auto& [port, ignored] : step.parts) steps.back().push_back(tables.port_atom[port]);
+      connector.push_back(step.interaction < tables.connector_interactions ? tables.interactions[step.interaction].row
+                                                                           : kNoRow);
+    }
+    KeptAtoms kept(system_.atoms.size(), 0);
+    const auto keep_connector = [&](std::uint32_t row) {
+      for (std::size_t k = 0; k < steps.size(); ++k) {
+        for (const std::uint32_t atom : steps[k]) {
+          if (connector[k] == row) kept[atom] = 1;
+        }
+      }
+    };
+    for (const Property& condition : formula_.states) {
+      for (const std::uint32_t atom : atoms_of(condition)) kept[atom] = 1;
+      for (const std::uint32_t row : connectors_of(condition)) keep_connector(row);
+    }
+    for (const StepCondition& condition : formula_.steps) {
+      if (condition.is_port) kept[condition.owner] = 1;
+      else keep_connector(condition.owner);
+    }
+    distance_.assign(kept.size(), 0);
+    const auto has_all = [&] { return std::find(kept.begin(), kept.end(), 0) == kept.end(); };
+    for (bool grows = true; grows && !has_all();) {
+      parts_.push_back({{kept}, {}, nullptr, false});
+      KeptAtoms more = kept;
+      for (const std::vector<std::uint32_t>& atoms : steps) {
+        if (std::any_of(atoms.begin(), atoms.end(), [&](std::uint32_t atom) { return kept[atom] != 0; })) {
+          for (const std::uint32_t atom : atoms) more[atom] = 1;
+        }
+      }
+      grows = more != kept;
+      kept = std::move(more);
+      for (std::size_t atom = 0; atom < kept.size(); ++atom) distance_[atom] += kept[atom] == 0 ? 1 : 0;
+    }
+    parts_.emplace_back();
+  }
+
+  [[nodiscard]] static std::uint32_t bound_of(std::size_t turn) {
+    return turn == 0 ? 0 : std::uint32_t{1} << std::min<std::size_t>(2 * turn - 2, 30);
+  }
+  // Turn t: the part number p with the bound number t - p.
+  void try_parts() {
+    const bool is_invariant = is_invariant_of_past(formula_);
+    for (std::size_t turn = 0;; ++turn) {
+      bool is_tried = false;
+      for (std::size_t part = 0; part < parts_.size() && part <= turn; ++part) {
+        const std::uint32_t bound = bound_of(turn - part);
+        const std::uint32_t most = parts_[part].atoms.has_all() ? options_.most_rounds : kMostRoundsOfPart;
+        if (parts_[part].has_run || bound > most || (is_invariant && turn != part)) continue;
+        if (options_.cancellation.is_over()) return;
+        is_tried = true;
+        if (is_proved(part, bound)) return;
+      }
+      if (!is_tried && turn >= parts_.size()) return;
+    }
+  }
+
+  bool is_proved(std::size_t row, std::uint32_t bound) {
+    Part& part = parts_[row];
+    const CancellationToken share =
+        options_.cancellation.within(options_.cancellation.seconds_left() * kShareOfAttempt);
+    for (;;) {
+      if (!part.monitor)
+        part.monitor = std::make_unique<RoundMonitor>(machine_, image_, formula_, automaton_, options_.fairness,
+                                                      part.atoms, clauses_, part.expected);
+      RoundMonitor& monitor = *part.monitor;
+      const bool is_invariant = is_invariant_of_past(formula_);
+      Ic3Problem problem;
+      problem.bad = is_invariant ? monitor.violated() : monitor.more_rounds_than(bound);
+      problem.system = &monitor.machine();
+      problem.invariants = monitor.clauses();
+      problem.constraint = monitor.constraint();
+      problem.cancellation = share;
+      problem.report = [this](std::uint32_t, std::size_t lemmas) {
+        if (options_.report) options_.report("k-liveness", lemmas, "lemmas");
+      };
+      if (!is_invariant) observe(monitor, problem.observed);
+      const Ic3Answer answer = run_ic3(problem);
+      BIP_LOG(Ic3, 1, "part {} of {}, {} of {} units, at most {} rounds: {}", row + 1, parts_.size(),
+              part.expected.size(), monitor.units().size(), bound,
+              answer.end == Ic3End::Safe      ? "proved"
+              : answer.end == Ic3End::Reached ? "more"
+                                              : "stopped");
+      if (answer.end == Ic3End::Safe) {
+        note_proof(part, bound, answer);
+        return true;
+      }
+      if (answer.end == Ic3End::Stopped || is_invariant || !learns_from(answer, part)) return false;
+    }
+  }
+  void note_proof(const Part& part, std::uint32_t bound, const Ic3Answer& answer) {
+    result_.outcome = Outcome::Holds;
+    result_.may_have_errors = !is_never(machine_.error, kShareOfRemark);
+    result_.rounds = bound;
+    result_.frames = answer.frames;
+    result_.lemmas = answer.lemmas.size();
+    result_.units = static_cast<std::uint32_t>(part.expected.size());
+    const KeptAtoms& keeps = part.atoms.keeps;
+    result_.atoms = static_cast<std::uint32_t>(
+        keeps.empty() ? system_.atoms.size() : static_cast<std::size_t>(std::count(keeps.begin(), keeps.end(), 1)));
+  }
+
+  static void observe(const RoundMonitor& monitor, std::vector<Signal>& observed) {
+    observed = monitor.demands();
+    observed.push_back(monitor.inside());
+    for (const RoundMonitor::Unit& unit : monitor.units()) {
+      observed.push_back(unit.possible);
+      observed.push_back(unit.taken);
+    }
+  }
+
+  // Follows the run of a counterexample. If a part of it repeats, all demands included, then some unit that was not
+  // expected is left out there: the nearest one is expected from now on. Or none is left out, and no bound exists.
+  // True: a unit was added.
+  bool learns_from(const Ic3Answer& answer, Part& part) {
+    const std::vector<std::uint32_t> left_out = units_left_out(answer, *part.monitor, part.has_run);
+    if (left_out.empty()) return false;
+    const auto cost = [&](std::uint32_t unit) {
+      std::uint32_t most = 0, sum = 0;
+      for (const std::uint32_t atom : part.monitor->units()[unit].atoms) {
+        most = std::max(most, distance_[atom]);
+        sum += distance_[atom];
+      }
+      return std::tuple(most, sum, unit);
+    };
+    part.expected.push_back(*std::min_element(left_out.begin(), left_out.end(),
+                                              [&](std::uint32_t a, std::uint32_t b) { return cost(a) < cost(b); }));
+    part.monitor.reset();
+    return true;
+  }
+  // Of the cycle that leaves out fewest; empty if there is no cycle, or one that leaves out none (`has_run`).
+  std::vector<std::uint32_t> units_left_out(const Ic3Answer& answer, const RoundMonitor& monitor, bool& has_run) const {
+    const CircuitRun run(monitor.machine(), answer);
+    std::map<std::vector<std::uint8_t>, std::size_t> first;  // position of a state
+    std::map<std::size_t, std::size_t> last;                 // by first position
+    for (std::size_t at = 0; at <= answer.steps.size(); ++at) {
+      std::vector<std::uint8_t> state;
+      for (std::uint32_t bit = 0; bit < monitor.machine().bits.size(); ++bit) {
+        if (!monitor.is_of_round(bit)) state.push_back(run.bit(at, bit));
+      }
+      const auto [found, is_new] = first.try_emplace(std::move(state), at);
+      if (!is_new) last[found->second] = at;
+    }
+    std::vector<std::uint32_t> fewest;
+    const bool is_strong = options_.fairness.kind == FairnessKind::Strong;
+    for (const auto& [begin, end] : last) {
+      const auto sometimes = [&, begin = begin, end = end](const auto& holds) {
+        for (std::size_t at = begin; at < end; ++at) {
+          if (holds(at)) return true;
+        }
+        return false;
+      };
+      if (sometimes([&](std::size_t at) { return !run.value(at, monitor.inside()); })) continue;
+      if (!std::all_of(monitor.demands().begin(), monitor.demands().end(),
+                       [&](Signal demand) { return sometimes([&](std::size_t at) { return run.value(at, demand); }); }))
+        continue;
+      std::vector<std::uint32_t> left_out;
+      for (std::uint32_t row = 0; row < monitor.units().size(); ++row) {
+        const RoundMonitor::Unit& unit = monitor.units()[row];
+        if (sometimes([&](std::size_t at) { return run.value(at, unit.taken); })) continue;
+        const bool is_due = is_strong ? sometimes([&](std::size_t at) { return run.value(at, unit.possible); })
+                                      : !sometimes([&](std::size_t at) { return !run.value(at, unit.possible); });
+        if (is_due) left_out.push_back(row);
+      }
+      if (left_out.empty()) {
+        has_run = true;
+        return {};
+      }
+      if (fewest.empty() || left_out.size() < fewest.size()) fewest = std::move(left_out);
+    }
+    return fewest;
+  }
+
+  const Formula& formula_;
+  const System& system_;
+  const rt::Image& image_;
+  const KLivenessOptions& options_;
+  Automaton automaton_;
+  TransitionSystem machine_;
+  StateClauses clauses_;
+  std::vector<Part> parts_;
+  std::vector<std::uint32_t> distance_;  // by atom: from those of the property
+  KLivenessProof result_;
+};
+
+}  // namespace
+
+KLivenessProof prove_by_k_liveness(const Formula& formula, const System& system, const rt::Image& image,
+                                   const KLivenessOptions& options) {
+  return KLiveness(formula, system, image, options).run();
+}
+
+}  // namespace bip::verify

@@ -1,0 +1,366 @@
+// See round_monitor.hpp.
+#include "compiler/verify/liveness/round_monitor.hpp"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "compiler/verify/net/net.hpp"
+#include "runtime/include/bip/assert.hpp"
+
+namespace bip::verify {
+
+namespace {
+
+// Participants of a step that depend on the state: each set of them is a unit of its own. More than this many are left
+// out of fairness.
+constexpr std::size_t kMostDependentParts = 4;
+
+Property as_condition(Property property) {
+  // broken_signal says where it is true.
+  property.is_never = true;
+  return property;
+}
+
+void insert_atom(std::vector<std::uint32_t>& atoms, std::uint32_t atom) {
+  const auto at = std::lower_bound(atoms.begin(), atoms.end(), atom);
+  if (at == atoms.end() || *at != atom) atoms.insert(at, atom);
+}
+
+// By node: does one of the bits stand below it?
+std::vector<std::uint8_t> nodes_above(const Aig& aig, const std::vector<StateBit>& bits) {
+  std::vector<std::uint8_t> is_above(aig.size(), 0);
+  for (const StateBit& bit : bits) is_above[node_of(bit.now)] = 1;
+  for (std::uint32_t node = 1; node < aig.size(); ++node) {
+    if (aig.is_input(node)) continue;
+    const Aig::Node& operands = aig.node(node);
+    is_above[node] = is_above[node_of(operands.a)] | is_above[node_of(operands.b)];
+  }
+  return is_above;
+}
+
+}  // namespace
+
+RoundMonitor::RoundMonitor(const TransitionSystem& system, const rt::Image& image, const Formula& formula,
+                           const Automaton& automaton, const Fairness& fairness, const Part& part,
+                           const StateClauses& clauses, const std::vector<std::uint32_t>& expected)
+    : machine_(system), aig_(machine_.aig), tables_(rt::link(image, rt::MaximalProgress::On)), expected_(expected) {
+  BIP_ASSERT(!automaton.is_empty() && system.unsupported.empty(), "no automaton, or no circuit");
+  find_conditions(formula, image);
+  find_units(fairness, part);
+  add_end(part);
+  cut(part, clauses);
+  if (is_strong_) add_guesses();
+  run_automaton(automaton);
+  find_violated(automaton);
+  add_rounds(automaton);
+}
+
+void RoundMonitor::find_conditions(const Formula& formula, const rt::Image& image) {
+  states_ = formula.states.size();
+  for (const Property& condition : formula.states)
+    conditions_.push_back(broken_signal(as_condition(condition), machine_, image));
+  for (const StepCondition& condition : formula.steps) {
+    Signal happens = kFalse;
+    for (const SystemStep& step : machine_.steps) {
+      if (condition.is_port) {
+        for (const auto& [port, when] : step.parts) {
+          if (port == tables_.instance(condition.owner, condition.port))
+            happens = aig_.make_or(happens, aig_.make_and(step.chosen, when));
+        }
+      } else if (step.interaction < tables_.connector_interactions &&
+                 tables_.interactions[step.interaction].row == condition.owner) {
+        happens = aig_.make_or(happens, step.chosen);
+      }
+    }
+    conditions_.push_back(happens);
+  }
+}
+
+// What cannot be named exactly is possible more rarely here than it is, or left out: then more runs are fair.
+void RoundMonitor::find_units(const Fairness& fairness, const Part& part) {
+  is_strong_ = fairness.kind == FairnessKind::Strong;
+  if (fairness.kind == FairnessKind::None) return;
+  using Key = std::pair<std::uint32_t, std::vector<std::uint32_t>>;  // the interaction and its ports; or the atom
+  std::map<Key, Unit> units;
+  const auto add = [&](Key key, Signal when, const SystemStep& step) -> Unit& {
+    Unit& unit = units[std::move(key)];
+    const Signal possible = aig_.make_and(step.fine, when);
+    unit.possible = aig_.make_or(unit.possible, possible);
+    unit.taken = aig_.make_or(unit.taken, aig_.make_and(step.chosen, possible));
+    return unit;
+  };
+  for (const SystemStep& step : machine_.steps) {
+    if (fairness.unit == FairnessUnit::Atoms) {
+      for (const auto& [port, when] : step.parts) {
+        const std::uint32_t atom = tables_.port_atom[port];
+        // All atoms of its interactions must be kept.
+        Unit& unit = add({atom, {}}, when, step);
+        for (const auto& [other, ignored] : step.parts) insert_atom(unit.atoms, tables_.port_atom[other]);
+      }
+      continue;
+    }
+    std::vector<Signal> when;
+    for (const auto& [port, taken] : step.parts) {
+      if (taken != kTrue && std::find(when.begin(), when.end(), taken) == when.end()) when.push_back(taken);
+    }
+    if (when.size() > kMostDependentParts) continue;
+    for (std::uint32_t set = 0; set < std::uint32_t{1} << when.size(); ++set) {
+      Signal is_set = kTrue;
+      for (std::size_t k = 0; k < when.size(); ++k)
+        is_set = aig_.make_and(is_set, (set >> k & 1) != 0 ? when[k] : negated(when[k]));
+      std::vector<std::uint32_t> ports;
+      for (const auto& [port, taken] : step.parts) {
+        const auto at = std::find(when.begin(), when.end(), taken);
+        if (at == when.end() || (set >> (at - when.begin()) & 1) != 0) ports.push_back(port);
+      }
+      if (ports.empty() || is_set == kFalse) continue;
+      std::sort(ports.begin(), ports.end());
+      Unit& unit = add({step.interaction, std::move(ports)}, is_set, step);
+      // That somebody else cannot take part is a part of it.
+      for (const auto& [port, ignored] : step.parts) insert_atom(unit.atoms, tables_.port_atom[port]);
+    }
+  }
+  for (auto& [key, unit] : units) {
+    if (unit.possible == kFalse) continue;
+    if (std::all_of(unit.atoms.begin(), unit.atoms.end(), [&](std::uint32_t atom) { return part.has(atom); }))
+      units_.push_back(std::move(unit));
+  }
+}
+
+// The last state of a run repeats. Of a part, what others do is a step in which nothing of it moves; the system's end
+// is none of its own.
+void RoundMonitor::add_end(const Part& part) {
+  SystemStep end{.interaction = kNoRow, .chosen = aig_.make_input(), .possible = kTrue, .fine = kTrue, .parts = {}};
+  if (part.has_all()) {
+    std::vector<Signal> possible, chosen{end.chosen};
+    for (const SystemStep& step : machine_.steps) {
+      possible.push_back(step.possible);
+      chosen.push_back(step.chosen);
+    }
+    end.possible = aig_.make_and(negated(aig_.make_or_of(possible)), negated(machine_.state_fault));
+    end.fine = end.possible;
+    // No step is left out of the circuit's cone, so one of them happens.
+    happened_ = aig_.make_or_of(chosen);
+  }
+  machine_.steps.push_back(std::move(end));
+}
+
+// The bits of other atoms become inputs. What ties them to the rest is asked of each step.
+void RoundMonitor::cut(const Part& part, const StateClauses& clauses) {
+  if (part.has_all()) {
+    clauses_ = clauses;
+    return;
+  }
+  std::vector<StateBit> bits;
+  std::vector<std::uint32_t> row(machine_.bits.size(), kNoRow);
+  std::vector<std::uint8_t> is_cut(aig_.size(), 0);
+  for (std::size_t k = 0; k < row.size(); ++k) {
+    const StateBit& bit = machine_.bits[k];
+    if (!part.has(bit.atom)) {
+      is_cut[node_of(bit.now)] = 1;
+      continue;
+    }
+    row[k] = static_cast<std::uint32_t>(bits.size());
+    bits.push_back(bit);
+  }
+  StateClauses all = clauses;
+  for (const Signal inside : machine_.in_range) all.push_back({inside});
+  machine_.in_range.clear();
+  std::vector<std::vector<std::uint32_t>> groups;
+  for (const std::vector<std::uint32_t>& group : machine_.exactly_one) {
+    if (row[group[0]] != kNoRow) {
+      groups.emplace_back();
+      for (const std::uint32_t bit : group) groups.back().push_back(row[bit]);
+      continue;
+    }
+    all.emplace_back();
+    for (const std::uint32_t bit : group) all.back().push_back(machine_.bits[bit].now);
+    for (std::size_t i = 0; i < group.size(); ++i) {
+      for (std::size_t j = i + 1; j < group.size(); ++j)
+        all.push_back({negated(machine_.bits[group[i]].now), negated(machine_.bits[group[j]].now)});
+    }
+  }
+  machine_.exactly_one = std::move(groups);
+  // What kept atoms do reads some of the others; what is said of these alone, or ties them to the kept, is asked for.
+  std::vector<std::uint8_t> is_read(aig_.size(), 0);
+  std::vector<std::uint32_t> todo;
+  const auto read = [&](Signal signal) { todo.push_back(node_of(signal)); };
+  for (const StateBit& bit : bits) read(bit.next);
+  for (const Signal condition : conditions_) read(condition);
+  for (const Unit& unit : units_) read(unit.possible);
+  for (const SystemStep& step : machine_.steps) {
+    if (std::any_of(step.parts.begin(), step.parts.end(),
+                    [&](const auto& taking) { return part.has(tables_.port_atom[taking.first]); }))
+      read(step.fine);
+  }
+  while (!todo.empty()) {
+    const std::uint32_t node = todo.back();
+    todo.pop_back();
+    if (is_read[node] != 0) continue;
+    is_read[node] = 1;
+    if (node == 0 || aig_.is_input(node)) continue;
+    read(aig_.node(node).a);
+    read(aig_.node(node).b);
+  }
+  machine_.bits = std::move(bits);
+  const std::vector<std::uint8_t> above_kept = nodes_above(aig_, machine_.bits);
+  std::vector<std::uint8_t> reads_cut(aig_.size(), 0), reads_other(aig_.size(), 0);
+  for (std::uint32_t node = 1; node < aig_.size(); ++node) {
+    if (aig_.is_input(node)) {
+      reads_cut[node] = is_cut[node];
+      reads_other[node] = is_cut[node] != 0 && is_read[node] == 0 ? 1 : 0;
+      continue;
+    }
+    const Aig::Node operands = aig_.node(node);
+    reads_cut[node] = reads_cut[node_of(operands.a)] | reads_cut[node_of(operands.b)];
+    reads_other[node] = reads_other[node_of(operands.a)] | reads_other[node_of(operands.b)];
+  }
+  std::vector<Signal> ties;
+  for (std::vector<Signal>& clause : all) {
+    const auto any = [&](const std::vector<std::uint8_t>& of) {
+      return std::any_of(clause.begin(), clause.end(), [&](Signal s) { return of[node_of(s)] != 0; });
+    };
+    if (!any(reads_cut)) {
+      if (any(above_kept)) clauses_.push_back(std::move(clause));
+    } else if (!any(reads_other) || any(above_kept)) {
+      ties.push_back(aig_.make_or_of(clause));
+    }
+  }
+  constraint_ = aig_.make_and_of(ties);
+}
+
+std::uint32_t RoundMonitor::add_bit(std::int8_t initial) {
+  StateBit bit;
+  bit.now = aig_.make_input();
+  bit.next = bit.now;
+  bit.initial = initial;
+  bit.atom = kNoRow;
+  machine_.bits.push_back(bit);
+  return static_cast<std::uint32_t>(machine_.bits.size() - 1);
+}
+
+std::uint32_t RoundMonitor::add_bit_of_round() {
+  const std::uint32_t bit = add_bit(0);
+  is_of_round_.resize(machine_.bits.size(), 0);
+  is_of_round_[bit] = 1;
+  return bit;
+}
+
+void RoundMonitor::add_guesses() {
+  const std::uint32_t started = add_bit(0);
+  started_ = now(started);
+  machine_.bits[started].next = aig_.make_or(started_, aig_.make_input());
+  std::vector<Signal> fails;
+  for (const std::uint32_t unit : expected_) {
+    // It keeps the value that it has at first, which is any.
+    never_.push_back(now(add_bit(-1)));
+    fails.push_back(aig_.make_and(never_.back(), units_[unit].possible));
+  }
+  guess_fails_ = aig_.make_and(started_, aig_.make_or_of(fails));
+}
+
+Signal RoundMonitor::matches(std::uint64_t required, std::uint64_t forbidden) {
+  std::vector<Signal> all;
+  for (std::size_t k = 0; k < conditions_.size(); ++k) {
+    if ((required >> k & 1) != 0) all.push_back(conditions_[k]);
+    if ((forbidden >> k & 1) != 0) all.push_back(negated(conditions_[k]));
+  }
+  return aig_.make_and_of(all);
+}
+
+// One bit a state; which edge of several is taken is an input.
+void RoundMonitor::run_automaton(const Automaton& automaton) {
+  const std::size_t width = automaton.edges.size();
+  for (std::size_t state = 0; state <= width; ++state) {
+    automaton_bits_.push_back(add_bit(state == 0 ? 1 : 0));
+    machine_.bits.back().is_place = true;
+    machine_.bits.back().is_alone = true;
+  }
+  machine_.exactly_one.push_back(automaton_bits_);
+  marks_.assign(32, kFalse);
+  std::vector<std::vector<Signal>> arrives(width);
+  for (std::size_t state = 0; state < width; ++state) {
+    const std::vector<AutomatonEdge>& edges = automaton.edges[state];
+    Signal rest = aig_.make_and(now(automaton_bits_[state]), negated(guess_fails_));
+    for (std::size_t k = 0; k < edges.size(); ++k) {
+      const AutomatonEdge& edge = edges[k];
+      const bool is_only =
+          std::all_of(edges.begin() + static_cast<std::ptrdiff_t>(k) + 1, edges.end(), [&](const AutomatonEdge& later) {
+            return (later.required & edge.forbidden) != 0 || (later.forbidden & edge.required) != 0;
+          });
+      const Signal wanted = is_only ? kTrue : aig_.make_input();
+      const Signal is_taken = aig_.make_and(rest, aig_.make_and(matches(edge.required, edge.forbidden), wanted));
+      rest = aig_.make_and(rest, negated(is_taken));
+      arrives[edge.to].push_back(is_taken);
+      if (automaton.may_accept[state] == 0 || automaton.may_accept[edge.to] == 0) continue;
+      inside_ = aig_.make_or(inside_, is_taken);
+      for (std::size_t mark = 0; mark < marks_.size(); ++mark) {
+        if ((edge.marks >> mark & 1) != 0) marks_[mark] = aig_.make_or(marks_[mark], is_taken);
+      }
+    }
+  }
+  std::vector<Signal> none;
+  for (std::size_t state = 0; state < width; ++state) {
+    machine_.bits[automaton_bits_[state]].next = aig_.make_or_of(arrives[state]);
+    none.push_back(negated(machine_.bits[automaton_bits_[state]].next));
+  }
+  machine_.bits[automaton_bits_[width]].next = aig_.make_and_of(none);
+}
+
+// As find_bad_prefix has it: such a state of the automaton is entered, or will be by the state alone, whatever the
+// step.
+void RoundMonitor::find_violated(const Automaton& automaton) {
+  const std::uint64_t of_states = states_ == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << states_) - 1;
+  std::vector<Signal> fine;
+  for (const SystemStep& step : machine_.steps) {
+    if (step.interaction != kNoRow) fine.push_back(step.fine);
+  }
+  const Signal has_steps = aig_.make_or_of(fine);
+  for (std::uint32_t state = 0; state < automaton.edges.size(); ++state) {
+    if (automaton.accepts_whatever_follows(state)) violated_ = aig_.make_or(violated_, now(automaton_bits_[state]));
+    for (const AutomatonEdge& edge : automaton.edges[state]) {
+      if ((edge.required & ~of_states) != 0 || !automaton.accepts_whatever_follows(edge.to)) continue;
+      Signal is_there =
+          aig_.make_and(now(automaton_bits_[state]), matches(edge.required & of_states, edge.forbidden & of_states));
+      if ((edge.forbidden & ~of_states) != 0) is_there = aig_.make_and(is_there, negated(has_steps));
+      violated_ = aig_.make_or(violated_, is_there);
+    }
+  }
+}
+
+// A bit for each mark and unit that says whether it was seen in this round.
+void RoundMonitor::add_rounds(const Automaton& automaton) {
+  const Signal counts = aig_.make_and(aig_.make_and(inside_, happened_), started_);
+  for (std::size_t mark = 0; mark < marks_.size(); ++mark) {
+    if ((automaton.marks >> mark & 1) != 0) demands_.push_back(marks_[mark]);
+  }
+  for (std::size_t k = 0; k < expected_.size(); ++k) {
+    const Unit& unit = units_[expected_[k]];
+    const Signal excused = is_strong_ ? never_[k] : negated(unit.possible);
+    demands_.push_back(aig_.make_or(unit.taken, excused));
+  }
+  std::erase(demands_, kTrue);
+  std::vector<std::uint32_t> bits;
+  std::vector<Signal> seen;
+  const bool is_alone = demands_.size() == 1;
+  for (const Signal signal : demands_) {
+    if (!is_alone) bits.push_back(add_bit_of_round());
+    seen.push_back(is_alone ? signal : aig_.make_or(now(bits.back()), signal));
+  }
+  round_ = aig_.make_and(counts, aig_.make_and_of(seen));
+  const Signal goes_on = aig_.make_and(counts, negated(round_));
+  for (std::size_t k = 0; k < bits.size(); ++k) machine_.bits[bits[k]].next = aig_.make_and(goes_on, seen[k]);
+}
+
+Signal RoundMonitor::more_rounds_than(std::uint32_t rounds) {
+  while (counter_.size() <= rounds) {
+    const Signal before = counter_.empty() ? kTrue : now(counter_.back());
+    const std::uint32_t bit = add_bit_of_round();
+    machine_.bits[bit].next = aig_.make_or(now(bit), aig_.make_and(before, round_));
+    counter_.push_back(bit);
+  }
+  return now(counter_[rounds]);
+}
+
+}  // namespace bip::verify

@@ -1,0 +1,180 @@
+// k-liveness on systems with known answers: what holds is proved, on how many atoms; what a run violates is not,
+// whether the run repeats, ends, or is unfair.
+#include <catch2/catch.hpp>
+
+#include <string>
+
+#include "compiler/verify/liveness/k_liveness.hpp"
+#include "tests/unit/verify/hand_made_nets.hpp"
+
+namespace bip::verify {
+
+namespace {
+
+using test::HandMadeNet;
+
+constexpr std::uint32_t kEnough = 16;
+
+KLivenessProof prove(const HandMadeNet& made, const std::string& property, const std::string& fairness) {
+  Result<ParsedProperty> parsed = PropertyReader(*made.compiled.system).read(property);
+  REQUIRE(parsed);
+  REQUIRE(parsed->is_formula);
+  KLivenessOptions options;
+  options.fairness = read_fairness(fairness).value();
+  options.most_rounds = kEnough;
+  return prove_by_k_liveness(parsed->formula, *made.compiled.system, made.compiled.lowered->image, options);
+}
+bool is_proved(const HandMadeNet& made, const std::string& property, const std::string& fairness) {
+  return prove(made, property, fairness).outcome == Outcome::Holds;
+}
+
+// Two processes and a key; each may be overtaken for ever.
+const char* const kKey = R"(package p
+  port type Signal()
+  connector type One(Signal a)
+    define a
+  end
+  connector type Two(Signal a, Signal b)
+    define a b
+  end
+  atom type Process()
+    export port Signal ask(), enter(), leave()
+    place OUTSIDE, WAITS, INSIDE
+    initial to OUTSIDE
+    on ask from OUTSIDE to WAITS
+    on enter from WAITS to INSIDE
+    on leave from INSIDE to OUTSIDE
+  end
+  atom type Key()
+    export port Signal take(), put()
+    place FREE, TAKEN
+    initial to FREE
+    on take from FREE to TAKEN
+    on put from TAKEN to FREE
+  end
+  compound type Root()
+    component Process p(), q()
+    component Key key()
+    connector One p_asks(p.ask), q_asks(q.ask)
+    connector Two p_enters(p.enter, key.take), q_enters(q.enter, key.take)
+    connector Two p_leaves(p.leave, key.put), q_leaves(q.leave, key.put)
+  end
+end
+)";
+
+// Counts to 3 and ends, or stops before; beside it `ticks` go on if there is one.
+std::string counter(const std::string& ticks) {
+  return R"(package p
+  port type Signal()
+  connector type One(Signal a)
+    define a
+  end
+  atom type Counter()
+    data int n = 0
+    export port Signal more(), stop()
+    place COUNTS, STOPPED
+    initial to COUNTS
+    on more from COUNTS to COUNTS provided (n < 3) do { n = n + 1; }
+    on stop from COUNTS to STOPPED
+  end
+  atom type Clock()
+    export port Signal tick()
+    place T
+    initial to T
+    on tick from T to T
+  end
+  compound type Root()
+    component Counter c()
+    connector One more(c.more), stop(c.stop)
+)" + ticks +
+         R"(
+  end
+end
+)";
+}
+const char* const kTicks = "    component Clock clock()\n    connector One tick(clock.tick)\n";
+
+// Many that are independent of each other.
+const char* const kMany = R"(package p
+  port type Signal()
+  connector type One(Signal a)
+    define a
+  end
+  atom type Process()
+    export port Signal begin(), done()
+    place IDLE, BUSY
+    initial to IDLE
+    on begin from IDLE to BUSY
+    on done from BUSY to IDLE
+  end
+  compound type Root()
+    component Process p[40]()
+    for i in 0..40 connector One begin[i](p[i].begin)
+    for i in 0..40 connector One done[i](p[i].done)
+  end
+end
+)";
+
+}  // namespace
+
+TEST_CASE("k-liveness: fairness decides who gets the key") {
+  const HandMadeNet key(kKey);
+  CHECK(is_proved(key, "p@INSIDE leads to p@OUTSIDE", "weak"));
+  CHECK(is_proved(key, "p@WAITS leads to p@INSIDE", "strong"));
+  CHECK(is_proved(key, "p@WAITS leads to p@INSIDE", "strong:atoms"));
+  CHECK(is_proved(key, "always eventually happens key.take", "weak"));
+  CHECK_FALSE(is_proved(key, "p@WAITS leads to p@INSIDE", "none"));
+  CHECK_FALSE(is_proved(key, "p@WAITS leads to p@INSIDE", "weak"));
+  CHECK_FALSE(is_proved(key, "always eventually p@INSIDE", "none"));
+}
+
+TEST_CASE("k-liveness: a run that ends repeats its last state") {
+  const HandMadeNet ends(counter(""));
+  CHECK(is_proved(ends, "eventually always (c@STOPPED || c.n == 3)", "weak"));
+  CHECK(is_proved(ends, "eventually always !happens more", "none"));
+  CHECK(is_proved(ends, "eventually c@STOPPED", "none"));
+  CHECK_FALSE(is_proved(ends, "eventually c.n == 3", "none"));
+  CHECK_FALSE(is_proved(ends, "eventually c.n == 3", "strong"));
+  CHECK_FALSE(is_proved(ends, "always eventually happens stop", "strong"));
+}
+
+TEST_CASE("k-liveness: what others do may go on for ever") {
+  const HandMadeNet goes_on(counter(kTicks));
+  CHECK_FALSE(is_proved(goes_on, "eventually c@STOPPED", "none"));
+  CHECK_FALSE(is_proved(goes_on, "eventually c.n == 3", "weak"));
+  CHECK(is_proved(goes_on, "eventually c@STOPPED", "weak"));
+  CHECK(is_proved(goes_on, "eventually c@STOPPED", "weak:atoms"));
+  CHECK(is_proved(goes_on, "(eventually c@STOPPED) || (always eventually happens tick)", "none"));
+}
+
+TEST_CASE("k-liveness: a part of the system suffices, whose states are few") {
+  const HandMadeNet many(kMany);
+  const KLivenessProof proof = prove(many, "p[7]@BUSY leads to p[7]@IDLE", "weak");
+  CHECK(proof.outcome == Outcome::Holds);
+  CHECK(proof.atoms == 1);
+  CHECK(proof.units == 1);
+  CHECK(proof.lemmas > 0);
+}
+
+TEST_CASE("k-liveness: an invariant that looks back has no rounds") {
+  const HandMadeNet key(kKey);
+  const KLivenessProof proof = prove(key, "always (p@INSIDE implies once happens p_asks)", "none");
+  CHECK(proof.outcome == Outcome::Holds);
+  CHECK(proof.rounds == 0);
+  CHECK_FALSE(is_proved(key, "always (p@INSIDE implies once happens q_asks)", "none"));
+  CHECK_FALSE(is_proved(key, "always (happens p_enters implies previously happens p_asks)", "none"));
+}
+
+TEST_CASE("k-liveness: no time, no answer") {
+  const HandMadeNet key(kKey);
+  Result<ParsedProperty> parsed = PropertyReader(*key.compiled.system).read("p@INSIDE leads to p@OUTSIDE");
+  REQUIRE(parsed);
+  KLivenessOptions options;
+  options.cancellation = within_seconds(0);
+  const KLivenessProof proof =
+      prove_by_k_liveness(parsed->formula, *key.compiled.system, key.compiled.lowered->image, options);
+  CHECK(proof.outcome == Outcome::Unknown);
+  CHECK(proof.is_out_of_time);
+}
+
+}  // namespace bip::verify

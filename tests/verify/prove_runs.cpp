@@ -1,0 +1,54 @@
+// bip-prove-runs FILE [SECONDS [ROUNDS]]: properties of runs of a model, each asked of the circuit alone
+// (compiler/verify/liveness/ k_liveness.hpp). Reads lines "FAIRNESS PROPERTY"; prints for each `holds ROUNDS ATOMS`, or
+// `unknown REASON`. test_liveness.py compares the answers with its oracle.
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <iostream>
+#include <optional>
+#include <sstream>
+#include <string>
+
+#include "compiler/verify/liveness/k_liveness.hpp"
+#include "tools/gen/compiled.hpp"
+
+int main(int argc, char** argv) {
+  using namespace bip;
+  if (argc < 2 || argc > 4) {
+    std::fprintf(stderr, "bip-prove-runs FILE [SECONDS [ROUNDS]]\n");
+    return 2;
+  }
+  const double seconds = argc > 2 ? std::strtod(argv[2], nullptr) : 5;
+  // More rounds than a small system needs.
+  const auto most_rounds = static_cast<std::uint32_t>(argc > 3 ? std::strtoul(argv[3], nullptr, 10) : 16);
+  std::ifstream file(argv[1]);
+  std::ostringstream text;
+  text << file.rdbuf();
+  const gen::Compiled c = gen::compile_texts({text.str()});
+  if (!c.problem.empty()) {
+    std::fprintf(stderr, "%s: %s\n", argv[1], c.problem.c_str());
+    return 1;
+  }
+  const verify::PropertyReader reader(*c.system);
+  std::string line;
+  while (std::getline(std::cin, line)) {
+    const std::size_t blank = line.find(' ');
+    const std::optional<verify::Fairness> fairness = verify::read_fairness(line.substr(0, blank));
+    Result<verify::ParsedProperty> parsed = reader.read(line.substr(std::min(blank + 1, line.size())));
+    if (!fairness || !parsed || !parsed->is_formula) {
+      std::fprintf(stderr, "%s: no property of runs\n", line.c_str());
+      return 2;
+    }
+    verify::KLivenessOptions options;
+    options.fairness = *fairness;
+    options.most_rounds = most_rounds;
+    options.cancellation = verify::within_seconds(seconds);
+    const verify::KLivenessProof proof =
+        verify::prove_by_k_liveness(parsed->formula, *c.system, c.lowered->image, options);
+    if (proof.outcome == verify::Outcome::Holds) std::printf("holds %u %u\n", proof.rounds, proof.atoms);
+    else std::printf("unknown %s\n", proof.reason.c_str());
+  }
+  return 0;
+}
