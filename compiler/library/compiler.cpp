@@ -96,6 +96,7 @@ Counterexample replayed(const rt::Image& image, rt::MaximalProgress maximal, rt:
   Counterexample out;
   out.end = name_of(end);
   rt::Core core(image, {.progress = maximal});
+  core.time().wait_for_resume_at();
   bool is_sound = core.initialize();
   for (const rt::TimedStep& step : path.steps) {
     if (!is_sound || !rt::let_time_pass(core, path, out.steps.size()) || step.choice >= core.candidate_count()) break;

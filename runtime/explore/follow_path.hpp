@@ -12,6 +12,7 @@ namespace bip::rt {
 /// Returns how many steps were taken.
 template <class Before, class Foresee>
 u64 follow_path(Core& core, CounterexampleEnd end, const TimedPath& path, Before before, Foresee foresee) {
+  core.time().wait_for_resume_at();
   bool is_sound = core.initialize();
   u64 taken = 0;
   for (; is_sound && taken < path.steps.size(); ++taken) {

@@ -42,6 +42,7 @@ ZoneSearch::ZoneSearch(const Image& image, const ExploreOptions& options, const 
       locations_((static_cast<void>(core_.initialize()), core_), options, response),
       part_(part),
       response_(response) {
+  core_.time().wait_for_resume_at();
   if (part_ == nullptr) return;
   is_sure_.assign(locations_.shapes().interactions.size(), 1);
   for (u32 connector = 0; connector < image.connectors.size; ++connector) {

@@ -252,7 +252,7 @@ bool Clocks::begin_resume(u32 atom, const LinkedTransition* fired) {
   if (!resume.present) return true;
   Interval interval;
   if (!resume_interval(atom, resume, interval)) return false;
-  busy_until_[atom] = interval.empty() ? kForever : interval.low;
+  busy_until_[atom] = waits_for_resume_at_ || interval.empty() ? kForever : interval.low;
   may_resume_until_[atom] = interval.high;
   resuming_.push_back(atom);
   BIP_ASSERT(busy_until_[atom] >= now_, "atom {} was busy until {}", atom, busy_until_[atom]);

@@ -125,6 +125,8 @@ class Clocks {
   /// After a step of the atom, internal transitions included: how long is it busy? fired: null for `initial`. False: a
   /// fault.
   bool begin_resume(u32 atom, const LinkedTransition* fired);
+  /// From now on a busy atom goes on when resume_at() says so, and not at the first instant at which its `resume` holds.
+  void wait_for_resume_at() { waits_for_resume_at_ = true; }
   /// Atoms that `resume` made busy in the last step that take() fired.
   [[nodiscard]] const std::vector<u32>& resuming() const { return resuming_; }
   /// A busy atom goes on at this instant (kForever: never), whatever its `resume` says. False: a fault.
@@ -178,6 +180,7 @@ class Clocks {
   std::vector<TypeTime> types_;        // by type of atoms
   std::vector<PortTime> ports_;        // by port instance
   std::vector<Coming> coming_;         // by atom, at the instant that `changes_` says
+  bool waits_for_resume_at_ = false;
   std::vector<u32> set_clocks_, resuming_;
   // Functions of the rest, brought up to date when an atom is looked at.
   TimeHeap changes_;  // by atom: the next instant at which its ports may change
