@@ -9,6 +9,7 @@
 // but nothing is forgotten then, so the graph may have no end. Cost: zones times interactions times clocks squared; a
 // location's zones are compared pairwise.
 #pragma once
+#include "runtime/explore/dbm.hpp"
 #include "runtime/explore/explore.hpp"
 
 namespace bip::rt {
@@ -51,6 +52,18 @@ struct ZoneReport {
 
 /// One thread. options.reduction and threads mean nothing here; options.limit counts zones.
 [[nodiscard]] ZoneReport explore_zones(const Image& image, const ExploreOptions& options);
+
+/// A location of a zone graph with its zones. `waits`: by atom 0, or the transition whose `resume` it waits for, by its
+/// number + 1; after `initial`: the number of transitions + 1. `leaders`: with whom it goes on then.
+struct ListedLocation {
+  const State* state = nullptr;  // its `time` is of no meaning
+  std::vector<u32> waits, leaders;
+  std::vector<const Zone*> zones;
+};
+/// The same; visits all locations that have zones, in the order of finding, if the graph is complete and the predicate
+/// holds nowhere. The set of these points is closed under steps and under time, but for steps that end in an error.
+[[nodiscard]] ZoneReport explore_zones(const Image& image, const ExploreOptions& options,
+                                       const std::function<void(const ListedLocation&)>& visit);
 
 /// A demand with a limit: at most `within` ticks after each point of a run at which `request` is true `response` is
 /// true. A point is a state while time passes in it (no candidate), or a step that is taken from it. What they read
