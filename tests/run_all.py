@@ -151,6 +151,7 @@ def groups(options):
                          script("terminal", "tests/verify/test_terminal.py", alone=True), script("exports", "tests/verify/test_exports.py", weight=20),
                          script("aiger", "tests/verify/test_aiger.py", weight=10), script("timed", "tests/verify/test_timed.py", weight=10),
                          *needs("bip-prove-runs", script("liveness", "tests/verify/test_liveness.py", weight=10)),
+                         script("timed certificates", "tests/verify/test_timed_certificates.py", weight=15),
                          script("sizes", "tests/verify/test_sizes.py", weight=10))),
         ("differential", needs("bip-gen", script("differential", "tests/differential/test_differential.sh", str(options.systems), str(options.first), *(["--without-emitted"] if options.without_emitted else []), weight=150),
                                script("engines", "tests/differential/test_engines.sh", "100", weight=40))),

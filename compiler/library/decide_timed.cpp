@@ -12,6 +12,7 @@
 #include "compiler/library/add_run.hpp"
 #include "compiler/library/timed_verdict.hpp"
 #include "compiler/library/verify_text.hpp"
+#include "compiler/lower/code_facts.hpp"
 #include "compiler/pipeline/error_sources.hpp"
 #include "compiler/pipeline/executor.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
@@ -19,7 +20,9 @@
 #include "compiler/system/uses_time.hpp"
 #include "compiler/verify/net/unread_data.hpp"
 #include "compiler/verify/timed/prove_time.hpp"
+#include "compiler/verify/evidence/certificate.hpp"
 #include "compiler/verify/evidence/counterexample_text.hpp"
+#include "compiler/verify/evidence/reached_zones.hpp"
 #include "runtime/explore/counterexample.hpp"
 
 namespace bip::library {
@@ -29,13 +32,15 @@ namespace {
 // Of the time: the rest is the whole zone graph's.
 constexpr double kShareOfParts = 3;
 
+void refuse(Compilation& c, const std::string& what) {
+  c.diags.report(Diag::kB1900, c.root_range, what).note(system::first_timed(*c.system));
+}
+
 // What has no answer yet is said. False: it was.
-bool is_answerable(const VerifyRequest& request, Compilation& c, const verify::Question& question) {
-  const char* refused = nullptr;
-  if (question.what == verify::QuestionKind::NoLocalDeadlock) refused = "`--partial` for a model with time";
-  else if (request.wants_certificate) refused = "a certificate for a model with time";
-  if (refused != nullptr) c.diags.report(Diag::kB1900, c.root_range, refused).note(system::first_timed(*c.system));
-  return refused == nullptr;
+bool is_answerable(Compilation& c, const verify::Question& question) {
+  const bool is_partial = question.what == verify::QuestionKind::NoLocalDeadlock;
+  if (is_partial) refuse(c, "`--partial` for a model with time");
+  return !is_partial;
 }
 
 // What a location offers depends on the instant.
@@ -45,6 +50,31 @@ void ask(const verify::Property& property, rt::ExploreOptions& options) {
     if (node.kind == verify::PropertyKind::CanConnector) options.predicate_connectors.push_back(node.owner);
     if (node.kind == verify::PropertyKind::CanPort) options.predicate_atoms.push_back(node.owner);
   }
+}
+
+bool asks_offers(const verify::Property& property) {
+  return std::any_of(property.nodes.begin(), property.nodes.end(), [](const verify::PropertyNode& node) {
+    return node.kind == verify::PropertyKind::CanConnector || node.kind == verify::PropertyKind::CanPort;
+  });
+}
+
+bool has_resume(const System& system) {
+  return std::any_of(system.atom_types.begin(), system.atom_types.end(), [](const AtomType& type) {
+    return type.initial_resume.present || std::any_of(type.transitions.begin(), type.transitions.end(),
+                                                      [](const Transition& t) { return t.resume.present; });
+  });
+}
+
+// Which of several faults, or of a fault and a false guard, comes first is not for a checker to know.
+bool can_fault_in_guards(const System& system) {
+  const auto can_fault = [&](ExprId guard, StmtId up) { return lower::code_facts(system.code, guard, up).may_fault; };
+  if (std::any_of(system.priorities.begin(), system.priorities.end(),
+                  [&](const Priority& rule) { return can_fault(rule.guard, {}); }))
+    return true;
+  return std::any_of(system.connector_types.begin(), system.connector_types.end(), [&](const ConnectorType& type) {
+    return std::any_of(type.clauses.begin(), type.clauses.end(),
+                       [&](const Clause& clause) { return can_fault(clause.guard, clause.up); });
+  });
 }
 
 // Describes the state at the end of the path.
@@ -134,14 +164,15 @@ Verdict unknown_because_of_cpp() {
 
 Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify::Question& question,
                      const std::string& note, const verify::CancellationToken& token) {
-  if (!is_answerable(request, c, question)) return {};
+  if (!is_answerable(c, question)) return {};
   if (calls_cpp(*c.system)) return unknown_because_of_cpp();
   const verify::CancellationToken cancellation = token.within(request.timeout);
   nlohmann::ordered_json json{{"format", "bipc-verdict"}, {"version", 1}, {"verdict", "unknown"}};
   std::string stats;
   const bool asks_state = question.what == verify::QuestionKind::State;
   if (asks_state) json["property"] = question.property.text;
-  if (asks_state || question.what == verify::QuestionKind::DeadlockFreedom) {
+  // A certificate is the whole zone graph.
+  if (!request.wants_certificate && (asks_state || question.what == verify::QuestionKind::DeadlockFreedom)) {
     const verify::CancellationToken soon = cancellation.within(request.timeout / kShareOfParts);
     const verify::TimeProof proof =
         asks_state ? verify::prove_state_in_time(*c.system, question.property, explore_system, soon)
@@ -164,6 +195,7 @@ Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify:
   if (!executor.prepare(c, request.backend, Optimisation::Auto)) return {};
   const rt::Image& image = c.lowered->image;
   rt::ZoneReport found;
+  std::string certificate, refused;
   {
     rt::ExploreOptions options;
     options.bytes = request.megabytes * kMega;
@@ -171,13 +203,33 @@ Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify:
     options.unread_cells = verify::find_unread_cells(
         *c.system, image, asks_state ? verify::data_of(question.property) : std::vector<DataRef>());
     if (asks_state) ask(question.property, options);
-    found = rt::explore_zones(image, options);
+    if (request.wants_certificate) {
+      verify::ZoneCollector zones(*c.system, image, options.unread_cells, request.megabytes * (kMega / 2));
+      found = rt::explore_zones(image, options, [&](const rt::ListedLocation& location) { zones.add(location); });
+      refused = zones.problem();
+      certificate = std::move(zones).rows();
+    } else {
+      found = rt::explore_zones(image, options);
+    }
   }
   const bool asks_errors = question.what == verify::QuestionKind::NoErrors;
   const bool is_violated = asks_errors  ? found.has_error
                            : asks_state ? found.has_match
                                         : found.has_deadlock || found.has_time_lock;
   const bool is_complete = found.end == rt::ExploreEnd::Complete && found.inexact.empty();
+  if (request.wants_certificate && !is_violated && found.inexact.empty() && !cancellation.is_cancelled()) {
+    if (refused.empty() && found.has_error && can_fault_in_guards(*c.system))
+      refused = "guards of connectors or priorities that end in an error";
+    if (refused.empty() && asks_state && has_resume(*c.system) && asks_offers(question.property))
+      refused = "`resume`, of a property with `can`,";
+    if (!refused.empty()) refused = "a certificate for a model with time and " + refused;
+    else if (!is_complete || certificate.empty())
+      refused = "a certificate for a model with time whose zones are too many for --timeout and --memory";
+    if (!refused.empty()) {
+      refuse(c, refused);
+      return {};
+    }
+  }
   const std::string size = rt::counted(found.zones, "zone") + " of " + rt::counted(found.locations, "location");
   if (asks_errors) json["property"] = "errors";
   json["zones"] = found.zones;
@@ -222,6 +274,9 @@ Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify:
   json["text"] = text;
   Verdict verdict = verdict_of(json, text + stats, exit_code);
   verdict.counterexample = std::move(run);
+  if (request.wants_certificate && exit_code == kOk)
+    verdict.certificate =
+        verify::certificate_head(question, *c.system, c.root_name) + "method zones\n" + certificate + "end\n";
   return verdict;
 }
 

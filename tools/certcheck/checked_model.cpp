@@ -6,9 +6,8 @@ namespace {
 
 void only(const Tree& list, const std::vector<Text>& known, std::size_t first, Text owner) {
   for (std::size_t k = first; k < list.items.size(); ++k) {
-    // Bounds on clocks would be taken for steps that are always there.
-    if (!contains(known, list.items[k].is_list ? list.items[k].head() : list.items[k].text))
-      throw NotCheckable(quoted(owner) + " depends on time");
+    const Text word = list.items[k].is_list ? list.items[k].head() : list.items[k].text;
+    if (!contains(known, word)) throw NotCheckable(quoted(owner) + " has " + quoted(word));
   }
 }
 
@@ -46,9 +45,14 @@ class ModelReader {
 
  private:
   void atom_type(const Tree& row) {
-    AtomType type{row.at(2).text, 0, {}, {}, {}, {}, row.all("priority"), row.all("invariant"), {}, false};
-    only(row, {"slot", "port", "place", "initial", "do", "final", "transition", "priority", "invariant", "merged"}, 3,
-         type.name);
+    AtomType type;
+    type.name = row.at(2).text;
+    type.priorities = row.all("priority");
+    type.invariants = row.all("invariant");
+    only(row,
+         {"slot", "port", "place", "initial", "do", "final", "transition", "priority", "invariant", "merged", "clock",
+          "resume"},
+         3, type.name);
     for (const Tree* place : row.all("place")) type.variables.push_back({place->at(2).text, "bool"});
     type.places = type.variables.size();
     for (const Tree* variable : row.all("slot"))
@@ -64,14 +68,17 @@ class ModelReader {
       for (std::size_t& variable : type.ports.back().variables) variable += type.places;
     }
     for (const Tree* invariant : type.invariants) (void)places((*invariant)["places"]);
-    type.initial = {kNone, {}, places(row["initial"]), nullptr, &row["do"]};
+    type.initial = {kNone, {}, places(row["initial"]), nullptr, &row["do"], &row, &row["resume"]};
     type.finals = places(row["final"]);
     type.is_automaton = type.initial.to.size() == 1;
     for (const Tree* t : row.all("transition")) {
-      only(*t, {"on", "from", "to", "guard", "do", "weight"}, 2, type.name);
+      only(*t, {"on", "from", "to", "guard", "bound", "measure", "delayable", "eager", "do", "resume", "weight"}, 2,
+           type.name);
       const Rows on = (*t)["on"].rows();
-      type.transitions.push_back(
-          {on.empty() ? kNone : on[0], places((*t)["from"]), places((*t)["to"]), &(*t)["guard"], &(*t)["do"]});
+      type.transitions.push_back({on.empty() ? kNone : on[0], places((*t)["from"]), places((*t)["to"]), &(*t)["guard"],
+                                  &(*t)["do"], t, &(*t)["resume"], t->has_word("eager", 2),
+                                  t->has_word("delayable", 2)});
+      if (on.empty() && !t->find({"bound", "resume"}).empty()) throw Rejected("an internal transition waits");
       if (!on.empty() && on[0] >= type.ports.size()) throw Rejected(quoted(type.name) + " has no such port");
       type.is_automaton =
           type.is_automaton && type.transitions.back().from.size() == 1 && type.transitions.back().to.size() == 1;
@@ -80,7 +87,31 @@ class ModelReader {
       if (type.variables.at(type.places + set->at(1).row()).is_param)
         throw Rejected(quoted(type.name) + " writes to a parameter");
     }
+    time(row, type);
     m_.atom_types.push_back(std::move(type));
+  }
+
+  void time(const Tree& row, AtomType& type) {
+    type.first_clock = type.variables.size();
+    for (const Tree* clock : row.all("clock")) {
+      type.clocks.push_back({clock->at(2).text, clock->at(3).ticks(), type.places + clock->at(4).row()});
+      if (type.clocks.back().unit <= 0 || type.clocks.back().first_slot + 2 >= type.first_clock)
+        throw Rejected(quoted(type.name) + " has no such clock");
+    }
+    type.is_timed = !type.clocks.empty() || !type.initial.resume->items.empty() ||
+                    std::any_of(type.transitions.begin(), type.transitions.end(), [](const Transition& t) {
+                      return t.is_eager || t.is_delayable || !t.resume->items.empty();
+                    });
+    for (const Clock& clock : type.clocks) type.variables.push_back({clock.name, "clock"});
+    type.waits = type.variables.size();
+    // Names that no data have.
+    if (type.is_timed) type.variables.insert(type.variables.end(), {{"resume", "int"}, {"resume-with", "int"}});
+    for (const Tree* bound : row.find({"bound"})) {
+      const Tree &minus = (*bound)["minus"], &slot = (*bound)["slot"];
+      if (std::max(bound->at(2).row(), minus.items.empty() ? 0 : minus.at(1).row()) >= type.clocks.size() ||
+          (!slot.items.empty() && type.places + slot.at(1).row() >= type.first_clock))
+        throw Rejected(quoted(type.name) + " has no such bound");
+    }
   }
 
   void atom(const Tree& row) {
@@ -90,6 +121,7 @@ class ModelReader {
       m_.atom_of_port.push_back(m_.atoms.size());
     }
     m_.atoms.push_back({row.at(2).text, row.at(3).row(), &row["args"]});
+    m_.is_timed = m_.is_timed || m_.type_of(m_.atoms.size() - 1).is_timed;
   }
 
   std::size_t add(Kind kind, std::vector<Edge> children) {
@@ -135,6 +167,7 @@ class ModelReader {
 
   void connector(const Tree& row, const Tree& type) {
     Connector c{row.at(2).text, 0, row["in"].at(1).row(), {}, {}, &row["data"], {}, type["export"]["slots"].rows(), {}};
+    c.is_sync = !type["resume"].items.empty();
     for (const Tree* variable : type.all("slot")) c.variables.push_back(variable->at(3).text);
     const std::vector<const Tree*> params = type.all("param");
     const Tree &ports = row["ports"], &define = type["define"].at(1);

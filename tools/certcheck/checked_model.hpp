@@ -85,6 +85,14 @@ struct Tree {
     const bool is_row = !is_list && std::from_chars(text.data(), text.data() + text.size(), value).ec == std::errc();
     return is_row ? value : throw Rejected("a row number was expected, not " + quoted(text));
   }
+  /// "5000000ns"
+  [[nodiscard]] std::int64_t ticks() const {
+    std::int64_t value = 0;
+    const char* const end = text.data() + text.size();
+    const auto [last, error] = std::from_chars(text.data(), end, value);
+    const bool is_time = !is_list && error == std::errc() && std::string_view(last, end) == "ns";
+    return is_time ? value : throw Rejected("a time was expected, not " + quoted(text));
+  }
   /// The rows after a list's head.
   [[nodiscard]] Rows rows() const {
     Rows rows;
@@ -125,7 +133,7 @@ struct Tree {
   return open.size() == 1 ? std::move(open[0]) : throw Rejected("a `)` is missing");
 }
 
-/// A place (a bool: is it marked?) or data.
+/// A place (a bool: is it marked?), data, a clock, or what `resume` says of the atom.
 struct Variable {
   Text name, type;
   bool is_param = false;
@@ -140,6 +148,14 @@ struct Transition {
   std::size_t port = kNone;  // kNone: internal
   Rows from, to;
   const Tree *guard = nullptr, *action = nullptr;  // (guard …) and (do …), perhaps empty
+  const Tree *row = nullptr, *resume = nullptr;    // the bounds are in `row`; resume: perhaps empty
+  bool is_eager = false, is_delayable = false;
+};
+/// Its value is a variable; what code sets it to are three others, of which `first_slot` is the first.
+struct Clock {
+  Text name;
+  std::int64_t unit = 1;  // in ticks
+  std::size_t first_slot = 0;
 };
 struct AtomType {
   Text name;
@@ -151,6 +167,11 @@ struct AtomType {
   std::vector<const Tree*> priorities, invariants;
   Rows finals;                // places where a run may end
   bool is_automaton = false;  // always exactly one place is marked
+  // With time come, as last variables, the clocks; 0 or for which transition's `resume` the atom waits (number + 1, the
+  // initial one is the last); and, if it does, the number of the atom with which it goes on.
+  bool is_timed = false;
+  std::vector<Clock> clocks;
+  std::size_t first_clock = 0, waits = 0;
 
   /// The place or data of that name.
   [[nodiscard]] std::size_t find(Text variable, bool is_place) const {
@@ -185,19 +206,21 @@ struct Node {
   std::size_t connector = kNone;  // whose root group it is
 };
 /// A variable of a port that a connector binds: of which parameter, which one, its type.
-using Bound = std::tuple<std::size_t, std::size_t, Text>;
+using BoundVariable = std::tuple<std::size_t, std::size_t, Text>;
 struct Connector {
   Text path;
   std::size_t root = 0, compound = 0;
   std::vector<Edge> params;
-  std::vector<Bound> bound;
+  std::vector<BoundVariable> bound;
   const Tree* data = nullptr;
   std::vector<Text> variables;  // their types
   Rows exported;                // variables of the port that it exports
   std::vector<Clause> clauses;
+  bool is_sync = false;  // its ports resume together
 };
 
 struct Model {
+  bool is_timed = false;
   std::string text;
   Tree tree;
   std::map<Text, int> strings;
@@ -250,14 +273,22 @@ struct Fact {
   std::vector<Case> cases;
   std::optional<int> total;
 };
+/// A clock (of an atom, by variable) less another one is at most the limit; kNone: 0.
+struct Bound {
+  std::size_t atom = kNone, clock = 0, other_atom = kNone, other_clock = 0;
+  std::int64_t limit = 0;
+};
+using Zone = std::vector<Bound>;
 struct Certificate {
   std::string claim;
   std::vector<Fact> facts, sets;            // sets: of modes; without total: traps
   std::map<Values, char32_t> row_of_local;  // parameters as 0
   std::vector<Values> locals;
-  std::set<std::u32string> states;  // all that a search has reached: by atom a row of locals
-  std::vector<Class> classes;       // none: the certificate says nothing of modes
-  Rows class_of;                    // by atom
+  std::set<std::u32string> states;                    // all that a search has reached: by atom a row of locals
+  std::map<std::u32string, std::vector<Zone>> zones;  // with time: of each state, one of these holds
+  std::vector<std::vector<bool>> is_told;             // with time, by atom and variable: states say it; else: any value
+  std::vector<Class> classes;                         // none: the certificate says nothing of modes
+  Rows class_of;                                      // by atom
   std::vector<Modes> reachable;
 };
 
@@ -265,6 +296,8 @@ struct Certificate {
 /// Is it a proof? Says how much was checked; throws Rejected or NotCheckable (states.cpp). Z3 is slow to give up what
 /// it holds.
 [[nodiscard]] std::string check(const Model& model, std::istream& certificate, z3::context& z);
+/// The same for a model with time (zones.cpp): of states with zones.
+void check_zones(const Model& model, const Certificate& certificate, z3::context& z);
 /// Modes are closed, reachable ones and sets are kept by every step (structure.cpp).
 void check_structure(const Model& model, const Certificate& certificate, z3::context& z);
 

@@ -15,6 +15,7 @@ class CertificateReader {
       state_.emplace_back();
       for (const Variable& variable : m_.type_of(k).variables)
         state_[k].push_back(variable.is_param ? std::optional(0) : std::nullopt);
+      c_.is_told.emplace_back(state_[k].size(), false);
     }
     c_.class_of.assign(m_.atoms.size(), kNone);
     c_.reachable.resize(m_.atoms.size());
@@ -37,8 +38,10 @@ class CertificateReader {
     if (line != "end" || text.eof() || text.get() != EOF) throw Rejected("its last row is not `end`");
     if (c_.claim.empty()) throw Rejected("the certificate does not say what it proves");
     if (!c_.classes.empty() && contains(c_.class_of, kNone)) throw Rejected("a component has no row");
-    if (!c_.states.empty() && !(c_.classes.empty() && c_.facts.empty()))
+    if (!c_.states.empty() && !(c_.classes.empty() && c_.facts.empty() && c_.sets.empty()))
       throw Rejected("more is said than which states there are");
+    if (m_.is_timed && (c_.states.empty() || c_.zones.size() != c_.states.size()))
+      throw Rejected("the model has time, so states with zones are expected");
     return std::move(c_);
   }
 
@@ -50,7 +53,7 @@ class CertificateReader {
         {"component", {5, &CertificateReader::component_row}}, {"trap", {1, &CertificateReader::fact_row}},
         {"one-token", {1, &CertificateReader::fact_row}},      {"sum", {2, &CertificateReader::fact_row}},
         {"lemma", {1, &CertificateReader::fact_row}},          {"equation", {2, &CertificateReader::fact_row}},
-        {"state", {1, &CertificateReader::state_row}}};
+        {"state", {1, &CertificateReader::state_row}},         {"zone", {1, &CertificateReader::zone_row}}};
     const Text head = words_.empty() ? Text() : words_[0];
     if (line == "method exhaustive") throw NotCheckable("the evidence is a search of all states");
     if (head == "root" || head == "method") return;
@@ -131,8 +134,11 @@ class CertificateReader {
       const Literal l = literal(words_[k], false);
       const AtomType& type = m_.type_of(l.atom);
       need(!type.variables[l.variable].is_param, "is a parameter", words_[k]);
+      // With time, data of which the first state says nothing may have any value, always.
+      need(!m_.is_timed || c_.states.empty() || c_.is_told[l.atom][l.variable], "is not told of all states", words_[k]);
       tell(type, l, state_[l.atom], words_[k]);
     }
+    if (m_.is_timed && c_.states.empty()) tell_first();
     need(std::none_of(state_.begin(), state_.end(), [](const Values& local) { return contains(local, std::nullopt); }),
          "the state is not told in full");
     std::u32string rows;
@@ -141,7 +147,45 @@ class CertificateReader {
       if (is_new) c_.locals.push_back(local);
       rows += at->second;
     }
+    now_ = rows;
     c_.states.insert(std::move(rows));
+  }
+  void tell_first() {
+    for (std::size_t a = 0; a < state_.size(); ++a) {
+      for (std::size_t k = 0; k < state_[a].size(); ++k) {
+        c_.is_told[a][k] = state_[a][k].has_value() && !m_.type_of(a).variables[k].is_param;
+        if (!state_[a][k] && k >= m_.type_of(a).places && k < m_.type_of(a).waits) state_[a][k] = 0;
+      }
+    }
+  }
+  // "ROOT.a.x<=7", "ROOT.a.x-ROOT.b.y<=3", "ROOT.a.x>=2": of the state above
+  void zone_row() {
+    need(m_.is_timed && !now_.empty(), "no state has this zone");
+    Zone& zone = c_.zones[now_].emplace_back();
+    for (std::size_t k = 1; k < words_.size(); ++k) {
+      const auto [names, limit] = split(words_[k], words_[k].find('='));
+      const bool is_least = names.ends_with('>'), is_most = names.ends_with('<');
+      need(is_least || is_most, "is no bound", words_[k]);
+      const Text clocks = names.substr(0, names.size() - 1);
+      const std::size_t minus = clocks.find('-');
+      Bound& bound = zone.emplace_back();
+      std::tie(bound.atom, bound.clock) = clock(clocks.substr(0, minus));
+      if (minus != Text::npos) std::tie(bound.other_atom, bound.other_clock) = clock(clocks.substr(minus + 1));
+      (void)std::from_chars(limit.data(), limit.data() + limit.size(), bound.limit);
+      need(std::to_string(bound.limit) == limit && std::abs(bound.limit) < kMostTicks, "is no number here", limit);
+      if (!is_least) continue;
+      std::swap(bound.atom, bound.other_atom);
+      std::swap(bound.clock, bound.other_clock);
+      bound.limit = -bound.limit;
+    }
+  }
+  // Its atom, and which variable it is.
+  [[nodiscard]] std::pair<std::size_t, std::size_t> clock(Text name) const {
+    const std::size_t dot = std::min(name.rfind('.'), name.size());
+    const std::size_t atom = atom_of(name.substr(0, dot));
+    need(dot != name.size(), "is no clock", name);
+    const AtomType& type = m_.type_of(atom);
+    return {atom, type.first_clock + row_of(type.clocks, name.substr(dot + 1), &Clock::name)};
   }
   // PATH and what is said of the atom; or "!" and that
   [[nodiscard]] Literal literal(Text name, bool is_value) const {
@@ -205,8 +249,11 @@ class CertificateReader {
     return variable.type == "bool" ? number(text, 0, 1) : number(text);
   }
 
+  static constexpr std::int64_t kMostTicks = std::int64_t{1} << 62;
+
   const Model& m_;
   Certificate c_;
+  std::u32string now_;  // the state of the last row
   std::map<Text, std::size_t> atoms_;
   std::vector<Values> state_;  // of the row before
   std::vector<Text> words_;

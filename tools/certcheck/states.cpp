@@ -216,11 +216,15 @@ std::string check(const Model& model, std::istream& text, z3::context& z) {
   const Certificate c = read_certificate(model, text);
   const std::string components = std::to_string(model.atoms.size()) + " components, ";
   if (!c.classes.empty()) check_structure(model, c, z);
-  States(model, c, z).run();
+  if (model.is_timed) check_zones(model, c, z);
+  else States(model, c, z).run();
   const auto count = [](std::size_t number, const std::string& what) {
     return std::to_string(number) + " " + what + (number == 1 ? "" : "s");
   };
-  if (!c.states.empty()) return components + count(c.states.size(), "state");
+  std::size_t zones = 0;
+  for (const auto& [state, of] : c.zones) zones += of.size();
+  const std::string states = count(c.states.size(), "state");
+  if (!c.states.empty()) return components + (zones == 0 ? "" : count(zones, "zone") + " of ") + states;
   return components + count(c.sets.size(), "invariant") + (c.facts.empty() ? "" : ", " + count(c.facts.size(), "fact"));
 }
 

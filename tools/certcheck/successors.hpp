@@ -46,6 +46,12 @@ class System {
     // connectors without guards through none, so that less is hidden than the engine hides and more steps are checked.
     Local on;
     for (const Candidate& c : all_) on.push_back(c.possible);
+    for (std::size_t r = 0; r < rules.size(); ++r) {
+      expr above = t_.truth(can_lead_on(*m_.priorities[r]));
+      for (std::size_t k = 0; k < on.size(); ++k) above = either(above, both(rules[r].high[k], on[k]));
+      const expr hides = both(rules[r].guard, above);
+      for (std::size_t k = 0; k < on.size(); ++k) all_[k].sure = both(all_[k].sure, no(both(hides, rules[r].low[k])));
+    }
     (void)t_.hide(rules, on);
     for (std::size_t k = 0; k < all_.size(); ++k) all_[k].possible = on[k];
   }
@@ -72,8 +78,23 @@ class System {
       Candidate taken = c;
       for (auto& [node, is_in] : taken.chosen) is_in = z3::eq(is_in, c.chosen.at(c.node)) ? t_.truth(true) : is_in;
       fire(taken, c.node, t_.truth(true), taken.store, step);
+      resume(taken, step);
       visit(step);
     }
+  }
+  /// Does a candidate let no time pass: an eager one, or a delayable one that a tick later is not there any more? Of
+  /// those that no priority hides for sure, or of all.
+  [[nodiscard]] expr is_urgent(bool is_sure) const {
+    return t_.some(all_, [&](const Candidate& c) {
+      const expr urgent = either(has(c, &Offer::eager), both(has(c, &Offer::delayable), has(c, &Offer::ends)));
+      return both(is_sure ? c.sure : c.possible, urgent);
+    });
+  }
+  /// Is there an eager candidate that a bound with `>` has let in at this instant?
+  [[nodiscard]] expr opens(bool is_sure) const {
+    return t_.some(all_, [&](const Candidate& c) {
+      return both(is_sure ? c.sure : c.possible, both(has(c, &Offer::eager), has(c, &Offer::opens)));
+    });
   }
   /// What a claim says of the state.
   [[nodiscard]] expr claim(const Tree& e) {
@@ -97,7 +118,7 @@ class System {
     std::size_t node = 0;
     Chosen chosen;
     Store store;
-    expr possible, offered;
+    expr possible, offered, sure;  // sure: whatever chains of priorities there are
   };
   /// The tree of a connector, or of a port alone, parents before children, and what is known of it whatever the state
   /// is.
@@ -214,7 +235,7 @@ class System {
     const Shape& shape = shape_of(node, false);
     const std::size_t first = all_.size(), count = shape.is_plain ? 1 : shape.all.size();
     for (std::size_t k = 0; k < count; ++k) {
-      Candidate& c = all_.emplace_back(Candidate{node, {}, {}, t_.truth(false), t_.truth(false)});
+      Candidate& c = all_.emplace_back(Candidate{node, {}, {}, t_.truth(false), t_.truth(false), t_.truth(false)});
       c.chosen = shape.is_plain ? largest(shape.tree) : choice_of(shape.tree, shape.all[k]);
       c.offered = c.possible = enabled(shape.tree, !shape.is_plain, c.chosen, c.store);
     }
@@ -225,7 +246,54 @@ class System {
           all_[first + k].possible = both(all_[first + k].possible, no(all_[first + j].offered));
       }
     }
-    for (std::size_t k = 0; k < count; ++k) all_[first + k].offered = all_[first + k].possible;
+    for (std::size_t k = 0; k < count; ++k) all_[first + k].offered = all_[first + k].sure = all_[first + k].possible;
+  }
+  // Does a port that takes part have that?
+  [[nodiscard]] expr has(const Candidate& c, Local Offer::*what) const {
+    return t_.some(c.chosen, [&](const auto& part) {
+      if (m_.nodes[part.first].kind != Kind::Port) return t_.truth(false);
+      const std::size_t atom = m_.atom_of_port[part.first];
+      return both(part.second, (offers_[atom].*what)[part.first - m_.first_port[atom]]);
+    });
+  }
+  // May a chain go on from what the rule has as high: is that low in another one?
+  [[nodiscard]] bool can_lead_on(const Tree& rule) const {
+    const Tree& high = rule["high"];
+    return std::any_of(m_.priorities.begin(), m_.priorities.end(), [&](const Tree* other) {
+      const Tree& low = (*other)["low"];
+      return high.at(1).text == "any" || low.at(1).text == "any" || high.at(1).row() == low.at(1).row();
+    });
+  }
+  // `waits` says which transition each atom took: now whether it is busy after that, and with whom it goes on.
+  void resume(const Candidate& c, Step& step) const {
+    const std::size_t connector = m_.nodes[c.node].connector;
+    const bool is_sync = connector != kNone && m_.connectors[connector].is_sync;
+    std::map<std::size_t, expr> takes_part, resumes;
+    for (const auto& [node, is_in] : c.chosen) {
+      if (m_.nodes[node].kind != Kind::Port || !m_.type_of(m_.atom_of_port[node]).is_timed || is(is_in, false))
+        continue;
+      const std::size_t atom = m_.atom_of_port[node];
+      if (!step.next.contains(atom)) continue;
+      const AtomType& type = m_.type_of(atom);
+      expr one = t_.truth(false);
+      for (std::size_t t = 0; t < type.transitions.size(); ++t)
+        if (!type.transitions[t].resume->items.empty())
+          one = either(one, equals(step.next.at(atom)[type.waits], static_cast<int>(t) + 1));
+      takes_part.emplace(atom, is_in);
+      resumes.emplace(atom, both(is_in, one));
+    }
+    expr leader = t_.constant("int", 0);
+    for (auto part = takes_part.rbegin(); part != takes_part.rend(); ++part)
+      leader = choose(part->second, t_.constant("int", static_cast<int>(part->first)), leader);
+    const expr any = t_.some(resumes, [](const auto& part) { return part.second; });
+    for (const auto& [atom, is_in] : takes_part) {
+      const std::size_t waits = m_.type_of(atom).waits;
+      const expr is_busy = is_sync ? any : resumes.at(atom), none = t_.constant("int", 0);
+      Local& next = step.next.at(atom);
+      const expr with = is_sync ? leader : t_.constant("int", static_cast<int>(atom));
+      next[waits + 1] = choose(is_in, choose(is_busy, with, none), now_[atom][waits + 1]);
+      next[waits] = choose(is_in, choose(is_busy, next[waits], none), now_[atom][waits]);
+    }
   }
   // Do ports, guards and the largest configurations of inner connectors allow it? Computes what is passed upwards.
   [[nodiscard]] expr enabled(const Rows& tree, bool is_listed, const Chosen& chosen, Store& store) {

@@ -3,6 +3,7 @@
 // all states at once. Recursion follows the trees of the .bsys, whose depth its reader bounds.
 #pragma once
 #include <bit>
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <span>
@@ -34,7 +35,8 @@ using z3::expr;
 /// Of a term that is a constant; nothing of all others.
 [[nodiscard]] inline std::optional<int> value_of(const expr& e) {
   if (is(e, true) || is(e, false)) return is(e, true) ? 1 : 0;
-  return e.is_numeral() ? std::optional(static_cast<int>(static_cast<unsigned>(e.get_numeral_uint64()))) : std::nullopt;
+  return e.is_bv() && e.is_numeral() ? std::optional(static_cast<int>(static_cast<unsigned>(e.get_numeral_uint64())))
+                                     : std::nullopt;
 }
 [[nodiscard]] inline expr equals(const expr& e, int value) {
   if (e.is_bool()) return value != 0 ? e : no(e);
@@ -44,9 +46,11 @@ using z3::expr;
 
 /// An atom's state, by variable.
 using Local = std::vector<expr>;
-/// What it can do: its transitions (internal ones: false) and ports, after the atom's priorities.
+/// What it can do: its transitions (internal ones: false) and ports, after the atom's priorities. With time, by port:
+/// has it two transitions, an eager one, a delayable one; one that is not there any more a tick later; one that was not
+/// there a tick before, because of a bound with `>`?
 struct Offer {
-  Local transitions, ports;
+  Local transitions, ports, twice, eager, delayable, ends, opens;
 };
 /// What code reads and writes, terms that the caller keeps; `about` is for claims (at …), (can …).
 struct Scope {
@@ -62,8 +66,12 @@ struct Rule {
 
 class Terms {
  public:
-  Terms(const Model& model, z3::context& z) : m_(model), z_(z), solver_(z, "QF_BV") {}
+  Terms(const Model& model, z3::context& z)
+      : m_(model), z_(z), solver_(model.is_timed ? z3::solver(z) : z3::solver(z, "QF_BV")) {}
 
+  /// What is assumed between the two is forgotten then.
+  void begin() { solver_.push(); }
+  void end() { solver_.pop(); }
   /// What `may_be` takes for granted from now on; what speaks of one atom alone may say so.
   void assume(const expr& e, std::size_t atom = kNone) {
     if (is(e, true)) return;
@@ -75,6 +83,7 @@ class Terms {
   /// With what is assumed of some atoms alone, which is much quicker, and false only where it is without, too.
   [[nodiscard]] bool may_be(const expr& e, const std::map<std::size_t, Local>& alone) {
     expr whole = e;
+    if (m_.is_timed) return may_be(e);
     for (const auto& [atom, local] : alone)
       for (const expr& fact : assumed_[atom]) whole = both(whole, fact);
     z3::solver few(z_, "QF_BV");
@@ -118,8 +127,10 @@ class Terms {
   }
   /// A constant of its own, of a type of variables.
   [[nodiscard]] expr fresh(Text type) const {
-    return expr(z_, Z3_mk_fresh_const(z_, "any",
-                                      type == "bool" ? z_.bool_sort() : z_.bv_sort(is_exact(type) ? 32 : kVagueBits)));
+    const z3::sort sort = type == "bool"    ? z_.bool_sort()
+                          : type == "clock" ? z_.int_sort()
+                                            : z_.bv_sort(is_exact(type) ? 32 : kVagueBits);
+    return expr(z_, Z3_mk_fresh_const(z_, "any", sort));
   }
   /// An int, a bool or the row of a string.
   [[nodiscard]] expr constant(Text type, int value) const {
@@ -218,6 +229,7 @@ class Terms {
       const expr other = value ? constant(variable.type, *value) : fresh(variable.type);
       local.push_back(variable.is_param ? evaluate(atom.args->at(++arg), {}, fault, fault) : other);
     }
+    forget_settings(m_.atom_types[atom.type], local);
     return local;
   }
   [[nodiscard]] Local initial(const Atom& atom, expr& fault) const {
@@ -226,19 +238,67 @@ class Terms {
     for (const Variable& variable : type.variables)
       first.push_back(is_exact(variable.type) ? std::optional(0) : std::nullopt);
     Local start = local(atom, first);
+    for (std::size_t k = type.first_clock; k < type.waits; ++k) start[k] = z_.int_val(0);
     take(type, type.initial, start, truth(true), fault);
+    if (type.is_timed)
+      start[type.waits] = constant("int", type.initial.resume->items.empty() ? 0 : count_of(type.transitions) + 1);
     return start;
+  }
+  /// Do the bounds on clocks of a list hold, so many ticks from now?
+  [[nodiscard]] expr in_time(const AtomType& type, const Tree& list, const Local& local, int later, const expr& when,
+                             expr& fault) const {
+    expr result = truth(true);
+    each_bound(type, list, local, when, fault, [&](Text op, const expr& clock, bool runs, const expr& limit) {
+      const expr value = runs && later != 0 ? (clock + z_.int_val(later)).simplify() : clock;
+      const expr holds = op == "lt"   ? value < limit
+                         : op == "le" ? value <= limit
+                         : op == "gt" ? value > limit
+                         : op == "ge" ? value >= limit
+                         : op == "eq" ? value == limit
+                                      : throw Rejected("a bound " + quoted(op));
+      result = both(result, holds.simplify());
+    });
+    return result;
+  }
+  /// Does what the atom waits for hold, so many ticks from now? In a state whose `waits` is a constant.
+  [[nodiscard]] expr may_resume(const AtomType& type, Local& local, int later, expr& fault) const {
+    const auto row = static_cast<std::size_t>(value_of(local[type.waits]).value_or(0));
+    const Tree& resume =
+        row == 0 || row > type.transitions.size() ? *type.initial.resume : *type.transitions[row - 1].resume;
+    const expr guard = holds(resume["guard"], own(type, local), truth(true), fault);
+    return both(guard, in_time(type, resume, local, later, guard, fault));
+  }
+  /// Do the invariants of its places let time be, so many ticks from now?
+  [[nodiscard]] expr may_be_then(const AtomType& type, const Local& local, int later, expr& fault) const {
+    return all(type.invariants, [&](const Tree* row) {
+      const expr applies = is_in_scope(type, *row, local, truth(true));
+      return either(no(applies), in_time(type, *row, local, later, applies, fault));
+    });
   }
   [[nodiscard]] Offer offer(const AtomType& type, Local& local, expr& fault) const {
     const std::size_t count = type.ports.size();
-    Offer offer{{}, Local(count, truth(false))};
+    const Local none(count, truth(false));
+    Offer offer{{}, none, none, none, none, none, none};
+    const expr is_idle = type.is_timed ? equals(local[type.waits], 0) : truth(true);
     for (const Transition& t : type.transitions) {
       expr& going = offer.transitions.emplace_back(t.port == kNone ? truth(false) : marked(local, t.from));
       if (t.port == kNone) continue;
-      going = both(going, holds(*t.guard, own(type, local), going, fault));
-      // Two transitions of a port at a time are an error.
-      fault = either(fault, both(offer.ports[t.port], going));
+      going = both(both(is_idle, going), holds(*t.guard, own(type, local), going, fault));
+      going = both(going, in_time(type, *t.row, local, 0, going, fault));
+      // Two transitions of a port at a time are an error; with time where it fires.
+      const expr is_twice = both(offer.ports[t.port], going);
+      if (!type.is_timed) fault = either(fault, is_twice);
       offer.ports[t.port] = either(offer.ports[t.port], going);
+      if (!type.is_timed || is(going, false)) continue;
+      offer.twice[t.port] = either(offer.twice[t.port], is_twice);
+      if (t.is_eager) offer.eager[t.port] = either(offer.eager[t.port], going);
+      if (t.is_delayable) offer.delayable[t.port] = either(offer.delayable[t.port], going);
+      const expr ends = both(going, no(in_time(type, *t.row, local, 1, going, fault)));
+      offer.ends[t.port] = either(offer.ends[t.port], ends);
+      each_bound(type, *t.row, local, going, fault, [&](Text op, const expr& clock, bool runs, const expr& limit) {
+        if (op == "gt" && runs)
+          offer.opens[t.port] = either(offer.opens[t.port], both(going, (clock == limit + 1).simplify()));
+      });
     }
     std::vector<Rule> rules;
     for (const Tree* row : type.priorities) {
@@ -322,7 +382,8 @@ class Terms {
       now = std::move(next);
     }
   }
-  /// Fires a port of the offer. If that is for sure, and in one way only, it is known where an automaton is before.
+  /// Fires a port of the offer; `waits` says which transition it was. If that is for sure, and in one way only, it is
+  /// known where an automaton is before.
   void fire(const AtomType& type, const Offer& offer, std::size_t port, Local& now, Local& local, const expr& when,
             expr& fault) const {
     Rows ways;
@@ -338,8 +399,10 @@ class Terms {
       if (is(on, false)) continue;
       Local next = before;
       take(type, type.transitions[t], next, on, fault);
+      if (type.is_timed) next[type.waits] = constant("int", static_cast<int>(t) + 1);
       merge(on, next, local);
     }
+    fault = either(fault, both(when, offer.twice[port]));
   }
 
  private:
@@ -406,13 +469,80 @@ class Terms {
       local[place] = truth(true);
     }
     execute(*t.action, own(type, local), when, fault);
+    for (std::size_t k = 0; k < type.clocks.size(); ++k) {
+      const Clock& clock = type.clocks[k];
+      expr& value = local[type.first_clock + k];
+      const expr &is_set = local[clock.first_slot + 1], &to = local[clock.first_slot];
+      if (!z3::eq(local[clock.first_slot + 2], real(1)))
+        throw NotCheckable("clock " + quoted(clock.name) + " runs at another speed than 1");
+      if (!is(is_set, false)) value = choose(is_set, ticks_of(to, clock, when, fault), value);
+    }
+    forget_settings(type, local);
     for (const Tree* row : type.invariants) {
-      const Rows places = (*row)["places"].rows();
-      const Text scope = row->at(3).text;
-      expr applies = scope == "always" ? when : both(when, marked(local, places));
-      for (std::size_t p = 0; p < type.places && scope == "at"; ++p)
-        applies = contains(places, p) ? applies : both(applies, no(local[p]));
+      const expr applies = is_in_scope(type, *row, local, when);
       fault = either(fault, both(applies, no(holds((*row)["guard"], own(type, local), applies, fault))));
+    }
+  }
+
+  // What code sets clocks to: nothing yet.
+  void forget_settings(const AtomType& type, Local& local) const {
+    for (const Clock& clock : type.clocks) {
+      local[clock.first_slot] = real(0);
+      local[clock.first_slot + 1] = truth(false);
+      local[clock.first_slot + 2] = real(1);
+    }
+  }
+  static int count_of(const std::vector<Transition>& rows) { return static_cast<int>(rows.size()); }
+  [[nodiscard]] expr is_in_scope(const AtomType& type, const Tree& invariant, const Local& local,
+                                 const expr& when) const {
+    const Rows places = invariant["places"].rows();
+    const Text scope = invariant.at(3).text;
+    expr applies = scope == "always" ? when : both(when, marked(local, places));
+    for (std::size_t p = 0; p < type.places && scope == "at"; ++p)
+      applies = contains(places, p) ? applies : both(applies, no(local[p]));
+    return applies;
+  }
+  // A float in a clock's unit, to the nearest tick: constants, perhaps by cases. Not a number: nothing.
+  [[nodiscard]] std::optional<expr> ticks_of(const expr& e, const Clock& clock) const {
+    constexpr std::int64_t kMost = std::int64_t{1} << 62;
+    constexpr double kExact = 9007199254740992.0;
+    const std::optional<double> value = real_of(e);
+    if (!value) throw NotCheckable("clock " + quoted(clock.name) + " meets a value that is not followed");
+    if (std::isnan(*value)) return std::nullopt;
+    const double exact = *value * static_cast<double>(clock.unit);
+    if (!(std::fabs(exact) <= static_cast<double>(kMost))) return z_.int_val(exact > 0 ? kMost : -kMost);
+    const bool is_whole = std::fabs(*value) <= kExact && std::floor(*value) == *value;
+    return z_.int_val(is_whole ? static_cast<std::int64_t>(*value) * clock.unit : std::int64_t{std::llround(exact)});
+  }
+  // What a clock is set to. Beyond what one can be: an error.
+  [[nodiscard]] expr ticks_of(const expr& e, const Clock& clock, const expr& when, expr& fault) const {
+    if (e.is_app() && e.decl().decl_kind() == Z3_OP_ITE)
+      return z3::ite(e.arg(0), ticks_of(e.arg(1), clock, both(when, e.arg(0)), fault),
+                     ticks_of(e.arg(2), clock, both(when, no(e.arg(0))), fault));
+    const std::optional<expr> value = ticks_of(e, clock);
+    const bool is_far = !value || std::fabs(real_of(e).value_or(0) * static_cast<double>(clock.unit)) > 0x1p62;
+    if (is_far) fault = either(fault, when);
+    return is_far ? fresh("clock") : *value;
+  }
+  // (bound OP CLOCK [(minus CLOCK)] TICKS|(slot SLOT)): its operator, the clock's value, less the other's; does that
+  // change with time; the limit. What compares with no number never holds.
+  void each_bound(const AtomType& type, const Tree& list, const Local& local, const expr& when, expr& fault,
+                  const std::function<void(Text, const expr&, bool, const expr&)>& visit) const {
+    if (is(when, false)) return;
+    Local measured = local;
+    expr ends = truth(false);
+    execute(list["measure"], own(type, measured), truth(true), ends);
+    fault = either(fault, both(when, ends));
+    for (const Tree* bound : list.all("bound")) {
+      const Tree &minus = (*bound)["minus"], &slot = (*bound)["slot"];
+      const std::size_t row = bound->at(2).row();
+      expr value = local[type.first_clock + row];
+      if (!minus.items.empty()) value = (value - local[type.first_clock + minus.at(1).row()]).simplify();
+      const std::optional<expr> limit = slot.items.empty()
+                                            ? z_.int_val(bound->items.back().ticks())
+                                            : ticks_of(measured[type.places + slot.at(1).row()], type.clocks[row]);
+      if (limit) visit(bound->at(1).text, value, minus.items.empty(), *limit);
+      else visit("lt", z_.int_val(0), false, z_.int_val(0));
     }
   }
 

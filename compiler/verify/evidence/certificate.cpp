@@ -129,9 +129,7 @@ void add_affine(const AffineInvariants& affine, const System& system, std::strin
 
 }  // namespace
 
-std::string certificate(const Portfolio& portfolio, const Question& question, const Decision& decision,
-                        const System& system, const std::string& root_name) {
-  BIP_ASSERT(decision.outcome == Outcome::Holds, "a certificate for the outcome {}", decision.outcome);
+std::string certificate_head(const Question& question, const System& system, const std::string& root_name) {
   std::string out = "bipc-certificate 1\nroot " + root_name + "\nclaim ";
   switch (question.what) {
     case QuestionKind::DeadlockFreedom: out += "deadlock-free"; break;
@@ -140,7 +138,13 @@ std::string certificate(const Portfolio& portfolio, const Question& question, co
     case QuestionKind::NoLocalDeadlock:
     case QuestionKind::Runs: BIP_UNREACHABLE("local deadlocks and properties of runs have no certificate");
   }
-  out += '\n';
+  return out + '\n';
+}
+
+std::string certificate(const Portfolio& portfolio, const Question& question, const Decision& decision,
+                        const System& system, const std::string& root_name) {
+  BIP_ASSERT(decision.outcome == Outcome::Holds, "a certificate for the outcome {}", decision.outcome);
+  std::string out = certificate_head(question, system, root_name);
   const auto add_facts = [&] {
     if (decision.facts.proof) add_structure(net_of(decision, portfolio.net()), *decision.facts.proof, out);
     add_affine(decision.facts.affine, system, out);

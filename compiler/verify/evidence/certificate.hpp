@@ -12,6 +12,10 @@ namespace bip::verify {
 [[nodiscard]] std::string certificate(const Portfolio& portfolio, const Question& question, const Decision& decision,
                                       const System& system, const std::string& root_name);
 
+/// Returns the first rows of a certificate: its version, the root and the claim.
+[[nodiscard]] std::string certificate_head(const Question& question, const System& system,
+                                           const std::string& root_name);
+
 /// Returns "exactly one of fork[0]@FREE, phil[0]@EATS"
 [[nodiscard]] std::string invariant_text(const Net& net, const TokenInvariant& invariant);
 /// Returns "a@P and b.x in 4..7"

@@ -14,41 +14,62 @@ namespace {
 using u32 = std::uint32_t;
 }  // namespace
 
-// The checker cannot follow priorities below connectors.
-StateCollector::StateCollector(const System& system, const rt::Image& image, std::size_t bytes)
-    : is_listable_(system::first_inner_priority(system).empty()), bytes_(bytes) {
+std::int32_t StateColumn::value_in(const rt::State& state) const {
+  if (about == About::Automaton) return static_cast<std::int32_t>(state.places[position]);
+  if (about == About::Place) return static_cast<std::int32_t>(state.marks[position / 64] >> (position % 64) & 1);
+  return static_cast<std::int32_t>(static_cast<u32>(state.data[position]));
+}
+
+void StateColumn::append(std::int32_t value, std::string& out) const {
+  out += about == About::Place && value == 0 ? " !" : " ";
+  out += name;
+  if (about == About::Automaton) out += (*places)[static_cast<std::size_t>(value)];
+  if (about == About::Value) out += std::to_string(value);
+}
+
+std::vector<StateColumn> state_columns(const System& system, const rt::Image& image,
+                                       const std::vector<u32>& left_out_cells) {
+  using About = StateColumn::About;
+  std::vector<StateColumn> columns;
   u32 mark_word = 0;
   for (std::size_t a = 0; a < system.atoms.size(); ++a) {
     const Atom& instance = system.atoms[AtomId(a)];
     const AtomType& type = system.atom_types[instance.type];
     const u32 atom = static_cast<u32>(a);
     if (type.is_automaton()) {
-      columns_.push_back({About::Automaton, atom, instance.path + '@', &type.places});
+      columns.push_back({About::Automaton, atom, instance.path + '@', &type.places});
     } else {
       for (std::size_t p = 0; p < type.places.size(); ++p)
-        columns_.push_back({About::Place, mark_word * 64 + static_cast<u32>(p), instance.path + '@' + type.places[p]});
+        columns.push_back({About::Place, mark_word * 64 + static_cast<u32>(p), instance.path + '@' + type.places[p]});
       mark_word += static_cast<u32>((type.places.size() + 63) / 64);
     }
     for (std::size_t k = 0; k < type.variables.size(); ++k) {
       const Type of = type.variables[k].type;
-      if (type.variables[k].is_param) continue;
-      is_listable_ = is_listable_ && (of == Type::Int || of == Type::Bool || of == Type::String);
-      columns_.push_back({About::Value, image.atoms[atom].first_cell + static_cast<u32>(k),
-                          instance.path + '.' + type.variables[k].name + '='});
+      const u32 cell = image.atoms[atom].first_cell + static_cast<u32>(k);
+      const bool is_hidden = type.variables[k].name.find(' ') != std::string::npos;
+      if (type.variables[k].is_param || is_hidden ||
+          std::binary_search(left_out_cells.begin(), left_out_cells.end(), cell))
+        continue;
+      columns.push_back({About::Value, cell, instance.path + '.' + type.variables[k].name + '=', nullptr,
+                         of == Type::Int || of == Type::Bool || of == Type::String});
     }
   }
+  return columns;
+}
+
+// The checker cannot follow priorities below connectors.
+StateCollector::StateCollector(const System& system, const rt::Image& image, std::size_t bytes)
+    : is_listable_(system::first_inner_priority(system).empty()),
+      bytes_(bytes),
+      columns_(state_columns(system, image)) {
+  is_listable_ = is_listable_ && std::all_of(columns_.begin(), columns_.end(),
+                                             [](const StateColumn& column) { return column.is_nameable; });
 }
 
 void StateCollector::add(const rt::State& state) {
   if (!is_listable_ || values_.size() > bytes_ / sizeof values_[0]) return;
   BIP_ASSERT(columns_.empty() || values_.size() % columns_.size() == 0, "a state with values missing");
-  for (const StateColumn& q : columns_) {
-    const u32 at = q.position;
-    if (q.about == About::Automaton) values_.push_back(static_cast<std::int32_t>(state.places[at]));
-    else if (q.about == About::Place)
-      values_.push_back(static_cast<std::int32_t>(state.marks[at / 64] >> (at % 64) & 1));
-    else values_.push_back(static_cast<std::int32_t>(static_cast<u32>(state.data[at])));
-  }
+  for (const StateColumn& column : columns_) values_.push_back(column.value_in(state));
 }
 
 std::string StateCollector::rows() const {
@@ -65,11 +86,7 @@ std::string StateCollector::rows() const {
     for (std::size_t q = 0; q < width; ++q) {
       const std::int32_t value = states[s][q];
       if (s != 0 && states[s - 1][q] == value) continue;
-      const StateColumn& question = columns_[q];
-      out += question.about == About::Place && value == 0 ? " !" : " ";
-      out += question.name;
-      if (question.about == About::Automaton) out += (*question.places)[static_cast<std::size_t>(value)];
-      if (question.about == About::Value) out += std::to_string(value);
+      columns_[q].append(value, out);
     }
     out += '\n';
     if (out.size() > bytes_) return {};

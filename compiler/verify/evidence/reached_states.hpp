@@ -11,6 +11,25 @@
 
 namespace bip::verify {
 
+/// What certificates say of a state, column by column: the place of an automaton, whether a place of a Petri net atom
+/// is marked, a value.
+struct StateColumn {
+  enum class About : std::uint8_t { Automaton, Place, Value };
+
+  About about = About::Automaton;
+  std::uint32_t position = 0;                        // row of places or data, bit of the marks
+  std::string name;                                  // "ROOT.a@", "ROOT.a@P", "ROOT.a.n="
+  const std::vector<std::string>* places = nullptr;  // Automaton
+  bool is_nameable = true;                           // Value: ints, bools, strings are; floats and FFI objects are not
+
+  [[nodiscard]] std::int32_t value_in(const rt::State& state) const;
+  /// Appends " ROOT.a@S", " !ROOT.a@P", " ROOT.a.n=3".
+  void append(std::int32_t value, std::string& out) const;
+};
+/// Parameters, hidden variables of time and these cells have no column. Refers to `system`.
+[[nodiscard]] std::vector<StateColumn> state_columns(const System& system, const rt::Image& image,
+                                                     const std::vector<std::uint32_t>& left_out_cells = {});
+
 class StateCollector {
  public:
   /// Refers to `system` and `image`, of one compilation, which must outlive it. `bytes`: of the values, and of the
@@ -23,15 +42,6 @@ class StateCollector {
   [[nodiscard]] std::string rows() const;
 
  private:
-  /// What a column is about: the place of an automaton, whether a place of a Petri net atom is marked, a value.
-  enum class About : std::uint8_t { Automaton, Place, Value };
-  struct StateColumn {
-    About about = About::Automaton;
-    std::uint32_t position = 0;                        // row of places or data, bit of the marks
-    std::string name;                                  // "ROOT.a@", "ROOT.a@P", "ROOT.a.n="
-    const std::vector<std::string>* places = nullptr;  // Automaton
-  };
-
   bool is_listable_ = true;
   std::size_t bytes_;
   std::vector<StateColumn> columns_;

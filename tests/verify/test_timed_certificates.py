@@ -1,0 +1,191 @@
+#!/usr/bin/env python3
+"""Certificates of random timed systems: certcheck accepts what `bipc verify` writes, and nothing else that does not hold.
+
+    tests/verify/test_timed_certificates.py [COUNT] [FROM]     COUNT systems (default 40) from seed FROM (default 1)
+
+The systems and the oracle, which visits every state at every ns, are those of test_timed.py. Three tests of each system:
+what bipc proves (no deadlock, no errors, a place that is never reached) is accepted; a certificate that has been changed (a row lost, a
+bound, a place, a value, what an action waits for) is not, if a state that the oracle has reached is not in it any more; the certificate of a property that is
+always true is not accepted for another claim that the oracle refutes. BIPC and CERTCHECK name the programs, JOBS the number of processes. Python's library
+only. To see it go red: let `stays` in tools/certcheck/zones.cpp return at once, or leave out its tick.
+"""
+import collections
+import concurrent.futures
+import os
+import pathlib
+import random
+import re
+import subprocess
+import sys
+import tempfile
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from test_timed import BIPC, MOST, Oracle, make_system, text_of  # noqa: E402
+
+CERTCHECK = os.environ.get("CERTCHECK") or str(pathlib.Path(BIPC).with_name("certcheck"))
+MUTATIONS = 12
+ALWAYS = "never a0.v == 77"
+# What bipc may say instead of a certificate: only where the oracle has found an error.
+REFUSED = "guards of connectors or priorities that end in an error"
+
+
+def certcheck(folder, certificate):
+    path = pathlib.Path(folder) / "asked.cert"
+    path.write_text(certificate)
+    done = subprocess.run([CERTCHECK, f"{folder}/m.bsys", str(path)], capture_output=True, text=True, timeout=300)
+    return done.returncode, (done.stdout + done.stderr).strip()
+
+
+def prove(folder, question):
+    """The certificate, None if there is none, and what bipc said."""
+    path = pathlib.Path(folder) / "made.cert"
+    path.unlink(missing_ok=True)
+    done = subprocess.run([BIPC, "verify", "--backend=interp", "--property", question, "--certificate", str(path), f"{folder}/m.bip"],
+                          capture_output=True, text=True, timeout=300)
+    return path.read_text() if path.exists() else None, done.returncode, done.stdout + done.stderr
+
+
+# ---- what a certificate says, read once more
+BOUND = re.compile(r"([^-<>=]+)(?:-([^<>=]+))?([<>])=(-?\d+)")
+
+
+def read_rows(certificate):
+    """By state (a tuple of what it says of each atom) its zones; a zone is a list of (clock, clock or None, operator, number)."""
+    said, rows, zones = {}, collections.defaultdict(list), None
+    for line in certificate.splitlines():
+        head, *words = line.split()
+        if head == "state":
+            for word in words:
+                key, _, value = word.partition("@") if "@" in word else word.partition("=")
+                said[key] = value
+            zones = rows[tuple(sorted(said.items()))]
+        elif head == "zone":
+            zones.append([BOUND.fullmatch(word).groups() for word in words])
+    return rows
+
+
+def is_in(state, atoms, rows, is_told):
+    said = {}
+    for a, s in enumerate(state):
+        said[f"ROOT.a{a}"] = f"s{s.place}"
+        said[f"ROOT.a{a}.v"] = str(s.value)
+        said[f"ROOT.a{a}.resume"] = str(0 if s.waits is None else s.waits + 1)
+        said[f"ROOT.a{a}.resume-with"] = str(0 if s.waits is None else a)
+    key = tuple(sorted((k, v) for k, v in said.items() if k in is_told))
+
+    def value(clock):
+        return 0 if clock is None else state[int(re.fullmatch(r"ROOT\.a(\d+)\.x", clock)[1])].clock
+    return any(all((value(x) - value(y) <= int(n)) if op == "<" else (value(x) - value(y) >= int(n)) for x, y, op, n in zone)
+               for zone in rows.get(key, ()))
+
+
+def misses_a_state(oracle, certificate):
+    """Is a state that the oracle has reached not in it? Clocks above all constants are not looked at, nor states in which a guard faults."""
+    try:
+        rows = read_rows(certificate)
+    except (AttributeError, TypeError):
+        return True
+    is_told = {k for key in rows for k, _ in key}
+    for state in oracle.stable:
+        if any(s.clock > MOST for s in state):
+            continue
+        if not is_in(state, oracle.atoms, rows, is_told):
+            return True
+    return False
+
+
+def mutate(r, certificate):
+    lines = certificate.splitlines()
+    rows = [k for k, line in enumerate(lines) if line.startswith(("state", "zone"))]
+    k = r.choice(rows)
+    words = lines[k].split()
+    kind = r.choice(["row", "word", "number", "number", "number"])
+    if kind == "row" or len(words) < 2:
+        del lines[k]
+    else:
+        w = r.randrange(1, len(words))
+        if kind == "word":
+            del words[w]
+        else:
+            words[w] = re.sub(r"(-?\d+)$", lambda n: str(int(n[1]) + r.choice([-1, 1])), words[w])
+        lines[k] = " ".join(words)
+    return "\n".join(lines) + "\n"
+
+
+def check(seed):
+    """(counts, a difference or "")"""
+    atoms, connectors = make_system(random.Random(seed))
+    oracle, counts, bad = Oracle(atoms, connectors), collections.Counter(), []
+    if not oracle.run():
+        return collections.Counter(large=1), ""
+    r = random.Random(f"certificates {seed}")
+    a = r.randrange(len(atoms))
+    place = r.randrange(atoms[a].places)
+    is_reached = any(state[a].place == place for state in oracle.stable)
+    text = text_of(atoms, connectors)
+    with tempfile.TemporaryDirectory() as folder:
+        (pathlib.Path(folder) / "m.bip").write_text(text)
+        made = subprocess.run([BIPC, "check", "--emit=system", f"{folder}/m.bip"], capture_output=True, text=True, timeout=60)
+        (pathlib.Path(folder) / "m.bsys").write_text(made.stdout)
+        certificate = None
+        for question in ("deadlock", "errors", f"never a{a}@s{place}", ALWAYS):
+            certificate, code, said = prove(folder, question)
+            if certificate is None:
+                is_refused = "error[B1900]" in said
+                counts["refused by bipc" if is_refused else "does not hold"] += 1
+                if (is_refused and (REFUSED not in said or not oracle.error)) or (not is_refused and code not in (1, 3)):
+                    bad.append(f"{question}: {code}: {said}")
+                continue
+            counts["proofs"] += 1
+            code, said = certcheck(folder, certificate)
+            if code != 0:
+                bad.append(f"{question}: not accepted: {said}\n{certificate}")
+                continue
+            counts["accepted"] += 1
+            if misses_a_state(oracle, certificate):
+                bad.append(f"{question}: a state that is reached is not in the certificate\n{certificate}")
+            for _ in range(MUTATIONS):
+                changed = mutate(r, certificate)
+                if not misses_a_state(oracle, changed):
+                    counts["changed, enough"] += 1
+                    continue
+                counts["changed, not enough"] += 1
+                code, said = certcheck(folder, changed)
+                if code not in (1, 4):
+                    bad.append(f"{question}: accepted without a reached state: {said}\n{changed}")
+        # The last one holds always.
+        wrong = ([("deadlock-free")] if oracle.deadlock or oracle.lock else []) + (["error-free"] if oracle.error else [])
+        wrong += [f"never (at ROOT.a{a} s{place})"] if is_reached else []
+        for claim in wrong if certificate else ():
+            counts["forged " + claim.split()[0]] += 1
+            code, said = certcheck(folder, re.sub("^claim .*", "claim " + claim, certificate, flags=re.M))
+            if code not in (1, 4):
+                bad.append(f"{claim} is accepted: {said}\n{certificate}")
+    return counts, f"seed {seed}: " + "\n".join(bad) + "\n" + text if bad else ""
+
+
+def main():
+    count = int(sys.argv[1]) if len(sys.argv) > 1 else 40
+    first = int(sys.argv[2]) if len(sys.argv) > 2 else 1
+    if not pathlib.Path(CERTCHECK).exists():
+        print("timed certificates: left out, certcheck is not built")
+        return 0
+    counts, bad = collections.Counter(), 0
+    with concurrent.futures.ProcessPoolExecutor(int(os.environ.get("JOBS", "2"))) as pool:
+        for found, difference in pool.map(check, range(first, first + count), chunksize=4):
+            counts.update(found)
+            if difference:
+                bad += 1
+                print(difference)
+    print(", ".join(f"{kind}: {n}" for kind, n in sorted(counts.items())))
+    # What decides nothing is no test.
+    wanted = ("accepted", "changed, not enough", "forged deadlock-free", "forged never")
+    if count >= 40 and any(counts[kind] < count // 8 for kind in wanted):
+        bad += 1
+        print("too few certificates of some kind")
+    print(f"timed certificates: {max(count - bad, 0)} passed, {bad} failed")
+    return 1 if bad else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,202 @@
+// With time, certificates list states with zones, that is sets of values of the clocks. The first state is among them,
+// whatever is a step, the return of an action or the passing of one tick stays among them, and none of them is bad.
+// Time is in whole ns (compiler/docs/semantics.md, Time), so what holds tick by tick holds always: there is no
+// arithmetic of zones here. A state's clocks are integers of which its zones are the facts.
+#include "tools/certcheck/successors.hpp"
+
+namespace certcheck {
+namespace {
+
+class Zones {
+ public:
+  Zones(const Model& model, const Certificate& certificate, z3::context& z)
+      : m_(model), c_(certificate), z_(z), terms_(model, z), system_(model, terms_), after_(model, terms_) {
+    for (const AtomType& type : m_.atom_types) {
+      const auto has = [&](Text op) {
+        return std::any_of(type.transitions.begin(), type.transitions.end(), [&](const Transition& t) {
+          const std::vector<const Tree*> bounds = t.row->all("bound");
+          return std::any_of(bounds.begin(), bounds.end(), [&](const Tree* b) { return b->at(1).text == op; });
+        });
+      };
+      has_open_ = has_open_ || has("gt");
+    }
+    if (is_about("deadlock-free") || is_about("error-free")) return;
+    claim_ = read_trees(c_.claim);
+    if (claim_.items.size() != 2 || claim_.items[0].text != "never") throw Rejected("the claim " + quoted(c_.claim));
+  }
+
+  void run() {
+    expr fault = terms_.truth(false);
+    State first;
+    for (const Atom& atom : m_.atoms) {
+      Local& local = first.emplace_back(terms_.initial(atom, fault));
+      const AtomType& type = m_.atom_types[atom.type];
+      if (type.is_timed && !is(equals(local[type.waits], 0), true))
+        local[type.waits + 1] = terms_.constant("int", static_cast<int>(first.size()) - 1);
+    }
+    if (is_about("error-free")) demand(fault, "the run ends before its first state");
+    stays(no(fault), first, "the first state is not among those that the certificate lists");
+    for (const auto& [key, zones] : c_.zones) {
+      terms_.begin();
+      check_from(key);
+      terms_.end();
+    }
+  }
+
+ private:
+  // Of all points of the state's zones.
+  void check_from(const std::u32string& key) {
+    State now;
+    for (std::size_t a = 0; a < m_.atoms.size(); ++a) {
+      Values values = c_.locals[key[a]];
+      for (std::size_t k = 0; k < values.size(); ++k)
+        if (!c_.is_told[a][k]) values[k] = std::nullopt;
+      now.push_back(terms_.local(m_.atoms[a], values));
+    }
+    terms_.assume(is_inside(key, now));
+    State later = now;
+    for (std::size_t a = 0; a < later.size(); ++a) {
+      const AtomType& type = m_.type_of(a);
+      for (std::size_t k = type.first_clock; k < type.first_clock + type.clocks.size(); ++k)
+        later[a][k] = now[a][k] + 1;
+    }
+    expr opens = terms_.truth(false), may_open = opens;
+    if (has_open_) {
+      system_.look_at(later, true);
+      opens = system_.opens(true);
+      may_open = system_.opens(false);
+    }
+    system_.look_at(now, true);
+    expr fault = system_.state_fault();
+    // What busy atoms wait for, by the atom with whom they go on; and what lets time pass, for sure and perhaps.
+    std::map<int, std::pair<expr, expr>> groups;
+    expr may_pass = terms_.truth(true);
+    for (std::size_t a = 0; a < now.size(); ++a) {
+      const AtomType& type = m_.type_of(a);
+      may_pass =
+          both(may_pass, both(terms_.may_be_then(type, now[a], 0, fault), terms_.may_be_then(type, now[a], 1, fault)));
+      if (!type.is_timed || is(equals(now[a][type.waits], 0), true)) continue;
+      const int leader = value_of(now[a][type.waits + 1]).value_or(0);
+      auto& [is_over, is_over_then] = groups.try_emplace(leader, terms_.truth(true), terms_.truth(true)).first->second;
+      is_over = both(is_over, terms_.may_resume(type, now[a], 0, fault));
+      is_over_then = both(is_over_then, terms_.may_resume(type, now[a], 1, fault));
+    }
+    if (is_about("error-free"))
+      demand(either(fault, system_.guard_fault()), "a state that the certificate allows ends with an error");
+    // Where the run has ended with an error nothing follows.
+    terms_.assume(no(fault));
+    system_.each_step([&](const Step& step) {
+      if (is_about("error-free") && terms_.may_be(both(step.possible, step.fault)))
+        throw Rejected("a step ends with an error");
+      stays(both(step.possible, no(step.fault)), replaced(now, step.next),
+            "a step leads out of what the certificate allows");
+    });
+    expr resumes = terms_.truth(false), must_resume = resumes;
+    for (const auto& [leader, is_over] : groups) {
+      resumes = either(resumes, is_over.first);
+      must_resume = either(must_resume, both(is_over.first, no(is_over.second)));
+      State next = now;
+      for (std::size_t a = 0; a < next.size(); ++a) {
+        const std::size_t waits = m_.type_of(a).waits;
+        if (!m_.type_of(a).is_timed || value_of(now[a][waits + 1]) != leader || value_of(now[a][waits]) == 0) continue;
+        next[a][waits] = next[a][waits + 1] = terms_.constant("int", 0);
+      }
+      stays(is_over.first, next, "an action's return leads out of what the certificate allows");
+    }
+    may_pass = both(may_pass, no(must_resume));
+    stays(both(may_pass, both(no(system_.is_urgent(true)), no(opens))), later,
+          "time leads out of what the certificate allows");
+    if (!claim_.items.empty())
+      demand(system_.claim(claim_.items[1]), "a state that the certificate allows is what should never be");
+    if (!is_about("deadlock-free")) return;
+    const expr is_stuck = no(system_.has_step()),
+               may_stop = either(no(may_pass), either(system_.is_urgent(false), may_open));
+    demand(both(both(is_stuck, may_stop), no(must_resume)), "a state that the certificate allows locks time");
+    // Where no step ever comes, time brings all clocks beyond any bound, in states that are listed, too.
+    expr is_far = both(is_stuck, no(either(resumes, system_.is_final())));
+    for (std::size_t a = 0; a < now.size(); ++a) {
+      const AtomType& type = m_.type_of(a);
+      for (std::size_t k = type.first_clock; k < type.first_clock + type.clocks.size(); ++k)
+        is_far = both(is_far, now[a][k] > z_.int_val(kFar));
+    }
+    demand(is_far, "a state that the certificate allows has no step");
+  }
+
+  // Where `when` holds, and the run does not end in an error, this is a listed state in one of its zones.
+  void stays(const expr& when, const State& next, const std::string& otherwise) {
+    if (is(when, false)) return;
+    std::u32string key(next.size(), U'\0');
+    std::map<std::size_t, Local> open;  // what need not be constant
+    for (std::size_t a = 0; a < next.size(); ++a)
+      for (std::size_t k = 0; k < next[a].size(); ++k)
+        if (c_.is_told[a][k] && !value_of(next[a][k])) open[a].push_back(next[a][k]);
+    const auto check = [&](const expr& there, const std::map<std::size_t, Local>& solution) {
+      bool is_listed = true;
+      State there_is = next;
+      for (std::size_t a = 0; a < next.size(); ++a) {
+        Values values(next[a].size(), 0);
+        for (std::size_t k = 0, at = 0; k < values.size(); ++k) {
+          if (!c_.is_told[a][k]) continue;
+          if (!value_of(next[a][k])) there_is[a][k] = solution.at(a).at(at++);
+          values[k] = value_of(there_is[a][k]);
+        }
+        const auto row = c_.row_of_local.find(values);
+        if (row != c_.row_of_local.end()) key[a] = row->second;
+        else is_listed = false;
+      }
+      const bool has_zones = is_listed && c_.zones.contains(key);
+      const expr leaves = has_zones ? both(there, no(is_inside(key, next))) : there;
+      if (!terms_.may_be(leaves)) return;
+      // Where a state ends with an error the run has no further point.
+      if (is_about("error-free")) throw Rejected(otherwise);
+      after_.look_at(there_is, false);
+      demand(both(leaves, no(after_.state_fault())), otherwise);
+    };
+    if (open.empty()) return check(when, open);
+    terms_.each_solution(when, open, [&](const std::map<std::size_t, Local>& solution) {
+      expr there = when;
+      for (const auto& [atom, values] : solution)
+        for (std::size_t k = 0; k < values.size(); ++k) there = both(there, values[k] == open.at(atom)[k]);
+      check(there, solution);
+    });
+  }
+  // The clocks are in one of the state's zones.
+  [[nodiscard]] expr is_inside(const std::u32string& key, const State& state) const {
+    return terms_.some(c_.zones.at(key), [&](const Zone& zone) {
+      return terms_.all(zone, [&](const Bound& b) {
+        const auto value = [&](std::size_t atom, std::size_t clock) {
+          return atom == kNone ? z_.int_val(0) : state[atom][clock];
+        };
+        return (value(b.atom, b.clock) - value(b.other_atom, b.other_clock) <= z_.int_val(b.limit)).simplify();
+      });
+    });
+  }
+  [[nodiscard]] static State replaced(State state, const std::map<std::size_t, Local>& others) {
+    for (const auto& [atom, local] : others) state[atom] = local;
+    return state;
+  }
+  [[nodiscard]] bool is_about(Text claim) const { return c_.claim == claim; }
+  // There is no state like that.
+  void demand(const expr& bad, const std::string& otherwise) {
+    if (terms_.may_be(bad)) throw Rejected(otherwise);
+  }
+
+  // Beyond all constants that a certificate should depend on. Any number would be right.
+  static constexpr std::int64_t kFar = std::int64_t{1} << 62;
+
+  const Model& m_;
+  const Certificate& c_;
+  z3::context& z_;
+  Terms terms_;
+  System system_, after_;
+  Tree claim_;
+  bool has_open_ = false;
+};
+
+}  // namespace
+
+void check_zones(const Model& model, const Certificate& certificate, z3::context& z) {
+  Zones(model, certificate, z).run();
+}
+
+}  // namespace certcheck
