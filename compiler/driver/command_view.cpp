@@ -79,9 +79,9 @@ int serve_attached(Compilation& c, const ViewArguments& arguments, const nlohman
 // The invariants of the certificate; null without one. False: it cannot be used, and `code` is the exit code.
 bool read_proof(Compilation& c, const std::string& path, nlohmann::ordered_json& proof, int& code) {
   if (path.empty()) return true;
-  // No proof of such a model is written as a certificate, so what is in the file is one of another model.
+  // Zones are no invariants of places.
   if (const std::string timed = system::first_timed(*c.system); !timed.empty()) {
-    c.diags.report(Diag::kB1900, c.root_range, "a certificate for a model with time").note(timed);
+    c.diags.report(Diag::kB1900, c.root_range, "the picture of a certificate for a model with time").note(timed);
     code = report(c);
     return false;
   }

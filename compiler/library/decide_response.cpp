@@ -26,7 +26,7 @@ namespace {
 // What has no answer yet is said. False: it was.
 bool is_observable(const VerifyRequest& request, Compilation& c, const verify::Formula& formula) {
   if (request.wants_certificate) {
-    c.diags.report(Diag::kB1900, c.root_range, "a certificate for a model with time");
+    c.diags.report(Diag::kB1900, c.root_range, "a certificate for a property with `within`");
     return false;
   }
   for (const verify::Property& condition : formula.states) {
