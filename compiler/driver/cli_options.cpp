@@ -32,17 +32,15 @@ void add_check(CLI::App& app, CheckArguments& a) {
   command->footer("Example:\n  bipc check --diagnostics=short model.bip\n  bipc check --lesson 1 kitchen.bip");
 }
 
-// What another engine would not look at is no part of what the person meant.
-void refuse_options_of_other_engines(const CLI::App& run, rt::Engine engine) {
-  const auto refuse = [&run](const char* option, const char* engines) {
-    if (run.count(option) != 0) throw CLI::ValidationError(fmt::format("{} is of {}", option, engines));
-  };
-  if (!rt::has_nodes(engine)) {
-    for (const char* option : {"--nodes", "--split-above", "--on-loss"})
-      refuse(option, "--engine=distributed and --engine=simulated");
+// What another engine would not look at is no part of what the person meant. Empty: there is no such option.
+std::string option_of_other_engine(const CLI::App& run, rt::Engine engine) {
+  const bool has_threads = engine == rt::Engine::Threads || engine == rt::Engine::Batch;
+  if (!has_threads && run.count("--threads") != 0) return "--threads is of --engine=threads and --engine=batch";
+  for (const char* option : {"--nodes", "--split-above", "--on-loss"}) {
+    if (!rt::has_nodes(engine) && run.count(option) != 0)
+      return fmt::format("{} is of --engine=distributed and --engine=simulated", option);
   }
-  if (engine != rt::Engine::Threads && engine != rt::Engine::Batch)
-    refuse("--threads", "--engine=threads and --engine=batch");
+  return {};
 }
 
 void add_run(CLI::App& app, RunArguments& a) {
@@ -113,7 +111,7 @@ void add_run(CLI::App& app, RunArguments& a) {
       ->add_option("--resume", a.run.resume_path,
                    "go on from the checkpoint in PATH, with any number of nodes and any placement")
       ->type_name("PATH");
-  command->final_callback([command, &a] { refuse_options_of_other_engines(*command, a.run.engine); });
+  command->final_callback([command, &a] { a.misplaced = option_of_other_engine(*command, a.run.engine); });
   command->add_flag("-a,--asap", a.run.asap,
                     "take each step at the earliest instant at which it is possible (for models with clocks)");
   command->add_flag_callback(

@@ -23,6 +23,7 @@
 #include "compiler/driver/profile_text.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/driver/terminal.hpp"
+#include "compiler/driver/usage_error.hpp"
 #include "runtime/trace/trace_formats.hpp"
 
 namespace bip::driver {
@@ -132,6 +133,7 @@ void release_instances(Compilation& c) {
 }  // namespace
 
 int command_run(const RunArguments& arguments) {
+  if (!arguments.misplaced.empty()) return usage_error(arguments.misplaced, "`bipc run --help`");
   if (has_own_program(arguments.file)) {
     if (!arguments.compile.refuses_cpp) return run_folder(arguments);
     std::fprintf(stderr, "error: `%s` has its own program, and `--no-cpp` refuses it\n", arguments.file.c_str());

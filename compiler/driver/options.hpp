@@ -29,6 +29,7 @@ struct RunArguments {
   std::string profile_path;       // the same as JSON; empty: none
   std::string placement_path;     // where components are at home; empty: anywhere
   std::uint32_t split_above = 0;  // conflict sets of more interactions get several coordinators; 0: as usual
+  std::string misplaced;          // an option of another engine, and of which; empty: none
 };
 /// Folders for the hosts of a run.
 struct DeployArguments {
