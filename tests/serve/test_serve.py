@@ -175,33 +175,35 @@ assert ask(do="shutdown")["ok"]
 assert server.wait(10) == 0, server.returncode
 
 # More clients than files may be open: those who are in are answered, nothing spins, and when some leave others come in.
-path = os.path.join(tempfile.mkdtemp(), "s")
-server = subprocess.Popen([BIPC, "serve", "--backend", "interp", "--socket", path, str(HERE / "counter.bip")], stderr=subprocess.DEVNULL,
-                          preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (32, 32)))
-while not os.path.exists(path):
-    assert server.poll() is None, "it does not begin"
-    time.sleep(0.02)
-def ticks():
-    return sum(int(x) for x in open(f"/proc/{server.pid}/stat").read().rsplit(")", 1)[1].split()[11:13])
-good = connect(); reader = good.makefile("rb")
-assert ask(do="hello")["ok"]
-crowd = []
-for _ in range(15):
-    crowd.append(socket.socket(socket.AF_UNIX))
-    crowd[-1].settimeout(2)
-    crowd[-1].connect(path)
-time.sleep(0.2)
-before = ticks()
-time.sleep(1)
-spent = ticks() - before
-assert spent < 30, f"{spent} ticks of the processor in a second, with nothing to do"
-assert ask(do="hello")["ok"]
-for s in crowd: s.close()
-time.sleep(0.3)
-good = connect(); reader = good.makefile("rb")
-assert ask(do="hello")["ok"]
-assert ask(do="shutdown")["ok"]
-assert server.wait(10) == 0, server.returncode
+# UBSan needs files of its own to look at objects, and takes what it cannot see for a bad one.
+if os.environ.get("BIPC_TEST_PATIENCE", "1") == "1":
+    path = os.path.join(tempfile.mkdtemp(), "s")
+    server = subprocess.Popen([BIPC, "serve", "--backend", "interp", "--socket", path, str(HERE / "counter.bip")], stderr=subprocess.DEVNULL,
+                              preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (32, 32)))
+    while not os.path.exists(path):
+        assert server.poll() is None, "it does not begin"
+        time.sleep(0.02)
+    def ticks():
+        return sum(int(x) for x in open(f"/proc/{server.pid}/stat").read().rsplit(")", 1)[1].split()[11:13])
+    good = connect(); reader = good.makefile("rb")
+    assert ask(do="hello")["ok"]
+    crowd = []
+    for _ in range(15):
+        crowd.append(socket.socket(socket.AF_UNIX))
+        crowd[-1].settimeout(2)
+        crowd[-1].connect(path)
+    time.sleep(0.2)
+    before = ticks()
+    time.sleep(1)
+    spent = ticks() - before
+    assert spent < 30, f"{spent} ticks of the processor in a second, with nothing to do"
+    assert ask(do="hello")["ok"]
+    for s in crowd: s.close()
+    time.sleep(0.3)
+    good = connect(); reader = good.makefile("rb")
+    assert ask(do="hello")["ok"]
+    assert ask(do="shutdown")["ok"]
+    assert server.wait(10) == 0, server.returncode
 # TCP: a port of this machine alone, the one that was asked for and no other; without being asked none is opened.
 def listening(process):
     """The TCP addresses at which it listens, as /proc has them: 0100007F is 127.0.0.1."""

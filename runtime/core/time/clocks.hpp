@@ -125,7 +125,8 @@ class Clocks {
   /// After a step of the atom, internal transitions included: how long is it busy? fired: null for `initial`. False: a
   /// fault.
   bool begin_resume(u32 atom, const LinkedTransition* fired);
-  /// From now on a busy atom goes on when resume_at() says so, and not at the first instant at which its `resume` holds.
+  /// From now on a busy atom goes on when resume_at() says so, and not at the first instant at which its `resume`
+  /// holds.
   void wait_for_resume_at() { waits_for_resume_at_ = true; }
   /// Atoms that `resume` made busy in the last step that take() fired.
   [[nodiscard]] const std::vector<u32>& resuming() const { return resuming_; }
