@@ -23,7 +23,13 @@ class ModelReader {
     m_.functions = m_.tree.all("function");
     for (const Tree* row : m_.functions)
       if (!(*row)["ref"].items.empty()) throw NotCheckable("C++ functions get references to variables");
-    for (const Tree* row : m_.tree.all("atom-type")) atom_type(*row);
+    for (const Tree* row : m_.tree.all("atom-type")) {
+      try {
+        atom_type(*row);
+      } catch (const NotCheckable& e) {
+        m_.atom_types.emplace_back().unfollowed = e.what();
+      }
+    }
     for (const Tree* row : m_.tree.all("atom")) atom(*row);
     m_.first_port.push_back(m_.nodes.size());
     for (const Tree* row : m_.tree.all("connector")) connector(*row, *connector_types_.at(row->at(3).row()));
@@ -115,8 +121,10 @@ class ModelReader {
   }
 
   void atom(const Tree& row) {
+    const AtomType& type = m_.atom_types.at(row.at(3).row());
+    if (!type.unfollowed.empty()) throw NotCheckable(type.unfollowed);
     m_.first_port.push_back(m_.nodes.size());
-    for (const Port& port : m_.atom_types.at(row.at(3).row()).ports) {
+    for (const Port& port : type.ports) {
       m_.nodes.emplace_back().is_step = !port.is_exported;
       m_.atom_of_port.push_back(m_.atoms.size());
     }

@@ -166,6 +166,7 @@ struct AtomType {
   std::vector<Transition> transitions;
   std::vector<const Tree*> priorities, invariants;
   Rows finals;                // places where a run may end
+  std::string unfollowed;     // why its atoms cannot be checked
   bool is_automaton = false;  // always exactly one place is marked
   // With time come, as last variables, the clocks; 0 or for which transition's `resume` the atom waits (number + 1, the
   // initial one is the last); and, if it does, the number of the atom with which it goes on.
