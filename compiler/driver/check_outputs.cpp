@@ -27,17 +27,19 @@ std::vector<std::string> inputs_of(Compilation& c) {
 
 }  // namespace
 
-bool check_outputs(Compilation& c, const std::vector<std::string>& outputs) {
+bool check_outputs(Compilation& c, const std::vector<std::string>& outputs, const std::vector<std::string>& others) {
   std::error_code error;
   const auto is_file = [&](const std::string& path) {
     return !path.empty() && std::filesystem::is_regular_file(path, error);
   };
   if (std::none_of(outputs.begin(), outputs.end(), is_file)) return true;
-  const std::vector<std::string> inputs = inputs_of(c);
+  std::vector<std::string> inputs = inputs_of(c);
+  inputs.insert(inputs.end(), others.begin(), others.end());
   bool is_sound = !c.diags.has_errors();
   for (const std::string& output : outputs) {
     if (!is_file(output)) continue;
-    if (std::none_of(inputs.begin(), inputs.end(), [&](const std::string& in) { return is_same_file(in, output); }))
+    if (std::none_of(inputs.begin(), inputs.end(),
+                     [&](const std::string& in) { return !in.empty() && is_same_file(in, output); }))
       continue;
     c.diags.report(Diag::kB5013, {}, output);
     is_sound = false;

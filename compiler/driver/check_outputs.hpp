@@ -9,7 +9,9 @@
 namespace bip::driver {
 
 /// Compares the files that the command will write with those that it has read: sources, packages, files of `@cpp`.
-/// Empty paths are none; devices may be both. Returns false after a report (B5013).
-[[nodiscard]] bool check_outputs(Compilation& c, const std::vector<std::string>& outputs);
+/// Empty paths are none; devices may be both. Returns false after a report (B5013). Files that options name are
+/// compared before, by file_conflict(); `inputs` are those that an output whose name is a default could replace.
+[[nodiscard]] bool check_outputs(Compilation& c, const std::vector<std::string>& outputs,
+                                 const std::vector<std::string>& inputs = {});
 
 }  // namespace bip::driver

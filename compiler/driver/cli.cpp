@@ -9,6 +9,7 @@
 #include "compiler/driver/cli_options.hpp"
 #include "compiler/driver/help_formatter.hpp"
 #include "compiler/driver/commands.hpp"
+#include "compiler/driver/file_options.hpp"
 #include "compiler/driver/usage_error.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/pipeline/host_compiler.hpp"
@@ -183,6 +184,8 @@ int run_command_line(int argc, char** argv, const char* commit) {
   if (first == "replay" && arguments.replay.published_trace.empty() && arguments.replay.recorded_trace.empty()) {
     return usage_error("a trace is needed: --published or --recorded", help_of(app, argc, argv));
   }
+  const std::string conflict = file_conflict(*app.get_subcommands().front());
+  if (!conflict.empty()) return usage_error(conflict);
   return end_by_signal(dispatch(app, arguments));
 }
 

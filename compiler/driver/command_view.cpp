@@ -111,7 +111,9 @@ int command_view(const ViewArguments& arguments) {
                              : arguments.output.empty()
                                  ? std::filesystem::path(arguments.file).stem().string() + ".html"
                                  : arguments.output;
-  if (!compile(c, arguments.file, Stage::Image) || !check_outputs(c, {output})) return report(c);
+  if (!compile(c, arguments.file, Stage::Image) ||
+      !check_outputs(c, {output}, {arguments.trace_path, arguments.certificate, arguments.events_path}))
+    return report(c);
   nlohmann::ordered_json proof;
   if (!arguments.attached_to.empty()) {
     int code = kOk;
