@@ -9,7 +9,10 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <optional>
 #include <utility>
+
+#include "compiler/base/read_file.hpp"
 
 namespace bip {
 
@@ -61,11 +64,14 @@ Result<bool> write_directly(const fs::path& path, std::string_view text) {
 
 }  // namespace
 
-NewFile::NewFile(fs::path target, fs::path path, int file)
-    : target_(std::move(target)), path_(std::move(path)), file_(file) {}
+NewFile::NewFile(fs::path target, fs::path path, int file, bool is_copied)
+    : target_(std::move(target)), path_(std::move(path)), file_(file), is_copied_(is_copied) {}
 
 NewFile::NewFile(NewFile&& other) noexcept
-    : target_(std::move(other.target_)), path_(std::move(other.path_)), file_(std::exchange(other.file_, -1)) {
+    : target_(std::move(other.target_)),
+      path_(std::move(other.path_)),
+      file_(std::exchange(other.file_, -1)),
+      is_copied_(other.is_copied_) {
   other.path_.clear();
 }
 
@@ -81,12 +87,19 @@ void NewFile::close() {
 Result<NewFile> NewFile::create(const fs::path& target) {
   static std::atomic<unsigned> next{0};
   const fs::path final = follow_links(target);
+  struct stat old {};
+  const bool exists = ::stat(final.c_str(), &old) == 0;
+  if (exists && S_ISDIR(old.st_mode)) return failure_of(EISDIR);
+  const bool is_copied = exists && !S_ISREG(old.st_mode);
+  std::error_code unusable;
+  const fs::path folder = is_copied ? fs::temp_directory_path(unusable) : final.parent_path();
+  if (unusable) return Failure{unusable.message()};
   const std::string stem = final.filename().string().substr(0, kMaxStem);
   for (int k = 0; k < kMaxNames; ++k) {
     const std::string name = "." + stem + "." + std::to_string(::getpid()) + "-" + std::to_string(next++) + ".new";
-    fs::path path = final.parent_path() / name;
+    fs::path path = folder / name;
     const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (file >= 0) return NewFile(final, std::move(path), file);
+    if (file >= 0) return NewFile(final, std::move(path), file, is_copied);
     if (errno != EEXIST) return failure_of(errno);
   }
   return failure_of(EEXIST);
@@ -100,6 +113,14 @@ Result<bool> NewFile::write(std::string_view text) {
 Result<bool> NewFile::commit(Durability durability) {
   // A program that wrote the file may have replaced it by another of the same name.
   close();
+  if (is_copied_) {
+    const std::optional<std::string> text = read_file(path_.string());
+    if (!text) return failure_of(errno);
+    // Before the writing, which SIGPIPE may end together with the process.
+    ::unlink(path_.c_str());
+    path_.clear();
+    return write_directly(target_, *text);
+  }
   if (durability == Durability::Synced) {
     const int file = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC);
     if (file < 0) return failure_of(errno);

@@ -15,7 +15,8 @@ namespace bip {
 /// Synced: a file that is there after the call survives a power failure. Unsynced: for what can be made again.
 enum class Durability : std::uint8_t { Synced, Unsynced };
 
-/// A new file beside its target, which takes the target's place with commit(); otherwise it is removed.
+/// A new file beside its target, which takes the target's place with commit(); otherwise it is removed. For a target
+/// that is there and no regular file (a pipe, a device) it is among the temporary files, and commit() copies it.
 class NewFile {
  public:
   [[nodiscard]] static Result<NewFile> create(const std::filesystem::path& target);
@@ -26,15 +27,16 @@ class NewFile {
   /// The path to write to, for a program that writes the file.
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] Result<bool> write(std::string_view text);
-  /// Renames the file over its target.
+  /// Renames the file over its target, or copies it into a target that is no regular file.
   [[nodiscard]] Result<bool> commit(Durability durability);
 
  private:
-  NewFile(std::filesystem::path target, std::filesystem::path path, int file);
+  NewFile(std::filesystem::path target, std::filesystem::path path, int file, bool is_copied);
   void close();
 
   std::filesystem::path target_, path_;  // path_: empty after commit
   int file_;                             // negative: closed
+  bool is_copied_;                       // the target is no regular file
 };
 
 /// Replaces the contents of `path`. An existing file keeps its permissions; a link is followed.

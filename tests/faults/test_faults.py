@@ -8,7 +8,7 @@ Without --all a sample of about half a minute; with it, every system call and ev
 | group | what happens |
 |---|---|
 | `output` | standard output is full or closed in every command and in an emitted program; traces of all formats on a full disk |
-| `input` | events that are a folder, records that are cut off, outputs that are inputs |
+| `input` | events that are a folder, records that are cut off, outputs that are inputs or other outputs, an output that is a pipe |
 | `calls` | the k-th system call fails (fail_system_call.c) |
 | `memory` | the k-th allocation fails, once or for ever (fail_allocation.c) |
 | `limits` | a small stack, few files, small files, no home |
@@ -349,6 +349,22 @@ def inputs():
     told("the record is the events", "run --seed 1 --events events --record events e.bip", 2, "would overwrite the file of --events")
     told("the record is what is replayed", "run --replay rec --record rec e.bip", 2, "would overwrite the file of --replay")
     told("trace and record are one", "run --seed 1 --limit 1 --trace t --record t e.bip", 2, "name the same file")
+    place.run("run --seed 1 --limit 9 --trace run.jsonl m.bip")
+    place.run("verify --certificate cert m.bip")
+    told("the page is the trace", "view --trace run.jsonl -o run.jsonl m.bip", 2, "would overwrite the file of --trace")
+    told("the page is the certificate", "view --certificate cert -o cert m.bip", 2, "would overwrite the file of --certificate")
+    told("a part of the trace is the trace", "trace filter m.bip run.jsonl --first 2 -o run.jsonl", 2, "would overwrite the file of TRACE")
+    told("the converted trace is the trace", "trace convert m.bip rec.bin --format json -o rec.bin", 2, "would overwrite the file of TRACE")
+    told("trace and profile are one", "run --seed 1 --limit 1 --trace t --profile-json t m.bip", 2, "name the same file")
+    os.link(place.files / "run.jsonl", place.files / "m.html")
+    told("the page of the model is the trace", "view --trace run.jsonl m.bip", 1, "B5013")
+    os.mkfifo(place.files / "pipe")
+    with open(place.files / "program", "wb") as copy:
+        reader = subprocess.Popen(["cat", str(place.files / "pipe")], stdout=copy)
+        done = place.run("build -O0 -o pipe m.bip")
+        if done.returncode != 0 or not (place.files / "pipe").is_fifo(): reader.kill()
+        reader.wait(timeout=60)
+    good("a program is written into a pipe", done.returncode == 0 and (place.files / "program").read_bytes()[:4] == b"\x7fELF" and not place.litter(), f"{done.returncode} {done.stderr}")
     # A link that somebody laid where the old fixed name was is not followed.
     (place.files / "victim").write_text("mine")
     os.symlink("victim", place.files / "out.pnml.bipc-new")

@@ -1,6 +1,10 @@
 // Files are replaced whole or not at all, and nothing is left beside them; a cache is private or not used.
 #include "compiler/base/write_file.hpp"
 
+#include <sys/stat.h>
+
+#include <thread>
+
 #include "compiler/base/build_id.hpp"
 #include "compiler/base/content_cache.hpp"
 #include "compiler/base/read_file.hpp"
@@ -41,6 +45,25 @@ TEST_CASE("links are followed, also those that lead nowhere yet") {
   CHECK(is_same_file(folder.path() + "/link", folder.path() + "/target"));
   CHECK_FALSE(is_same_file(folder.path() + "/link", folder.path()));
   CHECK_FALSE(is_same_file(folder.path() + "/none", folder.path() + "/none"));
+}
+
+TEST_CASE("a pipe stays a pipe when a new file is written to its name") {
+  const testing::ScratchFolder folder;
+  const std::string path = folder.path() + "/pipe";
+  REQUIRE(::mkfifo(path.c_str(), 0600) == 0);
+  std::optional<std::string> got;
+  std::thread reader([&] { got = read_file(path); });
+  {
+    Result<NewFile> file = NewFile::create(path);
+    REQUIRE(file);
+    CHECK(files_in(folder.path()) == 1);
+    CHECK(file->write("text"));
+    CHECK(file->commit(Durability::Synced));
+  }
+  reader.join();
+  CHECK(got == "text");
+  CHECK(fs::is_fifo(path));
+  CHECK(NewFile::create(folder.path()).error() == "Is a directory");
 }
 
 TEST_CASE("what cannot be written or read is a failure with its reason") {
