@@ -5,6 +5,7 @@
 #include "compiler/model/build_weight.hpp"
 #include "compiler/model/code_uses.hpp"
 #include "compiler/model/ffi_declarations.hpp"
+#include "compiler/model/packages.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::model {
@@ -28,7 +29,11 @@ struct AtomBuilder {
     Loc loc;
   };
   std::vector<Init> inits;
-  std::unordered_map<std::string, SourceRange> assigned;  // names that actions assign: where first
+  struct Change {
+    SourceRange range;
+    std::string by;  // the C++ function that is given it; empty: an assignment
+  };
+  std::unordered_map<std::string, Change> changed;  // names that actions assign or let C++ change: where first
 
   AtomBuilder(ModelBuilder& builder, const syntax::Decl& d)
       : b(builder),
@@ -52,17 +57,43 @@ struct AtomBuilder {
                                            .declared = name.range};
   }
 
-  void note_assigned(std::span<const syntax::Stmt* const> stmts) {
+  // C++ may change a variable that it is given without `const`, whatever prototype of the name is meant in the end.
+  void note_given(const syntax::Expr& e) {
+    if (e.kind == syntax::ExprKind::Call) {
+      const std::string name = path_key(e.path, *b.model.sources);
+      for (const syntax::Decl* prototype : visible_prototypes(b.model, name, e.path.range.file)) {
+        for (std::size_t k = 0; k < e.operands.size() && prototype->params.size() == e.operands.size(); ++k) {
+          const syntax::Expr& operand = *e.operands[k];
+          if (operand.kind != syntax::ExprKind::Path || operand.path.parts.size() != 1) continue;
+          const std::string argument(operand.path.parts[0].name.text);
+          if (takes_reference(prototype->params[k].type, argument))
+            changed.try_emplace(argument, Change{operand.range, name});
+        }
+      }
+    }
+    for (const syntax::Expr* operand : e.operands) note_given(*operand);
+  }
+  // Numbers of the parameter's own type are given by reference; what is converted, and the rest, as a copy.
+  [[nodiscard]] bool takes_reference(const syntax::TypeRef& given, const std::string& param) const {
+    const auto own = std::find_if(decl.params.begin(), decl.params.end(),
+                                  [&](const syntax::Param& p) { return p.name.text == param; });
+    if (own == decl.params.end() || given.is_const) return false;
+    Diagnostics quiet;
+    const std::optional<Type> type = native_type(own->type, quiet);
+    return (type == Type::Int || type == Type::Float) && native_type(given, quiet) == type;
+  }
+  void note_changed(std::span<const syntax::Stmt* const> stmts) {
     for (const syntax::Stmt* s : stmts) {
       if (s->kind == syntax::StmtKind::Assign && s->target.parts.size() == 1)
-        assigned.try_emplace(std::string(s->target.parts[0].name.text), s->target.range);
-      note_assigned(s->then_body);
-      note_assigned(s->else_body);
+        changed.try_emplace(std::string(s->target.parts[0].name.text), Change{s->target.range, {}});
+      if (s->value != nullptr) note_given(*s->value);
+      note_changed(s->then_body);
+      note_changed(s->else_body);
     }
   }
-  // A parameter without `const` may be assigned: then it is data, which begins with what a hidden parameter gives.
+  // An action may change a parameter without `const`: then it is data, which begins with what a hidden parameter gives.
   [[nodiscard]] bool is_data(const syntax::Param& p) const {
-    return !p.type.is_const && assigned.contains(std::string(p.name.text));
+    return !p.type.is_const && changed.contains(std::string(p.name.text));
   }
   void add_assigned_parameters() {
     std::uint32_t row = 0;
@@ -71,15 +102,19 @@ struct AtomBuilder {
       if (!is_data(p)) continue;
       add_interaction(p.name, out.variables[given].type, false, false);
       inits.push_back({variables[std::string(p.name.text)], nullptr, given, b.loc(p.name.range)});
-      b.diags.report(Diag::kB1053, assigned.at(std::string(p.name.text)), p.name.text)
-          .label(p.name.range, "declared here")
-          .help("write data that begins with it: `data … = " + std::string(p.name.text) + "`");
+      const Change& change = changed.at(std::string(p.name.text));
+      auto d = b.diags.report(Diag::kB1053, change.range, p.name.text);
+      d.label(p.name.range, "declared here");
+      if (!change.by.empty())
+        d.note(fmt::format("`{}` may change what it is given", change.by))
+            .help("declare that parameter of the function `const` if it only reads it");
+      d.help("write data that begins with it: `data … = " + std::string(p.name.text) + "`");
     }
   }
 
   void build_interactions() {
-    note_assigned(decl.initial.action.stmts);
-    for (const syntax::Transition& t : decl.transitions) note_assigned(t.action.stmts);
+    note_changed(decl.initial.action.stmts);
+    for (const syntax::Transition& t : decl.transitions) note_changed(t.action.stmts);
     for (const syntax::Param& p : decl.params) {
       names.declare(p.name, "parameter");
       if (is_data(p)) {
@@ -88,6 +123,7 @@ struct AtomBuilder {
         continue;
       }
       add_interaction(p.name, native_data_type(b.model, p.type, "a parameter of a component", b.diags), true, false);
+      scope.names[std::string(p.name.text)].is_constant = p.type.is_const;
     }
     const auto given = b.initialised_data.find(out.name);
     std::unordered_map<std::string, std::uint32_t> hidden;
