@@ -75,8 +75,10 @@ class LibraryBuild {
     if (!find_tools()) return {};
     ContentCache cache(KeptKind::Library, cache_folder(options).string(), options.megabytes << 20);
     const std::string name = cache.is_on() ? key() : std::string();
+    if (!write(shim_path_, shim_)) return {};
+    const std::string texts = cache.is_on() ? hash_of_texts() : std::string();
     if (const std::optional<std::string> entry = cache.load(name)) {
-      if (const std::optional<std::string_view> bytes = unpack_library(*entry)) return write_library(*bytes);
+      if (const std::optional<std::string_view> bytes = unpack_library(texts, *entry)) return write_library(*bytes);
     }
     const fs::file_time_type start = fs::file_time_type::clock::now();
     if (!build()) return {};
@@ -85,10 +87,7 @@ class LibraryBuild {
     const bool is_settled = std::all_of(read_.begin(), read_.end(), [&](const std::string& file) {
       return fs::last_write_time(file, error) < start && !error;
     });
-    if (cache.is_on() && is_settled) {
-      if (const std::optional<std::string> entry = pack_library(read_, text_of(library_)))
-        (void)cache.store(name, *entry);
-    }
+    if (!texts.empty() && is_settled) (void)cache.store(name, pack_library(texts, text_of(library_)));
     return library_;
   }
 
@@ -119,13 +118,14 @@ class LibraryBuild {
     return true;
   }
 
-  // Of everything but the files that the compiler reads, which the entry lists.
+  // Of everything but what the compiler reads, of which the entry has the hash. A compiler may be a script.
   std::string key() {
     std::vector<std::string> command = compiler_;
     command.emplace_back("--version");
     const std::string version = work_ + "/version";
     (void)run_program(command, version);
     std::vector<std::string> texts{cache_version(), shim_, text_of(version)};
+    for (const std::string& word : compiler_) texts.push_back(blake2b(text_of(find_program(word))));
     for (const std::vector<std::string>* words :
          std::initializer_list<const std::vector<std::string>*>{&compiler_, &flags_, &cpp_.sources, &cpp_.objects}) {
       texts.insert(texts.end(), words->begin(), words->end());
@@ -138,27 +138,53 @@ class LibraryBuild {
     return content_hash({texts.begin(), texts.end()});
   }
 
+  // Of all units behind the preprocessor, and of the objects. What files there are, which of them an `#include` finds
+  // in which folder, and what `__has_include` says has its effect there, by whatever change; the files alone do not say
+  // which names were looked for in vain. Empty: the preprocessor reports an error. Cost: about 45 ms a unit.
+  std::string hash_of_texts() {
+    std::vector<std::string> hashes;
+    const std::string text = work_ + "/preprocessed", said = work_ + "/said";
+    for (const std::string& unit : units()) {
+      std::vector<std::string> command = compiler_;
+      const std::vector<std::string> flags = flags_of(unit);
+      command.insert(command.end(), flags.begin(), flags.end());
+      // Without lines that name the files: the wrappers' folder has a new name each time.
+      command.insert(command.end(), {"-E", "-P", unit, "-o", text});
+      const Result<int> status = run_program(command, said);
+      if (!status || *status != 0) return {};
+      hashes.push_back(blake2b(text_of(text)));
+    }
+    for (const std::string& object : cpp_.objects) hashes.push_back(blake2b(text_of(object)));
+    return content_hash({hashes.begin(), hashes.end()});
+  }
+
+  [[nodiscard]] std::vector<std::string> units() const {
+    std::vector<std::string> all{shim_path_};
+    all.insert(all.end(), cpp_.sources.begin(), cpp_.sources.end());
+    return all;
+  }
+  [[nodiscard]] std::vector<std::string> flags_of(const std::string& unit) const {
+    std::vector<std::string> flags = flags_;
+    // The C++ compiler takes a file of C for C++ unless it is told.
+    if (fs::path(unit).extension() == ".c") {
+      std::replace(flags.begin(), flags.end(), std::string("-std=c++20"), std::string("-std=gnu17"));
+      flags.insert(flags.end(), {"-x", "c"});
+    }
+    return flags;
+  }
+
   bool build() {
-    const std::string shim = work_ + "/shim.cpp";
-    if (!write(shim, shim_)) return false;
-    std::vector<std::string> units{shim};
-    units.insert(units.end(), cpp_.sources.begin(), cpp_.sources.end());
     std::vector<std::string> objects;
-    for (const std::string& unit : units) {
+    for (const std::string& unit : units()) {
       objects.push_back(fmt::format("{}/{}.o", work_, objects.size()));
       const std::string rule = objects.back() + ".d";
-      std::vector<std::string> command = flags_;
-      // The C++ compiler takes a file of C for C++ unless it is told.
-      if (fs::path(unit).extension() == ".c") {
-        std::replace(command.begin(), command.end(), std::string("-std=c++20"), std::string("-std=gnu17"));
-        command.insert(command.end(), {"-x", "c"});
-      }
+      std::vector<std::string> command = flags_of(unit);
       command.insert(command.end(), {"-c", unit, "-o", objects.back(), "-MD", "-MF", rule});
       if (!compile(command)) return false;
       const std::vector<std::string> files = prerequisites(text_of(rule));
       // The wrappers are part of the key.
       std::copy_if(files.begin(), files.end(), std::back_inserter(read_),
-                   [&](const std::string& file) { return file != shim; });
+                   [&](const std::string& file) { return file != shim_path_; });
     }
     objects.insert(objects.end(), cpp_.objects.begin(), cpp_.objects.end());
     read_.insert(read_.end(), cpp_.objects.begin(), cpp_.objects.end());
@@ -186,7 +212,7 @@ class LibraryBuild {
 
   Compilation& c_;
   const emit_cpp::CppBuild& cpp_;
-  const std::string work_, library_ = work_ + "/library.so";
+  const std::string work_, library_ = work_ + "/library.so", shim_path_ = work_ + "/shim.cpp";
   std::vector<std::string> compiler_, flags_;
   std::string shim_;
   std::vector<std::string> read_;  // what went in, but for the wrappers

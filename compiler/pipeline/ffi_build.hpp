@@ -1,7 +1,7 @@
 // The FFI of a model: where its files are, and for `bipc run` a shared object with everything that is called.
 //
-// The object is compiled by the host compiler and kept in the cache, with the hash of each file that the compiler read
-// for it: a copy that was checked is loaded. A model that calls nothing needs none of this.
+// The object is compiled by the host compiler and kept in the cache, with a hash of what the preprocessor makes of its
+// units: a copy that was checked is loaded. A model that calls nothing needs none of this.
 #pragma once
 #include "compiler/pipeline/pipeline.hpp"
 #include "compiler/emit_cpp/emit_cpp.hpp"

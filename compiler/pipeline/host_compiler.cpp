@@ -33,15 +33,7 @@ std::vector<std::string> words_of(const std::string& text) {
   return words;
 }
 
-bool is_program(const std::string& name) {
-  if (name.find('/') != std::string::npos) return ::access(name.c_str(), X_OK) == 0;
-  const char* path = std::getenv("PATH");
-  std::istringstream folders(path != nullptr ? path : "/usr/bin:/bin");
-  for (std::string folder; std::getline(folders, folder, ':');) {
-    if (::access(((folder.empty() ? "." : folder) + "/" + name).c_str(), X_OK) == 0) return true;
-  }
-  return false;
-}
+bool is_program(const std::string& name) { return !find_program(name).empty(); }
 
 // The process group of the program that runs, for the handler of signals, and what the handler was called with.
 std::atomic<pid_t> running_group{0};
@@ -140,6 +132,17 @@ class GroupGuard {
 };
 
 }  // namespace
+
+std::string find_program(const std::string& name) {
+  if (name.find('/') != std::string::npos) return ::access(name.c_str(), X_OK) == 0 ? name : std::string();
+  const char* path = std::getenv("PATH");
+  std::istringstream folders(path != nullptr ? path : "/usr/bin:/bin");
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    std::string file = (folder.empty() ? "." : folder) + "/" + name;
+    if (::access(file.c_str(), X_OK) == 0) return file;
+  }
+  return {};
+}
 
 std::vector<std::string> find_host_compiler(std::string& tried) {
   const char* cxx = std::getenv("CXX");

@@ -14,6 +14,9 @@ namespace bip::pipeline {
 /// Empty if there is none; `tried` says what was looked for.
 [[nodiscard]] std::vector<std::string> find_host_compiler(std::string& tried);
 
+/// Returns the path of the program that a command of this name starts; empty if there is none on PATH.
+[[nodiscard]] std::string find_program(const std::string& name);
+
 /// Runs a program with its output on our standard error, or in the file `output`. The exit code; 128 + signal if a
 /// signal ended it; a Failure if it could not be started. SIGINT, SIGTERM and SIGHUP end the program with all that it
 /// started, and not us, so that the caller can tidy up.
