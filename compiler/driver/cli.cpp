@@ -1,16 +1,20 @@
 // Selects a command from argv. CLI11 parses the options; an error in them is exit code 2 with one line and a hint.
 #include "compiler/driver/cli.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <atomic>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <string_view>
 
 #include "compiler/driver/cli_options.hpp"
 #include "compiler/driver/help_formatter.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/file_options.hpp"
-#include "compiler/driver/usage_error.hpp"
+#include "compiler/driver/report.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/pipeline/host_compiler.hpp"
 
@@ -70,7 +74,7 @@ int unexpected_word(const CLI::App& app, const std::string& help) {
 std::vector<std::string> with_whole_options(const CLI::App& app, int argc, char** argv) {
   std::vector<std::string> known;
   for (const CLI::Option* option : app.get_options()) {
-    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+    for (const std::string& name : option->get_lnames()) known.push_back({"--" + name, option});
   }
   std::vector<std::string> words;
   for (int i = 1; i < argc; ++i) {
@@ -96,8 +100,32 @@ int dispatch(const CLI::App& app, const Arguments& arguments) {
   if (command == "node") return command_node(arguments.node);
   if (command == "verify") return command_verify(arguments.verify);
   if (command == "explore") return command_explore(arguments.explore);
+// The process that works on a command; 0: none does. Children of ours end as they like.
+std::atomic<pid_t> working_process{0};
+
+// C++ of a model may call exit(). What a command would have printed is lost then, so it has failed whatever the code.
+void report_early_exit() {
+  if (working_process.load() != ::getpid()) return;
+  std::fflush(nullptr);
+  print_error_text("error: the model's C++ called exit() before the command had ended: its results are lost\n");
+  std::fflush(stderr);
+  std::_Exit(kModelErrors);
+}
+
+class WorkingNote {
+ public:
+  WorkingNote() {
+    (void)std::atexit(report_early_exit);
+    working_process.store(::getpid());
+  }
+  WorkingNote(const WorkingNote&) = delete;
+  WorkingNote& operator=(const WorkingNote&) = delete;
+  ~WorkingNote() { working_process.store(0); }
+};
+
   if (command == "simulate") return command_simulate(arguments.simulate);
   if (command == "step") return command_step(arguments.step);
+  const WorkingNote working;
   if (command == "view") return command_view(arguments.view);
   if (command == "trace") return command_trace(arguments.trace);
   if (command == "dap") return command_dap();
