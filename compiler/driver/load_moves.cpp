@@ -156,7 +156,10 @@ bool load_binary(Compilation& c, const RunFileText& run, rt::DebugSession& sessi
   rt::RecordedEnd end;
   for (std::uint64_t number = 0;; ++number) {
     const rt::RecordedReader::Next next = reader.next(at, end);
-    if (next == rt::RecordedReader::Next::End) return true;
+    if (next == rt::RecordedReader::Next::End) {
+      const std::string junk = rt::junk_problem(reader);
+      return junk.empty() || is_unreadable(c, run.path, junk);
+    }
     if (next == rt::RecordedReader::Next::Cut) return cannot_follow(c, run.path, number, "the trace is cut off there");
     const auto find = [&at](rt::Core& core) { return core.enabled().has(at) ? std::optional(at) : std::nullopt; };
     if (!follow_step(c, run, session, number, 0, find)) return false;

@@ -8,6 +8,7 @@
 #include <charconv>
 
 #include "compiler/base/ascii.hpp"
+#include "runtime/engine/event_file.hpp"
 
 namespace bip::driver {
 namespace {
@@ -131,9 +132,10 @@ class Reader {
       const std::size_t end = text_.find('\n');
       std::string_view line = text_.substr(0, end);
       text_.remove_prefix(end == std::string_view::npos ? text_.size() : end + 1);
+      is_cut_ = end == std::string_view::npos;
       if (take(line, kPrefix)) read_line(trimmed(line));
       // The text was cut off in this line.
-      if (!failure_.empty() && end == std::string_view::npos && !trace_.states.empty()) failure_.clear();
+      if (!failure_.empty() && is_cut_ && !trace_.states.empty()) failure_.clear();
     }
     if (!failure_.empty()) return Failure{failure_};
     if (trace_.states.empty() && trace_.end == TraceEnd::None) return Failure{"no line `[BIP ENGINE]: state #…` in it"};
@@ -168,6 +170,7 @@ class Reader {
     const std::string_view rest =
         colon == std::string_view::npos ? std::string_view() : trimmed(line.substr(colon + 1));
     state.is_deadlock = rest.starts_with("deadlock");
+    if (!state.entered.empty() && rt::parse_time(state.entered) < 0) return fail("line {} has no instant");
     const bool is_list =
         rest.find("interaction") != std::string_view::npos || rest.find("internal port") != std::string_view::npos;
     // "limit reached", "error": nothing to compare there.
@@ -178,19 +181,28 @@ class Reader {
       trace_.end = TraceEnd::Deadlock;
       trace_.end_line = number_;
     }
+    if (!is_last_complete()) return fail("line {} follows a state that lists fewer interactions than it announces");
+    if (!trace_.states.empty() && state.number != trace_.states.back().number + 1)
+      return fail("line {} has a number that does not follow that of the state before");
     trace_.states.push_back(std::move(state));
   }
+
+  [[nodiscard]] bool is_last_complete() const { return trace_.states.empty() || trace_.states.back().is_complete; }
 
   void read_choice(std::string_view line) {
     std::string chosen;
     std::uint64_t number = 0;
     if (trace_.states.empty() || !take_candidate(line, number, chosen))
       return fail("line {} chooses nothing that can be read");
+    if (!is_last_complete()) return fail("line {} follows a state that lists fewer interactions than it announces");
     TraceState& state = trace_.states.back();
     if (const std::size_t at = chosen.rfind(kAtTime);
         at != std::string::npos && chosen.find('"', at) == std::string::npos) {
       state.instant = trimmed(std::string_view(chosen).substr(at + kAtTime.size()));
       chosen.resize(at);
+      // Cut off perhaps: `1s` of `1s400ms`.
+      if (is_cut_) return state.instant.clear();
+      if (rt::parse_time(state.instant) < 0) return fail("line {} chooses at no instant");
     }
     state.chosen = without_intervals(chosen);
     state.chosen_rank = rank_of(state, number);
@@ -220,6 +232,9 @@ class Reader {
     if (trace_.states.empty() || !take_candidate(line, ignored, candidate))
       return fail("line {} is no interaction of a state");
     TraceState& state = trace_.states.back();
+    if (state.is_complete) return fail("line {} is one interaction more than its state announces");
+    // Cut off perhaps: it says too little to be compared.
+    if (is_cut_) return;
     // `now` is the state's instant.
     const std::string name = without_intervals(candidate);
     std::string intervals = candidate.substr(name.size());
@@ -237,6 +252,7 @@ class Reader {
   std::string_view text_;
   std::size_t number_ = 0;  // of the line at hand
   std::uint64_t expected_ = 0;
+  bool is_cut_ = false;  // the line at hand is the last one, without its end
   PublishedTrace trace_;
   std::string failure_;
 };

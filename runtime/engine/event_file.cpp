@@ -233,15 +233,17 @@ void read_record_line(JsonLine& json, Record& out, bool& is_first) {
 Result<Record> read_record(const std::string& path) {
   constexpr const char* kNoRecord = "this is no record of a run: --record writes one";
   Record record;
-  bool is_record = false;
+  bool is_record = false, has_head = false;
   const Result<FileEnd> end = read_lines(path, TornEnd::IsCut, [&](JsonLine& json, std::size_t number) {
     if (number != 1 && json.first_key() != "end") return;
     if (number == 1 && json.first_key() != "format") return json.fail(kNoRecord);
     read_record_line(json, record, is_record);
-    if (number == 1 && !is_record) json.fail(kNoRecord);
+    if (number == 1 && !is_record && json.ok()) json.fail(kNoRecord);
+    has_head = has_head || (number == 1 && json.ok());
   });
   if (!end) return Failure{end.error()};
   if (!is_record) return Failure{path + ": " + kNoRecord};
+  if (!has_head) return Failure{path + ":1: this line is cut off, and with it the seed and the options of the run"};
   record.is_torn = *end == FileEnd::Torn;
   if (record.is_torn) record.has_end = false;
   return record;

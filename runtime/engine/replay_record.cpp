@@ -50,6 +50,11 @@ std::string recorded_problem(const Image& image, std::string_view bytes) {
   return open_trace(image, bytes, reader, begin);
 }
 
+std::string junk_problem(const RecordedReader& reader) {
+  if (reader.rest() == 0) return {};
+  return numbered("the end of the trace is followed by ", reader.rest(), " bytes that are no part of it");
+}
+
 Followed follow(const Image& image, std::string_view bytes, RunOptions options, std::FILE* out) {
   Followed result;
   RecordedReader reader;
@@ -102,9 +107,7 @@ Followed follow(const Image& image, std::string_view bytes, RunOptions options, 
       result.problem = numbered("the trace is cut off after ", result.steps, " steps");
     } else {
       result.problem = compare_ends(core, sound, end, result.steps);
-      if (result.problem.empty() && reader.rest() != 0)
-        result.problem =
-            numbered("the end of the trace is followed by ", reader.rest(), " bytes that are no part of it");
+      if (result.problem.empty()) result.problem = junk_problem(reader);
       result.end = end.how;
       output.end(core, end.how, result.steps);
       return result;

@@ -22,6 +22,9 @@ struct Followed {
 /// Returns why the bytes are no trace of the model, by their head; empty: they are one. Needs no code of the image.
 [[nodiscard]] std::string recorded_problem(const Image& image, std::string_view bytes);
 
+/// After the end was read: returns what stands behind it, which no writer puts there; empty: nothing.
+[[nodiscard]] std::string junk_problem(const RecordedReader& reader);
+
 /// Writes the run as `options` say (silent, format, resume_path where the run went on; trace_path unused); seed, policy
 /// and progress are the trace's. C++ functions of the model are called again.
 [[nodiscard]] Followed follow(const Image& image, std::string_view bytes, RunOptions options, std::FILE* out);

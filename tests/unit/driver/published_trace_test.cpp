@@ -89,3 +89,44 @@ TEST_CASE("an end before the first state, and a last line that was cut off") {
   REQUIRE(shorter);
   CHECK_FALSE((*shorter).states.at(0).is_complete);
 }
+
+TEST_CASE("a last line without its end says nothing for certain") {
+  const std::string head = "[BIP ENGINE]: state #0 and global time 0ns: 1 interaction:\n";
+  const std::string whole = "[BIP ENGINE]:   [0] ROOT.k: a.p(v=10;)\n";
+  // A candidate, or a beginning of it.
+  for (const std::size_t length : {whole.size() - 1, whole.size() - 4, std::size_t{30}}) {
+    const auto trace = read_published_trace(head + whole.substr(0, length));
+    REQUIRE(trace);
+    CHECK((*trace).states.at(0).candidates.empty());
+    CHECK_FALSE((*trace).states.at(0).is_complete);
+  }
+  const std::string choice = "[BIP ENGINE]: -> choose [0] ROOT.k: a.p(v=10;) at global time 1s400ms";
+  for (const std::size_t cut : {0, 4, 5}) {
+    const auto trace = read_published_trace(head + whole + choice.substr(0, choice.size() - cut));
+    REQUIRE(trace);
+    CHECK((*trace).states.at(0).is_complete);
+    CHECK((*trace).states.at(0).chosen.empty());
+  }
+  CHECK((*read_published_trace(head + whole + choice + "\n")).states.at(0).instant == "1s400ms");
+}
+
+TEST_CASE("numbers and instants that no engine writes are refused with their line") {
+  const std::string state = ": 1 interaction:\n[BIP ENGINE]:   [0] ROOT.k: a.p()\n";
+  const std::string choice = "[BIP ENGINE]: -> choose [0] ROOT.k: a.p()\n";
+  const auto error_of = [](const std::string& text) {
+    const auto trace = read_published_trace(text);
+    return trace ? std::string("none") : trace.error();
+  };
+  const std::string first = "[BIP ENGINE]: state #0" + state + choice;
+  CHECK(error_of(first + "[BIP ENGINE]: state #1" + state) == "none");
+  CHECK(error_of(first + "[BIP ENGINE]: state #9" + state) ==
+        "line 4 has a number that does not follow that of the state before");
+  CHECK(error_of("[BIP ENGINE]: state #0: 7 interactions:\n[BIP ENGINE]:   [0] ROOT.k: a.p()\n" + choice) ==
+        "line 3 follows a state that lists fewer interactions than it announces");
+  CHECK(error_of(first + "[BIP ENGINE]: state #1" + state + "[BIP ENGINE]:   [1] ROOT.k: b.p()\n") ==
+        "line 6 is one interaction more than its state announces");
+  CHECK(error_of("[BIP ENGINE]: state #0 and global time 1s4m" + state) == "line 1 has no instant");
+  CHECK(error_of("[BIP ENGINE]: state #0" + state +
+                 "[BIP ENGINE]: -> choose [0] ROOT.k: a.p() at global time 1s4m\n[BIP ENGINE]: more\n") ==
+        "line 3 chooses at no instant");
+}
