@@ -4,6 +4,20 @@
 
 namespace bip::driver {
 
+namespace {
+
+// Without a property a command has a default; a script whose variable is empty did not ask for it.
+CLI::Validator is_no_empty_property() {
+  return CLI::Validator(
+      [](std::string& text) {
+        const bool is_empty = text.find_first_not_of(" \t\r\n") == std::string::npos;
+        return is_empty ? std::string("the property is empty; without the option the default is asked") : std::string();
+      },
+      "");
+}
+
+}  // namespace
+
 void add_verify(CLI::App& app, VerifyArguments& a) {
   CLI::App* command = app.add_subcommand("verify", "prove that a model never deadlocks, or show a run that does");
   add_model(*command, a.file);
@@ -13,6 +27,7 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
           "property to decide: deadlock, errors, the name of a property of the model, 'never EXPR', 'always EXPR', or "
           "of runs: 'eventually EXPR', 'EXPR leads to EXPR', 'EXPR until EXPR' … (default: deadlock, and each property "
           "that the model states)")
+      ->check(is_no_empty_property())
       ->type_name("WHAT");
   command
       ->add_option("--properties", a.properties_path,
@@ -241,6 +256,7 @@ void add_export(CLI::App& app, ExportArguments& a) {
           "--property", a.property,
           "property that the output asks, as for verify: in the format promela one of states or runs, in aiger one of "
           "states (default: deadlock)")
+      ->check(is_no_empty_property())
       ->type_name("PROPERTY");
   command->add_option("-o,--output", a.output, "output file (default: standard output)")->type_name("FILE");
   command->add_flag_callback(

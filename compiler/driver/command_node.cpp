@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <filesystem>
 
+#include <fmt/format.h>
+
 #include "compiler/driver/check_outputs.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/deployment_files.hpp"
@@ -17,7 +19,7 @@ namespace bip::driver {
 namespace {
 
 int end_unusable(const std::string& problem) {
-  std::fprintf(stderr, "error: %s\n", problem.c_str());
+  print_error_words(fmt::format("error: {}", problem));
   return kUsage;
 }
 

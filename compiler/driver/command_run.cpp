@@ -10,6 +10,8 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include <fmt/format.h>
+
 #include "compiler/base/write_file.hpp"
 #include "compiler/diag/render.hpp"
 #include "compiler/driver/check_outputs.hpp"
@@ -60,7 +62,7 @@ int run_folder(const RunArguments& arguments) {
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   ::execv(program.c_str(), argv.data());
-  std::fprintf(stderr, "error: `%s` cannot be started\n", program.c_str());
+  print_error_words(fmt::format("error: `{}` cannot be started", program));
   return kUsage;
 }
 
@@ -76,7 +78,7 @@ int run_profiled(Compilation& c, const RunArguments& arguments, rt::RunOptions o
   if (arguments.profile_path.empty()) return result.exit_code;
   if (const Result<bool> written = write_file(arguments.profile_path, profile_json(*c.lowered, profile, result.steps));
       !written) {
-    std::fprintf(stderr, "error: cannot write `%s`: %s\n", arguments.profile_path.c_str(), written.error().c_str());
+    print_error_words(fmt::format("error: cannot write `{}`: {}", arguments.profile_path, written.error()));
     return kUsage;
   }
   return result.exit_code;
@@ -136,7 +138,7 @@ int command_run(const RunArguments& arguments) {
   if (!arguments.misplaced.empty()) return usage_error(arguments.misplaced, "`bipc run --help`");
   if (has_own_program(arguments.file)) {
     if (!arguments.compile.refuses_cpp) return run_folder(arguments);
-    std::fprintf(stderr, "error: `%s` has its own program, and `--no-cpp` refuses it\n", arguments.file.c_str());
+    print_error_words(fmt::format("error: `{}` has its own program, and `--no-cpp` refuses it", arguments.file));
     return kUsage;
   }
   Compilation c(arguments.compile);
@@ -165,7 +167,7 @@ int command_run(const RunArguments& arguments) {
   if (options.engine == rt::Engine::Distributed) {
     const Result<const rt::FabricFactory*> fabrics = load_fabric();
     if (!fabrics) {
-      std::fprintf(stderr, "error: %s\n", fabrics.error().c_str());
+      print_error_words(fmt::format("error: {}", fabrics.error()));
       return kUsage;
     }
     options.fabrics = *fabrics;

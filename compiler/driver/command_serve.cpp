@@ -4,6 +4,8 @@
 #include <cstdio>
 
 #include "bip/process.hpp"
+#include <fmt/format.h>
+
 #include "compiler/driver/check_outputs.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/pipeline/executor.hpp"
@@ -63,9 +65,9 @@ int command_serve(const ServeArguments& arguments) {
     requests.input_problem = reinterpret_cast<decltype(requests.input_problem)>(::dlsym(library, "bip_input_problem"));
   }
   controller.real_time_priority = arguments.real_time_priority;
-  controller.on_problem = [](const std::string& problem) { std::fprintf(stderr, "warning: %s\n", problem.c_str()); };
+  controller.on_problem = [](const std::string& problem) { print_error_words(fmt::format("warning: {}", problem)); };
   if (!arguments.trace_path.empty() && !controller.trace(arguments.trace_path, arguments.trace_format)) {
-    std::fprintf(stderr, "error: cannot write `%s`\n", arguments.trace_path.c_str());
+    print_error_words(fmt::format("error: cannot write `{}`", arguments.trace_path));
     return kUsage;
   }
   serve::ServerOptions server;
@@ -82,10 +84,10 @@ int command_serve(const ServeArguments& arguments) {
     return kUsage;
   }
   const auto [end, problem] = serve::serve(controller, server);
-  if (end != serve::ServeEnd::Done) std::fprintf(stderr, "error: %s\n", problem.c_str());
+  if (end != serve::ServeEnd::Done) print_error_words(fmt::format("error: {}", problem));
   if (end == serve::ServeEnd::NotOpened) return kUsage;
   if (!controller.end_trace()) {
-    std::fprintf(stderr, "error: not all of `%s` could be written\n", arguments.trace_path.c_str());
+    print_error_words(fmt::format("error: not all of `{}` could be written", arguments.trace_path));
     return kOutputLost;
   }
   return end == serve::ServeEnd::Done ? kOk : kOutputLost;

@@ -1,6 +1,8 @@
 // See open_session.hpp.
 #include "compiler/driver/open_session.hpp"
 
+#include <fmt/format.h>
+
 #include <cstdio>
 #include <optional>
 #include <utility>
@@ -22,7 +24,7 @@ OpenSession open_session(Compilation& c, Executor& executor, const SessionArgume
   auto session = std::make_unique<rt::DebugSession>(c.lowered->image, options);
   if (!arguments.events_path.empty()) {
     if (const Result<bool> are_read = session->read_events(arguments.events_path); !are_read) {
-      std::fprintf(stderr, "error: %s\n", are_read.error().c_str());
+      print_error_words(fmt::format("error: {}", are_read.error()));
       return {nullptr, kUsage};
     }
   }

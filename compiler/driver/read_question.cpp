@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <utility>
 
 #include "compiler/driver/report.hpp"
@@ -16,9 +15,8 @@ std::optional<verify::Question> read_question(const std::string& text, Result<ve
   if (read) return std::move(*read);
   usage_error(fmt::format("--property, {}\n  {}", read.error(), text));
   if (const std::optional<library::PropertySuggestion> meant = library::suggest_property(text, system)) {
-    if (!meant->note.empty()) std::fputs(fmt::format("  = note: {}\n", meant->note).c_str(), stderr);
-    if (!meant->property.empty())
-      std::fputs(fmt::format("  = help: --property '{}'\n", meant->property).c_str(), stderr);
+    if (!meant->note.empty()) print_error_words("  = note: " + meant->note);
+    if (!meant->property.empty()) print_error_words("  = help: --property '" + meant->property + "'");
   }
   return std::nullopt;
 }

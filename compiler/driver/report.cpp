@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "compiler/diag/explain.hpp"
+#include "compiler/diag/render.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
 
 namespace bip::driver {
@@ -62,8 +63,18 @@ bool wants_color(ColorChoice choice, int file_descriptor) {
   return ::isatty(file_descriptor) == 1;
 }
 
+void print_error_words(std::string_view text) {
+  std::string out;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    out += diag::printable(text.substr(0, end)) + '\n';
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  print_error_text(out);
+}
+
 int usage_error(const std::string& problem, const std::string& help) {
-  print_error_text("bipc: " + problem + (help.empty() ? "\n" : "\n  = help: " + help + "\n"));
+  print_error_words("bipc: " + problem + (help.empty() ? "" : "\n  = help: " + help));
   return kUsage;
 }
 
