@@ -70,9 +70,13 @@ int unexpected_word(const CLI::App& app, const std::string& help) {
                      similar.empty() ? help : fmt::format("there is `{}`", similar.front()));
 }
 
-// As getopt does: the beginning of a long option stands for it if no other one begins so.
+// As getopt does: the beginning of a long option stands for it if no other option has a name that begins so.
 std::vector<std::string> with_whole_options(const CLI::App& app, int argc, char** argv) {
-  std::vector<std::string> known;
+  struct LongName {
+    std::string name;
+    const CLI::Option* option;
+  };
+  std::vector<LongName> known;
   for (const CLI::Option* option : app.get_options()) {
     for (const std::string& name : option->get_lnames()) known.push_back({"--" + name, option});
   }
@@ -81,25 +85,21 @@ std::vector<std::string> with_whole_options(const CLI::App& app, int argc, char*
     std::string word = argv[i];
     const std::size_t end = std::min(word.find('='), word.size());
     const std::string name = word.substr(0, end);
-    std::vector<std::string> meant;
-    for (const std::string& option : known) {
-      if (name.size() > 2 && option.starts_with(name)) meant.push_back(option);
+    std::vector<LongName> meant;
+    for (const LongName& one : known) {
+      if (name.size() > 2 && one.name.starts_with(name)) meant.push_back(one);
     }
-    const bool is_whole = std::find(meant.begin(), meant.end(), name) != meant.end();
-    if (!is_whole && meant.size() == 1) word = meant.front() + word.substr(end);
+    const bool is_whole =
+        std::any_of(meant.begin(), meant.end(), [&](const LongName& one) { return one.name == name; });
+    const bool is_clear = !meant.empty() && std::all_of(meant.begin(), meant.end(), [&](const LongName& one) {
+      return one.option == meant.front().option;
+    });
+    if (!is_whole && is_clear) word = meant.front().name + word.substr(end);
     words.push_back(std::move(word));
   }
   return words;
 }
 
-int dispatch(const CLI::App& app, const Arguments& arguments) {
-  const std::string& command = app.get_subcommands().front()->get_name();
-  if (command == "check") return command_check(arguments.check);
-  if (command == "run") return command_run(arguments.run);
-  if (command == "deploy") return command_deploy(arguments.deploy);
-  if (command == "node") return command_node(arguments.node);
-  if (command == "verify") return command_verify(arguments.verify);
-  if (command == "explore") return command_explore(arguments.explore);
 // The process that works on a command; 0: none does. Children of ours end as they like.
 std::atomic<pid_t> working_process{0};
 
@@ -123,9 +123,17 @@ class WorkingNote {
   ~WorkingNote() { working_process.store(0); }
 };
 
+int dispatch(const CLI::App& app, const Arguments& arguments) {
+  const std::string& command = app.get_subcommands().front()->get_name();
+  const WorkingNote working;
+  if (command == "check") return command_check(arguments.check);
+  if (command == "run") return command_run(arguments.run);
+  if (command == "deploy") return command_deploy(arguments.deploy);
+  if (command == "node") return command_node(arguments.node);
+  if (command == "verify") return command_verify(arguments.verify);
+  if (command == "explore") return command_explore(arguments.explore);
   if (command == "simulate") return command_simulate(arguments.simulate);
   if (command == "step") return command_step(arguments.step);
-  const WorkingNote working;
   if (command == "view") return command_view(arguments.view);
   if (command == "trace") return command_trace(arguments.trace);
   if (command == "dap") return command_dap();
@@ -199,7 +207,10 @@ int run_command_line(int argc, char** argv, const char* commit) {
   } catch (const CLI::ExtrasError&) {
     return unexpected_word(app, help_of(app, argc, argv));
   } catch (const CLI::ParseError& e) {
-    return usage_error(e.what(), help_of(app, argc, argv));
+    // Hidden options have no name there; their messages name them.
+    std::string_view problem = e.what();
+    if (problem.starts_with(": ")) problem.remove_prefix(2);
+    return usage_error(std::string(problem), help_of(app, argc, argv));
   }
   if (!arguments.published.package.empty() || !arguments.published.file.empty()) {
     if (!app.get_subcommands().empty()) return usage_error("`-p` and `-f` go without a command", "`bipc --help`");

@@ -363,19 +363,38 @@ void add_published(CLI::App& app, PublishedArguments& a) {
       ->group(group);
   app.add_flag("--gencpp-no-main", a.has_no_main, "write C++ code without `main`: `model::image()` is the model")
       ->group(group);
-  // What steers the published C++ back end and its makefiles. `bipc emit` writes its own CMakeLists.txt.
-  for (const char* name :
-       {"--gencpp-cc-extra-src", "--gencpp-cc-extra-obj", "--gencpp-ld-L", "--gencpp-ld-l", "--gencpp-ld-extra-obj",
-        "--gencpp-cc-extra-opt", "--gencpp-optim", "--gencpp-set-optim-param", "--gencpp-disable-optim"}) {
+  // What is linked into the emitted program. CLI11 does not name hidden options in its messages, but their types.
+  const auto add_value = [&app](const char* name, auto take) {
     app.add_option_function<std::vector<std::string>>(
-           name, [&a, name](const std::vector<std::string>&) { a.ignored.emplace_back(name); }, "")
+           name,
+           [take](const std::vector<std::string>& values) {
+             for (const std::string& value : values) take(value);
+           },
+           "")
         ->allow_extra_args(false)
+        ->type_name(fmt::format("value of `{}`", name))
         ->group("");
+  };
+  for (const auto& [name, list] :
+       {std::pair("--gencpp-cc-extra-src", &a.sources), std::pair("--gencpp-cc-extra-obj", &a.objects),
+        std::pair("--gencpp-ld-extra-obj", &a.objects), std::pair("--gencpp-ld-L", &a.link_folders),
+        std::pair("--gencpp-ld-l", &a.libraries)}) {
+    add_value(name, [list = list](const std::string& value) { list->push_back(value); });
   }
-  for (const char* name : {"--gencpp-follow-used-packages", "--gencpp-enable-optim", "--gencpp-enable-bip-debug",
-                           "--gencpp-enable-marshalling", "--gencpp-no-serial"}) {
+  // What steers the published C++ back end and its makefiles. `bipc emit` writes its own CMakeLists.txt.
+  for (const char* name : {"--gencpp-cc-extra-opt", "--gencpp-optim", "--gencpp-set-optim-param"})
+    add_value(name, [&a, name](const std::string&) { a.ignored.emplace_back(name); });
+  for (const char* name : {"--gencpp-follow-used-packages", "--gencpp-enable-bip-debug", "--gencpp-enable-marshalling",
+                           "--gencpp-no-serial"}) {
     app.add_flag_callback(
            name, [&a, name] { a.ignored.emplace_back(name); }, "")
+        ->group("");
+  }
+  // Of one optimisation, or of all.
+  for (const char* name : {"--gencpp-enable-optim", "--gencpp-disable-optim"}) {
+    app.add_option_function<std::vector<std::string>>(
+           name, [&a, name](const std::vector<std::string>&) { a.ignored.emplace_back(name); }, "")
+        ->expected(0, 1)
         ->group("");
   }
 }

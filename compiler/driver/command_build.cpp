@@ -127,6 +127,22 @@ bool build_program(Compilation& c, const BuildArguments& arguments) {
   return static_cast<bool>(placed);
 }
 
+// Sources and objects that options name. False: one is not there, which is reported.
+bool add_extra_files(Compilation& c, const emit_cpp::CppBuild& extra, emit_cpp::CppBuild& cpp) {
+  for (const auto& [from, to] : {std::pair(&extra.sources, &cpp.sources), std::pair(&extra.objects, &cpp.objects)}) {
+    for (const std::string& file : *from) {
+      std::error_code error;
+      if (!std::filesystem::is_regular_file(file, error)) {
+        c.diags.report(Diag::kB0090, {}, file, error ? error.message() : "it is no file");
+        return false;
+      }
+      const std::string path = std::filesystem::absolute(file, error).lexically_normal().string();
+      if (std::find(to->begin(), to->end(), path) == to->end()) to->push_back(path);
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 int command_build(const BuildArguments& arguments) {
@@ -152,13 +168,15 @@ int command_emit(const EmitArguments& arguments) {
   } else if (compile(c, arguments.file, Stage::Image)) {
     const std::string program = std::filesystem::path(arguments.file).stem().string();
     emit_cpp::CppBuild cpp;
-    if (!find_ffi_files(c, cpp)) return report(c);
+    if (!find_ffi_files(c, cpp) || !add_extra_files(c, arguments.extra, cpp)) return report(c);
     const std::filesystem::path folder(arguments.directory);
     if (!check_outputs(c, {folder / "model.cpp", folder / "CMakeLists.txt"})) return report(c);
     steps::derive_steps(*c.lowered);
-    const auto written =
-        emit_cpp::emit_project(*c.lowered, arguments.directory, runtime.directory, program, cpp,
-                               {.with_main = !arguments.has_no_main, .runtime_library = runtime.library});
+    const auto written = emit_cpp::emit_project(*c.lowered, arguments.directory, runtime.directory, program, cpp,
+                                                {.with_main = !arguments.has_no_main,
+                                                 .runtime_library = runtime.library,
+                                                 .link_folders = arguments.link_folders,
+                                                 .libraries = arguments.libraries});
     if (!written) c.diags.report(Diag::kB5004, {}, arguments.directory, written.error());
   }
   return report(c);

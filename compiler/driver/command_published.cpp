@@ -4,6 +4,9 @@
 #include <cstdio>
 #include <filesystem>
 
+#include <fmt/format.h>
+
+#include "compiler/driver/report.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/pipeline/load_packages.hpp"
 
@@ -29,14 +32,23 @@ std::string file_of(const PublishedArguments& arguments) {
 
 int command_published(const PublishedArguments& arguments) {
   for (const std::string& name : arguments.ignored)
-    std::fprintf(stderr, "note: `%s` has no effect in bipc\n", name.c_str());
+    print_error_words(fmt::format("note: `{}` has no effect in bipc", name));
   CompileOptions compile = arguments.compile;
   compile.package = arguments.package;
   const std::string file = arguments.file.empty() ? file_of(arguments) : arguments.file;
   compile.folders.insert(compile.folders.end(), arguments.cpp_folders.begin(), arguments.cpp_folders.end());
   if (arguments.cpp_output.empty()) return command_check({.compile = compile, .files = {file}});
-  return command_emit(
-      {.compile = compile, .file = file, .directory = arguments.cpp_output, .has_no_main = arguments.has_no_main});
+  EmitArguments emit;
+  emit.compile = compile;
+  emit.file = file;
+  emit.directory = arguments.cpp_output;
+  emit.has_no_main = arguments.has_no_main;
+  emit.extra.sources = arguments.sources;
+  emit.extra.objects = arguments.objects;
+  for (const std::string& folder : arguments.link_folders)
+    emit.link_folders.push_back(std::filesystem::absolute(folder).lexically_normal().string());
+  emit.libraries = arguments.libraries;
+  return command_emit(emit);
 }
 
 }  // namespace bip::driver

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "bip/run.hpp"
+#include "compiler/emit_cpp/emit_cpp.hpp"
 #include "compiler/graph/graph.hpp"
 #include "compiler/traces/selection.hpp"
 #include "compiler/library/verify_request.hpp"
@@ -165,6 +166,8 @@ struct EmitArguments {
   std::string directory;  // empty: print the stage of compile.emit
   Optimisation optimisation = Optimisation::O2;
   bool has_no_main = false;  // of the C++ in the directory
+  emit_cpp::CppBuild extra;  // files beside those of `@cpp`
+  std::vector<std::string> link_folders, libraries;
 };
 enum class GraphFormat : std::uint8_t { BySuffix, Dot, Json, Svg, Png, Html };
 struct GraphArguments {
@@ -254,7 +257,8 @@ struct PublishedArguments {
   std::vector<std::string> cpp_folders;  // --gencpp-cc-I: where files of `@cpp` are, too
   std::string cpp_output;
   bool has_no_main = false;
-  std::vector<std::string> ignored;  // options that are taken and mean nothing here
+  std::vector<std::string> sources, objects, link_folders, libraries;  // linked into the emitted program
+  std::vector<std::string> ignored;                                    // options that are taken and mean nothing here
 };
 
 enum class VersionFormat : std::uint8_t { Text, Json };

@@ -30,6 +30,7 @@ struct CppBuild {
 struct ProjectOptions {
   bool with_main = true;
   std::string runtime_library;  // the runtime, compiled; linked where it exists, else the copies are compiled
+  std::vector<std::string> link_folders, libraries;  // linked as well: where they are, their names (`m` of libm)
 };
 
 /// Writes model.cpp, a CMakeLists.txt and copies of the runtime's sources and of the model's FFI files into

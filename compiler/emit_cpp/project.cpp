@@ -45,6 +45,16 @@ std::string plain_name(const std::string& name) {
   return out.empty() ? "model" : out;
 }
 
+// Within quotes of CMake.
+std::string in_quotes(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '"' || c == '\\' || c == '$') out += '\\';
+    out += c;
+  }
+  return out;
+}
+
 std::string cmake_text(const std::vector<fs::path>& runtime, const std::string& program_name, const CppBuild& cpp,
                        const ProjectOptions& options) {
   std::ostringstream out;
@@ -92,6 +102,14 @@ std::string cmake_text(const std::vector<fs::path>& runtime, const std::string& 
     list("target_sources", cpp.sources);
     list("target_link_libraries", cpp.objects);
   }
+  const auto words = [&out](const char* command, const std::vector<std::string>& all) {
+    if (all.empty()) return;
+    out << command << "(bip_program PRIVATE";
+    for (const std::string& word : all) out << " \"" << in_quotes(word) << "\"";
+    out << ")\n";
+  };
+  words("target_link_directories", options.link_folders);
+  words("target_link_libraries", options.libraries);
   out << "set_target_properties(bip_program PROPERTIES OUTPUT_NAME \"" << plain_name(program_name) << "\")\n";
   return out.str();
 }

@@ -25,6 +25,8 @@ PUBLISHED = """
 | `--gencpp-output DIR`, `--gencpp-output-dir DIR` | writes C++: `bipc emit -o DIR`. The folder gets its own `CMakeLists.txt` and the runtime, which is compiled if bipc's own library is not there |
 | `--gencpp-no-main` | the folder makes a library with `model::image()`, without `main` |
 | `--gencpp-cc-I DIR` | like `-I DIR` |
+| `--gencpp-cc-extra-src FILE`, `--gencpp-cc-extra-obj FILE`, `--gencpp-ld-extra-obj FILE` | a source or an object that is copied into the folder and linked |
+| `--gencpp-ld-L DIR`, `--gencpp-ld-l NAME` | the program is linked with the library NAME, which is looked for in DIR as well |
 | beginnings of options | `--gencpp-no-m` is `--gencpp-no-main`: no other option begins so |
 | `--Werr`, `--WError`, `-WError` | warnings count as errors: `--Werror` |
 | other `--gencpp-…` options | taken, and a note says that they have no effect: headers and sources are named by `@cpp` in the package |
@@ -60,7 +62,7 @@ def page():
             "written (emitted programs: alike). SIGINT (Ctrl-C), SIGTERM and SIGHUP end a run as a limit does, with exit code 128 + the signal's number. [SECURITY.md](../../SECURITY.md) says what is trusted.\n"
             "Errors and warnings are written to standard error, everything else to standard output.\n\n"
             "A model that calls C++ (`extern function`) needs a C++20 compiler: $CXX, else c++, g++ or clang++. `run` compiles the model's C++ code once.\n"
-            "It is cached below `$XDG_CACHE_HOME/bipc` (else `~/.cache/bipc`; without a home nothing is cached) together with hashes of all files that the compiler read for it, as are the JIT's machine code and the proofs of `verify`.\n"
+            "It is cached below `$XDG_CACHE_HOME/bipc` (else `~/.cache/bipc`; without a home nothing is cached) together with a hash of what the compiler's preprocessor makes of it, as are the JIT's machine code and the proofs of `verify`.\n"
             "A file under another name or with other contents counts as none. `verify` and `explore` execute nothing from the cache: they compile anew, and prove again what a kept proof says;\n"
             "`--cache DIR` selects another folder, `--no-cache` none. The folder is made with mode 0700, and not used if it is another user's or writable by others. It may be removed at any time; when it exceeds 256 MB (`--cache-size`), the least\n"
             "recently used entries are removed.\n\n"
