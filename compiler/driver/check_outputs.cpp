@@ -47,4 +47,17 @@ bool check_outputs(Compilation& c, const std::vector<std::string>& outputs, cons
   return is_sound;
 }
 
+bool check_writable(Compilation& c, const std::vector<std::string>& outputs) {
+  bool is_sound = true;
+  for (const std::string& output : outputs) {
+    if (output.empty() || output == "-") continue;
+    // Removed again, since it is not committed.
+    if (const Result<NewFile> probe = NewFile::create(output); !probe) {
+      c.diags.report(Diag::kB5004, {}, output, probe.error());
+      is_sound = false;
+    }
+  }
+  return is_sound;
+}
+
 }  // namespace bip::driver

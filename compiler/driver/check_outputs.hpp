@@ -14,4 +14,8 @@ namespace bip::driver {
 [[nodiscard]] bool check_outputs(Compilation& c, const std::vector<std::string>& outputs,
                                  const std::vector<std::string>& inputs = {});
 
+/// Returns whether the outputs can be written, before the model's C++ is loaded for a result that would be lost; false
+/// after a report (B5004).
+[[nodiscard]] bool check_writable(Compilation& c, const std::vector<std::string>& outputs);
+
 }  // namespace bip::driver

@@ -163,7 +163,9 @@ int command_explore(const ExploreArguments& arguments) {
     emit_stage(c, arguments.file, arguments.optimisation);
     return report(c);
   }
-  if (!compile(c, arguments.file, Stage::Image) || !check_outputs(c, {arguments.trace_path})) return report(c);
+  if (!compile(c, arguments.file, Stage::Image) || !check_outputs(c, {arguments.trace_path}) ||
+      !check_writable(c, {arguments.trace_path}))
+    return report(c);
   Executor executor(MachineCode::Fresh);
   // What is refused anyway needs none of the model's C++.
   const bool ready = is_explorable(arguments, c) && executor.prepare(c, arguments.backend, arguments.optimisation);

@@ -271,7 +271,9 @@ int simulate_all(const SimulateArguments& arguments, Compilation& c, rt::Simulat
 
 int command_simulate(const SimulateArguments& arguments) {
   Compilation c(arguments.compile);
-  if (!compile(c, arguments.file, Stage::Image) || !check_outputs(c, {arguments.csv_path})) return report(c);
+  if (!compile(c, arguments.file, Stage::Image) || !check_outputs(c, {arguments.csv_path}) ||
+      !check_writable(c, {arguments.csv_path}))
+    return report(c);
   rt::SimulateOptions options = arguments.simulate;
   if (arguments.within > 0) options.runs = library::runs_for(arguments.within, arguments.confidence);
   if (!read_questions(arguments, *c.system, options)) return kUsage;

@@ -111,7 +111,9 @@ int command_trace(const TraceArguments& arguments) {
   Compilation c(arguments.compile);
   Executor executor;
   rt::SessionOptions options = arguments.session;
-  if (!compile(c, arguments.file, Stage::Image) || !check_outputs(c, {arguments.output})) return report(c);
+  if (!compile(c, arguments.file, Stage::Image) || !check_outputs(c, {arguments.output}) ||
+      !check_writable(c, {arguments.output}))
+    return report(c);
   if (const std::string unknown = selection.unknown(c.lowered->image); !unknown.empty()) {
     (void)report(c);
     return usage_error("the model has no " + unknown);

@@ -36,7 +36,7 @@ void remove_certificate(Compilation& c, const std::string& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) return;
   if (std::filesystem::remove(path, error)) {
-    std::fprintf(stderr, "note: `%s` held an earlier certificate and was removed\n", path.c_str());
+    print_error_words(fmt::format("note: `{}` held an earlier certificate and was removed", path));
   } else {
     c.diags.report(Diag::kB5004, {}, path, error.message());
   }
@@ -113,7 +113,8 @@ int command_verify(const VerifyArguments& arguments) {
     emit_stage(c, arguments.file, Optimisation::Auto);
     return report(c);
   }
-  if (!compile(c, arguments.file, Stage::Image) || !check_outputs(c, {arguments.certificate, arguments.trace_path}))
+  if (!compile(c, arguments.file, Stage::Image) || !check_outputs(c, {arguments.certificate, arguments.trace_path}) ||
+      !check_writable(c, {arguments.certificate, arguments.trace_path}))
     return report(c);
   if (!arguments.properties_path.empty() && !load_properties(c, arguments.properties_path)) return report(c);
   library::VerifyRequest request = arguments;

@@ -5,6 +5,8 @@
 #include <cstring>
 #include <filesystem>
 
+#include <fmt/format.h>
+
 #include "compiler/base/read_file.hpp"
 #include "compiler/base/write_file.hpp"
 #include "compiler/debug/back_refusal.hpp"
@@ -39,7 +41,7 @@ int serve_session(live::PageSession& session, const ViewArguments& arguments,
   };
   const Result<bool> served = live::serve_page(session, options, make, announce);
   if (served) return kOk;
-  std::fprintf(stderr, "error: %s\n", served.error().c_str());
+  print_error_words(fmt::format("error: {}", served.error()));
   return kUsage;
 }
 
@@ -93,7 +95,7 @@ bool read_proof(Compilation& c, const std::string& path, nlohmann::ordered_json&
   }
   Result<nlohmann::ordered_json> read = view::record_proof(*c.system, *text);
   if (!read) {
-    std::fprintf(stderr, "error: `%s` is no certificate of this model: %s\n", path.c_str(), read.error().c_str());
+    print_error_words(fmt::format("error: `{}` is no certificate of this model: {}", path, read.error()));
     code = kUsage;
     return false;
   }
@@ -112,7 +114,8 @@ int command_view(const ViewArguments& arguments) {
                                  ? std::filesystem::path(arguments.file).stem().string() + ".html"
                                  : arguments.output;
   if (!compile(c, arguments.file, Stage::Image) ||
-      !check_outputs(c, {output}, {arguments.trace_path, arguments.certificate, arguments.events_path}))
+      !check_outputs(c, {output}, {arguments.trace_path, arguments.certificate, arguments.events_path}) ||
+      !check_writable(c, {output}))
     return report(c);
   nlohmann::ordered_json proof;
   if (!arguments.attached_to.empty()) {

@@ -68,6 +68,24 @@ MODEL = """package m
   end
 end
 """
+LOADED = """@cpp(include="loaded.hpp")
+package loaded
+  extern function int f(const int)
+  port type Signal()
+  connector type One(Signal p) define p end
+  atom type A()
+    data int n = 0
+    export port Signal p()
+    place S, T
+    initial to S
+    on p from S to T provided (n < 9) do { n = f(n); }
+  end
+  compound type Root()
+    component A a()
+    connector One k(a.p)
+  end
+end
+"""
 EVENTS_MODEL = """package e
   port type N(int n)
   atom type Counter()
@@ -339,6 +357,12 @@ def inputs():
     told("events are a folder", "run --events folder --seed 1 e.bip", 2, "cannot read `folder`: Is a directory")
     told("events in an I/O error", "run --events /proc/self/mem --seed 1 e.bip", 2, "cannot read `/proc/self/mem`: Input/output error")
     told("a record that is cut off", "run --silent --limit 15 --replay torn e.bip", 0, "the run was cut off there")
+    head = whole.splitlines(keepends=True)[0]
+    for cut in (60, len(head) - 3):
+        (place.files / "torn").write_bytes(whole[:cut])
+        told(f"a record of {cut} bytes", "run --silent --limit 15 --replay torn e.bip", 2, "with it the seed")
+    for command in ("trace stats m.bip junk.bin", "trace convert --format csv m.bip junk.bin", "step --trace junk.bin m.bip"):
+        told(f"junk behind a binary trace: {command}", command, 1, "is followed by 4 bytes")
     told("junk behind a binary trace", "replay --recorded junk.bin m.bip", 1, "is followed by 4 bytes")
     told("the trace is the model", "run --seed 1 --limit 9 --trace m.bip m.bip", 1, "B5013")
     told("the trace is the model by a link", "run --seed 1 --limit 9 --trace same.bip m.bip", 1, "B5013")
@@ -358,6 +382,10 @@ def inputs():
     told("trace and profile are one", "run --seed 1 --limit 1 --trace t --profile-json t m.bip", 2, "name the same file")
     os.link(place.files / "run.jsonl", place.files / "m.html")
     told("the page of the model is the trace", "view --trace run.jsonl m.bip", 1, "B5013")
+    (place.files / "loaded.bip").write_text(LOADED)
+    (place.files / "loaded.hpp").write_text('#include <fstream>\nstruct Mark { Mark() { std::ofstream("loaded") << 1; } };\ninline Mark mark;\ninline int f(int x) { return x; }\n')
+    for words in ("explore --trust-cpp --trace none/x", "verify --trace none/x", "simulate --runs 2 --csv none/x", "view -o none/x"):
+        told(f"cannot be written, before C++ is loaded: {words}", words + " loaded.bip", 1, "B5004")
     os.mkfifo(place.files / "pipe")
     with open(place.files / "program", "wb") as copy:
         reader = subprocess.Popen(["cat", str(place.files / "pipe")], stdout=copy)
