@@ -4,6 +4,8 @@ import subprocess
 import tempfile
 
 COMPILE_OPTIONS = ("--root", "-I")
+# Refused by name (B1900).
+WITHOUT_CERTIFICATE = ("a certificate for a model with time", "a certificate for a property of runs")
 NOT_CHECKABLE = ("the evidence is a search of all states", "C++ functions get references to variables")
 
 
@@ -29,8 +31,14 @@ def problem_of_certificate(bipc, certcheck, arguments, cwd=None, timeout=600):
         system, certificate = pathlib.Path(work) / "system.bsys", pathlib.Path(work) / "certificate"
         run = {"cwd": cwd, "capture_output": True, "text": True, "errors": "replace", "stdin": subprocess.DEVNULL, "timeout": timeout}
         asked = subprocess.run([bipc, "verify", "--no-reuse", "--certificate", str(certificate), *arguments], **run)
-        if asked.returncode != 0:
+        if asked.returncode == 2 and "is of one answer" in asked.stderr:
+            # The model states properties as well.
+            return problem_of_certificate(bipc, certcheck, [*arguments, "--property", "deadlock"], cwd, timeout)
+        # 3: it does not hold; 4: nothing is known.
+        if asked.returncode in (3, 4) or (asked.returncode == 1 and any(reason in asked.stderr for reason in WITHOUT_CERTIFICATE)):
             return None
+        if asked.returncode != 0 or not certificate.exists():
+            return f"no certificate, exit code {asked.returncode}: {(asked.stdout + asked.stderr).strip()[-500:]}"
         made = subprocess.run([bipc, "check", "--emit=system", *compile_arguments(arguments)], **run)
         system.write_text(made.stdout, encoding="utf-8")
         try:
