@@ -55,6 +55,8 @@ class Classifier {
   void enter(Region region, int open) {
     region_ = region;
     open_ = open;
+    part_ = Part::Head;
+    on_ = end_ = {};
   }
 
   void classify(const TokenRow& row) {
@@ -85,13 +87,20 @@ class Classifier {
         enter(Region::Component, 1);
         return push(row, BipLexer::COMPONENT_DECL);
       case BipLexer::ON:
-        if (on_is_name()) return push(row, BipLexer::ID);
+        if (on_is_name()) return push_word_as_name(row, on_);
+        begin_part(Part::Clause);
         break;
       case BipLexer::END:
-        if (end_is_name()) return push(row, BipLexer::ID);
+        if (end_is_name()) return push_word_as_name(row, end_);
         if (open_ > 0) --open_;
         if (open_ == 0) region_ = Region::None;
         break;
+      case BipLexer::DEFINE: begin_part(Part::Define); break;
+      case BipLexer::UP:
+      case BipLexer::DOWN:
+      case BipLexer::PROVIDED:
+      case BipLexer::DATA:
+      case BipLexer::EXPORT: begin_part(Part::Other); break;
       case BipLexer::BEHAVIOR:
         if (!begins_behavior()) return push(row, BipLexer::ID);
         ++open_;
@@ -124,6 +133,37 @@ class Classifier {
     out_.push_back(row);
   }
 
+  /// Where in a connector: its parameters, the interaction of `define`, that of a clause, anything else.
+  enum class Part { Head, Define, Clause, Other };
+  /// `on` or `end` as a name of the declaration at hand.
+  struct WordAsName {
+    bool is_parameter = false;  // of the connector
+    bool is_used = false;       // in this part
+    bool is_place = false;      // of the atom
+  };
+
+  void begin_part(Part part) {
+    part_ = part;
+    on_.is_used = end_.is_used = false;
+  }
+  void push_word_as_name(const TokenRow& row, WordAsName& word) {
+    if (region_ == Region::Connector) (part_ == Part::Head ? word.is_parameter : word.is_used) = true;
+    if (region_ == Region::Atom && is_one_of(previous(), {BipLexer::PLACE, BipLexer::COMMA})) word.is_place = true;
+    push(row, BipLexer::ID);
+  }
+  /// A sign of an expression, which stands beside names and not beside keywords; `*` ends a side of a priority as well.
+  [[nodiscard]] static bool is_operator(std::size_t type) {
+    return is_one_of(type, {BipLexer::EQ, BipLexer::NE, BipLexer::LE, BipLexer::GE, BipLexer::GT, BipLexer::PLUS,
+                            BipLexer::MINUS, BipLexer::STAR, BipLexer::SLASH, BipLexer::PERCENT, BipLexer::ANDAND,
+                            BipLexer::OROR, BipLexer::AMP, BipLexer::PIPE, BipLexer::CARET});
+  }
+  /// Each parameter of a connector stands once in its interactions: a first `end` there is the parameter.
+  [[nodiscard]] bool is_in_interaction(const WordAsName& word) const {
+    if (region_ != Region::Connector || !word.is_parameter || word.is_used) return false;
+    if (part_ == Part::Define) return true;
+    return part_ == Part::Clause && (is_name(previous()) || previous() == BipLexer::COMMA);
+  }
+
   /// What follows `on` and a port.
   [[nodiscard]] static bool continues_clause(std::size_t type) {
     return is_one_of(type, {BipLexer::FROM, BipLexer::TO, BipLexer::PROVIDED, BipLexer::UP, BipLexer::DOWN,
@@ -137,6 +177,9 @@ class Classifier {
                              BipLexer::LT, BipLexer::ASSIGN}))
       return true;
     if (is_one_of(previous(), {BipLexer::DOT, BipLexer::LT, BipLexer::COLON})) return true;
+    if (is_operator(ahead(1)) || (is_operator(previous()) && previous() != BipLexer::STAR) ||
+        (braces_ > 0 && ahead(1) == BipLexer::SEMI))
+      return true;
     if (previous() == BipLexer::DEFINE) return may_be_name(ahead(1));
     // The interaction of a clause ends with it.
     return region_ == Region::Connector && is_name(previous()) &&
@@ -144,6 +187,9 @@ class Classifier {
   }
   [[nodiscard]] bool on_is_name() const {
     if (stands_as_name() || previous() == BipLexer::AS) return true;
+    if (is_in_interaction(on_))
+      return part_ == Part::Define || (ahead(1) == BipLexer::END ? end_.is_used || !end_.is_parameter
+                                                                 : !may_be_name(ahead(1)) && ahead(1) != BipLexer::ON);
     if (previous() == BipLexer::ON)
       return continues_clause(ahead(1)) || is_one_of(ahead(1), {BipLexer::ON, BipLexer::END});
     return is_one_of(previous(), {BipLexer::FROM, BipLexer::TO, BipLexer::PLACE, BipLexer::COMMA}) &&
@@ -151,7 +197,15 @@ class Classifier {
   }
   [[nodiscard]] bool end_is_name() const {
     if (stands_as_name()) return true;
-    if (previous() == BipLexer::ON) return continues_clause(ahead(1));
+    if (is_in_interaction(end_)) return true;
+    if (previous() == BipLexer::ON) return continues_clause(ahead(1)) || (part_ == Part::Clause && end_.is_parameter);
+    if (region_ == Region::Atom || region_ == Region::Component) {
+      if (is_one_of(previous(), {BipLexer::PLACE, BipLexer::COMMA}) &&
+          is_one_of(ahead(1), {BipLexer::INITIAL, BipLexer::PORT, BipLexer::DATA, BipLexer::EXPORT, BipLexer::CLOCK,
+                               BipLexer::PLACE}))
+        return true;
+      if (is_one_of(previous(), {BipLexer::FROM, BipLexer::TO, BipLexer::COMMA})) return end_.is_place;
+    }
     return previous() == BipLexer::AS && is_one_of(ahead(1), {BipLexer::END, BipLexer::EXPORT, BipLexer::PRIORITY});
   }
   [[nodiscard]] std::string_view word_of(const TokenRow& row) const {
@@ -245,6 +299,8 @@ class Classifier {
   std::size_t in_of_for_ = 0;
   std::size_t property_text_ = 0, property_end_ = 0;
   Region region_ = Region::None;
+  Part part_ = Part::Head;
+  WordAsName on_, end_;
   int open_ = 0;
   int braces_ = 0;
   mutable bool looked_behind_the_end_ = false;
