@@ -5,7 +5,7 @@ import tempfile
 
 COMPILE_OPTIONS = ("--root", "-I")
 # Refused by name (B1900).
-WITHOUT_CERTIFICATE = ("a certificate for a model with time", "a certificate for a property of runs")
+WITHOUT_CERTIFICATE = ("a certificate for a model with time", "a certificate for a property of runs", "a certificate for a property with `within`")
 NOT_CHECKABLE = ("the evidence is a search of all states", "C++ functions get references to variables")
 
 

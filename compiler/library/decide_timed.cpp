@@ -80,6 +80,7 @@ bool can_fault_in_guards(const System& system) {
 // Describes the state at the end of the path.
 std::string broken_text(const rt::Image& image, const verify::Property& property, const rt::TimedPath& path) {
   rt::Core core(image);
+  core.time().wait_for_resume_at();
   bool is_sound = core.initialize();
   for (std::uint64_t k = 0; k < path.steps.size(); ++k) {
     const std::uint64_t choice = path.steps[k].choice;
