@@ -20,7 +20,6 @@
 #include "compiler/live/page_server.hpp"
 #include "compiler/pipeline/executor.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
-#include "compiler/system/uses_time.hpp"
 #include "compiler/view/page.hpp"
 #include "compiler/view/proof_record.hpp"
 #include "compiler/view/run_record.hpp"
@@ -81,12 +80,6 @@ int serve_attached(Compilation& c, const ViewArguments& arguments, const nlohman
 // The invariants of the certificate; null without one. False: it cannot be used, and `code` is the exit code.
 bool read_proof(Compilation& c, const std::string& path, nlohmann::ordered_json& proof, int& code) {
   if (path.empty()) return true;
-  // Zones are no invariants of places.
-  if (const std::string timed = system::first_timed(*c.system); !timed.empty()) {
-    c.diags.report(Diag::kB1900, c.root_range, "the picture of a certificate for a model with time").note(timed);
-    code = report(c);
-    return false;
-  }
   const std::optional<std::string> text = read_file(path);
   if (!text) {
     c.diags.report(Diag::kB0090, {}, path, std::strerror(errno));

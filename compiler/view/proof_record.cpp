@@ -1,6 +1,7 @@
 // See proof_record.hpp.
 #include "compiler/view/proof_record.hpp"
 #include "compiler/system/system.hpp"
+#include "compiler/view/zone_record.hpp"
 
 #include <algorithm>
 #include <map>
@@ -28,7 +29,7 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
 
 class CertificateReader {
  public:
-  explicit CertificateReader(const System& system) : system_(system) {
+  explicit CertificateReader(const System& system) : system_(system), zones_(system) {
     for (std::size_t k = 0; k < system.atoms.size(); ++k) atoms_[system.atoms[AtomId(k)].path] = k;
   }
 
@@ -50,6 +51,10 @@ class CertificateReader {
         if (!problem_.empty()) return fail(fmt::format("line {}: {}", k + 1, problem_));
         if (out["rows"].size() < kMostInvariants) out["rows"].push_back(std::move(row));
         else ++left_out;
+      } else if (out["method"] == "zones" && (kind == "state" || kind == "zone")) {
+        if (kind == "state") zones_.add_state(rest);
+        else zones_.add_zone(rest);
+        if (!zones_.problem().empty()) return fail(fmt::format("line {}: {}", k + 1, zones_.problem()));
       } else if (kind == "state" || kind == "states") ++left_out;
       else if (kind != "root" && kind != "end" && kind != "components")
         return fail(fmt::format("line {}: a row `{}`", k + 1, kind));
@@ -60,7 +65,8 @@ class CertificateReader {
       if (out["rows"].size() < kMostInvariants) out["rows"].push_back(std::move(row));
       else ++left_out;
     }
-    out["left_out"] = left_out;
+    out["left_out"] = left_out + zones_.left_out();
+    if (out["method"] == "zones") out["locations"] = zones_.take();
     return out;
   }
 
@@ -194,6 +200,7 @@ class CertificateReader {
   std::vector<Class> classes_;
   std::map<std::size_t, std::size_t> class_of_;
   std::vector<Json> domains_;
+  ZoneRecorder zones_;
   std::string problem_;
 };
 

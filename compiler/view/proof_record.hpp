@@ -3,6 +3,7 @@
 //
 // {"claim": text, "method": text, "left_out": rows that are not in it,
 //  "rows": [[kind, total, [[weight, [[atom, [place] or null, [[variable, value]], is negated]]]]]]}
+// With time also "locations": states with zones (zone_record.hpp).
 // kind: trap, one-token, sum, equation, lemma, domain (the component is always in one of these modes).
 // A term is a case: literals that all hold; an equation may also have a variable as a term, with value null.
 #pragma once

@@ -394,6 +394,28 @@ const actions = {
     expect((await page.locator("#canvas .invariant").count()) > 1, "the components of the invariant are not marked");
     expect((await page.locator("#automaton .invariant").count()) > 0, "the places of the invariant are not marked");
   },
+  /** Of a proof with time: each state of the run lies in a zone of its places and data. */
+  async zones(page) {
+    const wrong = await page.evaluate(() => {
+      const p = window.page, outside = [];
+      for (let k = 0; k <= p.run.length; ++k) {
+        p.go(k);
+        if (!p.proof.zones().some((zone) => zone.holds)) outside.push(k);
+      }
+      return outside.slice(0, 5).join(", ");
+    });
+    expect(wrong === "", "in no zone: positions " + wrong);
+    expect((await page.locator("#panel tr.now").count()) > 0, "no zone is marked");
+    // A clock that is ahead of its time is in none.
+    const isIn = await page.evaluate(() => {
+      const p = window.page;
+      p.go(p.run.length);
+      p.state.clocks = p.state.clocks.map((row) => row.map(([value, since, speed]) => [value - 1e12, since, speed]));
+      return p.proof.zones().some((zone) => zone.holds);
+    });
+    expect(!isIn, "clocks below 0 are in a zone");
+    await page.evaluate(() => window.page.go(0));
+  },
   /** A long run is scrubbed in every panel. What it takes is printed; `most` ms only tell what draws all steps. */
   async scrub(page, most) {
     const slow = [];

@@ -47,6 +47,8 @@ CASES = [
     ("clocks", ["view --steps 60 --seed 3 {models}/timed/train_gate.bip -o {page}"], [["clocks"], ["key", "6"]], 2000),
     ("proof", ["verify --certificate {dir}/proof.cert {models}/classic/gas_station.bip", "view --certificate {dir}/proof.cert --steps 100 {models}/classic/gas_station.bip -o {page}"],
      [["proof"]], 2000),
+    ("timed_proof", ["verify --certificate {dir}/timed.cert {models}/timed/train_gate.bip", "view --certificate {dir}/timed.cert --steps 100 --seed 3 {models}/timed/train_gate.bip -o {page}"],
+     [["zones"]], 2000),
     ("long_run", ["view --steps 100000 --seed 3 {models}/classic/philosophers_safe.bip -o {page}"], [["scrub", 1000], ["stepList"], ["key", "5"]], 2000),
     ("long_timed_run", ["view --steps 50000 --seed 3 {models}/timed/train_gate.bip -o {page}"], [["scrub", 1000], ["key", "6"]], 2000),
     ("train_gate_dark", ["view --steps 60 --seed 3 {models}/timed/train_gate.bip -o {page}"], [["walk"], ["key", "4"]], 2000),

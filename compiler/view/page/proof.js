@@ -47,7 +47,56 @@ class Proof {
     const where = places ? "@" + places.join("@") + (data.length > 0 ? " (" + data.join(", ") + ")" : "") : "." + data.join(", ");
     return (isNegated ? "not " : "") + run.name(atom) + where;
   }
+  // ---- with time: states with zones
+  /** Locations with the places and data of this state; several differ in who waits for its `resume`. */
+  locations() {
+    const { run, state } = this.page;
+    const now = (atom, variable) => ({ true: 1, false: 0 })[state.data[atom][variable]] ?? Number(state.data[atom][variable]);
+    return run.exists
+      ? this.proof.locations.map((location, number) => ({ ...location, number })).filter(
+          ({ places, values }) => places.every((text, atom) => text === null || text === state.places[atom]) && values.every(([atom, variable, value]) => now(atom, variable) === value))
+      : [];
+  }
+  /** ns that the clock shows in this state. */
+  clock(atom, clock) {
+    const { run, state, position } = this.page, [value, since, speed] = state.clocks[atom][clock];
+    return value + (run.instant(position) - since) * speed;
+  }
+  bound(bound) {
+    const [low, high] = bound.slice(-2), name = (atom, clock) => this.page.run.name(atom) + "." + this.page.run.clocksOf(atom)[clock][0];
+    const isDifference = bound.length === 6, value = this.clock(bound[0], bound[1]) - (isDifference ? this.clock(bound[2], bound[3]) : 0);
+    const time = (ns) => (ns < 0 ? "−" : "") + timeText(Math.abs(ns));
+    const text = name(bound[0], bound[1]) + (isDifference ? " − " + name(bound[2], bound[3]) : "") + (low === null ? " ≤ " + time(high) : " ≥ " + time(low));
+    return { text, holds: (low === null || value >= low) && (high === null || value <= high) };
+  }
+  /** Without what says nothing; two clocks with a constant difference are one equation. */
+  zoneText(zone) {
+    const name = (atom, clock) => this.page.run.name(atom) + "." + this.page.run.clocksOf(atom)[clock][0];
+    const most = new Map(zone.filter((bound) => bound.length === 6).map((bound) => [bound.slice(0, 4).join(), bound[5]]));
+    return zone.map((bound) => {
+      const [atom, clock, other, otherClock, , high] = bound;
+      if (bound.length === 4) return bound[2] === 0 ? "" : this.bound(bound).text;
+      if (most.get([other, otherClock, atom, clock].join()) !== -high) return this.bound(bound).text;
+      if (high < 0 || (high === 0 && [other, otherClock] < [atom, clock])) return "";
+      return name(atom, clock) + " = " + name(other, otherClock) + (high === 0 ? "" : " + " + timeText(high));
+    }).filter(Boolean).join(", ") || "any time";
+  }
+  zones() {
+    return this.locations().flatMap((location) => location.zones.map((zone) => ({ location, zone, bounds: zone.map((bound) => this.bound(bound)) })))
+      .map((row) => ({ ...row, holds: row.bounds.every((bound) => bound.holds) }));
+  }
+  showZones(panel) {
+    const { locations, claim, left_out } = this.proof, count = locations.reduce((sum, location) => sum + location.zones.length, 0);
+    const head = element("div", { class: "soft" }, "claim: " + claim + " · " + count + " zones of " + locations.length + " locations" + (left_out ? " (" + left_out + " zones are not shown)" : "") +
+      ". Below: the zones with the places and data of this state. Marked: those that hold now.");
+    const zones = this.zones().sort((a, b) => b.holds - a.holds).slice(0, 500);
+    const table = element("table", {}, ...zones.map(({ location, zone, holds }) => element("tr", holds ? { class: "now" } : {}, element("td", {}, "#" + location.number),
+      element("td", { style: "white-space:normal" }, this.zoneText(zone)),
+      element("td", { class: "soft" }, location.waits.length > 0 ? "while " + location.waits.map((atom) => this.page.run.name(atom)).join(", ") + " waits" : ""))));
+    panel.replaceChildren(head, table);
+  }
   show(panel) {
+    if (this.proof.locations) return this.showZones(panel);
     const head = element("div", { class: "soft" }, "claim: " + this.proof.claim + " · method: " + this.proof.method + " · " + this.rows.length + " invariants" +
       (this.proof.left_out ? " (" + this.proof.left_out + " rows are not shown)" : "") + ". Marked: what holds in this state.");
     const rows = this.rows.filter((row) => !this.page.isFiltered || this.page.filter.some((atom) => row.atoms.has(atom)));
