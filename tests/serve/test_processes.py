@@ -211,8 +211,8 @@ def runs(pid):
 
 
 def together(work):
-    """Without processes the same faults end the server."""
-    for fault, code in (("Address", -signal.SIGSEGV), ("Exit", 0)):
+    """Without processes the same faults end the server; that `exit` was called is said."""
+    for fault, code in (("Address", -signal.SIGSEGV), ("Exit", 1)):
         level = Level(work / fault)
         level.ask("eye.Init")
         level.begin(f"eye.{fault}")
