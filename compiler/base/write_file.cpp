@@ -84,6 +84,21 @@ void NewFile::close() {
   if (file_ >= 0) ::close(std::exchange(file_, -1));
 }
 
+Result<bool> can_be_written(const fs::path& target) {
+  const fs::path final = follow_links(target);
+  struct stat old {};
+  const bool exists = ::stat(final.c_str(), &old) == 0;
+  if (exists && S_ISDIR(old.st_mode)) return failure_of(EISDIR);
+  // A regular file is replaced.
+  const bool is_kept = exists && !S_ISREG(old.st_mode);
+  const fs::path folder = final.parent_path().empty() ? fs::path(".") : final.parent_path();
+  struct stat parent {};
+  if (::stat(folder.c_str(), &parent) != 0) return failure_of(errno);
+  if (!S_ISDIR(parent.st_mode)) return failure_of(ENOTDIR);
+  if (::access(is_kept ? final.c_str() : folder.c_str(), is_kept ? W_OK : W_OK | X_OK) != 0) return failure_of(errno);
+  return true;
+}
+
 Result<NewFile> NewFile::create(const fs::path& target) {
   static std::atomic<unsigned> next{0};
   const fs::path final = follow_links(target);

@@ -39,6 +39,9 @@ class NewFile {
   bool is_copied_;                       // the target is no regular file
 };
 
+/// Whether a file can be written there, without writing one; else the reason.
+[[nodiscard]] Result<bool> can_be_written(const std::filesystem::path& target);
+
 /// Replaces the contents of `path`. An existing file keeps its permissions; a link is followed.
 [[nodiscard]] Result<bool> write_file(const std::filesystem::path& path, std::string_view text,
                                       Durability durability = Durability::Synced);

@@ -51,9 +51,8 @@ bool check_writable(Compilation& c, const std::vector<std::string>& outputs) {
   bool is_sound = true;
   for (const std::string& output : outputs) {
     if (output.empty() || output == "-") continue;
-    // Removed again, since it is not committed.
-    if (const Result<NewFile> probe = NewFile::create(output); !probe) {
-      c.diags.report(Diag::kB5004, {}, output, probe.error());
+    if (const Result<bool> writable = can_be_written(output); !writable) {
+      c.diags.report(Diag::kB5004, {}, output, writable.error());
       is_sound = false;
     }
   }

@@ -192,7 +192,7 @@ def others(work):
 def signals(work):
     """A codel that a signal ends, on a full stack, in a thread of its own: the robot is stopped before the process ends."""
     for service, expected, name, where in (("Address", -11, "signal SIGSEGV", "wheelAddress"), ("Divide", -8, "signal SIGFPE", "wheelDivide"), ("Deep", -11, "signal SIGSEGV", "wheelDeep"),
-                                           ("Terminate", 70, "an exception ends the process", ""), ("Exit", 3, "the model's C++ ends the process", "")):
+                                           ("Terminate", 70, "an exception ends the process", ""), ("Exit", 1, "the model's C++ ends the process", "")):
         served = Served(work / service, "--stall-after", "0")
         served.ask("wheel.Drive")
         check("it drives", served.wait("request", reply="intermediate"))
