@@ -1,6 +1,7 @@
 // See zone_record.hpp.
 #include "compiler/view/zone_record.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <utility>
 
