@@ -84,13 +84,27 @@ void NewFile::close() {
   if (file_ >= 0) ::close(std::exchange(file_, -1));
 }
 
-Result<bool> can_be_written(const fs::path& target) {
-  const fs::path final = follow_links(target);
+namespace {
+
+struct Target {
+  fs::path path;  // without links
+  bool is_kept;   // a pipe or a device, which is written into; a regular file is replaced
+};
+
+Result<Target> examine(const fs::path& target) {
+  fs::path path = follow_links(target);
   struct stat old {};
-  const bool exists = ::stat(final.c_str(), &old) == 0;
+  const bool exists = ::stat(path.c_str(), &old) == 0;
   if (exists && S_ISDIR(old.st_mode)) return failure_of(EISDIR);
-  // A regular file is replaced.
-  const bool is_kept = exists && !S_ISREG(old.st_mode);
+  return Target{std::move(path), exists && !S_ISREG(old.st_mode)};
+}
+
+}  // namespace
+
+Result<bool> can_be_written(const fs::path& target) {
+  const Result<Target> examined = examine(target);
+  if (!examined) return Failure{examined.error()};
+  const auto& [final, is_kept] = *examined;
   const fs::path folder = final.parent_path().empty() ? fs::path(".") : final.parent_path();
   struct stat parent {};
   if (::stat(folder.c_str(), &parent) != 0) return failure_of(errno);
@@ -101,11 +115,9 @@ Result<bool> can_be_written(const fs::path& target) {
 
 Result<NewFile> NewFile::create(const fs::path& target) {
   static std::atomic<unsigned> next{0};
-  const fs::path final = follow_links(target);
-  struct stat old {};
-  const bool exists = ::stat(final.c_str(), &old) == 0;
-  if (exists && S_ISDIR(old.st_mode)) return failure_of(EISDIR);
-  const bool is_copied = exists && !S_ISREG(old.st_mode);
+  const Result<Target> examined = examine(target);
+  if (!examined) return Failure{examined.error()};
+  const auto& [final, is_copied] = *examined;
   std::error_code unusable;
   const fs::path folder = is_copied ? fs::temp_directory_path(unusable) : final.parent_path();
   if (unusable) return Failure{unusable.message()};

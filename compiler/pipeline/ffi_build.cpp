@@ -165,7 +165,7 @@ class LibraryBuild {
   }
   [[nodiscard]] std::vector<std::string> flags_of(const std::string& unit) const {
     std::vector<std::string> flags = flags_;
-    // The C++ compiler takes a file of C for C++ unless it is told.
+    // The C++ compiler compiles a file of C as C++ unless `-x c` stands before it.
     if (fs::path(unit).extension() == ".c") {
       std::replace(flags.begin(), flags.end(), std::string("-std=c++20"), std::string("-std=gnu17"));
       flags.insert(flags.end(), {"-x", "c"});

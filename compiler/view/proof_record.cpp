@@ -52,8 +52,8 @@ class CertificateReader {
         if (out["rows"].size() < kMostInvariants) out["rows"].push_back(std::move(row));
         else ++left_out;
       } else if (out["method"] == "zones" && (kind == "state" || kind == "zone")) {
-        if (kind == "state") zones_.add_state(rest);
-        else zones_.add_zone(rest);
+        if (kind == "state") zones_.add_state(split(rest, ' '));
+        else zones_.add_zone(split(rest, ' '));
         if (!zones_.problem().empty()) return fail(fmt::format("line {}: {}", k + 1, zones_.problem()));
       } else if (kind == "state" || kind == "states") ++left_out;
       else if (kind != "root" && kind != "end" && kind != "components")

@@ -15,15 +15,6 @@ bool read_number(std::string_view text, long long& out) {
   return error == std::errc() && end == text.data() + text.size();
 }
 
-template <class Take>
-void for_each_word(std::string_view text, Take take) {
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = std::min(text.find(' ', at), text.size());
-    if (end > at) take(text.substr(at, end - at));
-    at = end + 1;
-  }
-}
-
 }  // namespace
 
 ZoneRecorder::ZoneRecorder(const System& system) : system_(system) {
@@ -41,8 +32,8 @@ ZoneRecorder::ZoneRecorder(const System& system) : system_(system) {
   waits_.assign(marks_.size(), false);
 }
 
-void ZoneRecorder::add_state(std::string_view words) {
-  for_each_word(words, [this](std::string_view word) { take_word(word); });
+void ZoneRecorder::add_state(const std::vector<std::string_view>& words) {
+  for (const std::string_view word : words) take_word(word);
   Json places = Json::array(), values = Json::array(), waits = Json::array();
   for (std::size_t atom = 0; atom < marks_.size(); ++atom) {
     const AtomType& type = system_.atom_types[system_.atoms[AtomId(atom)].type];
@@ -103,14 +94,14 @@ void ZoneRecorder::take_value(std::string_view name, std::string_view value) {
   if (last == "resume") waits_[atom->second] = number != 0;
 }
 
-void ZoneRecorder::add_zone(std::string_view words) {
+void ZoneRecorder::add_zone(const std::vector<std::string_view>& words) {
   if (locations_.empty()) return void(problem_ = "a zone before the first state");
   if (zones_ == kMostZones) return void(++left_out_);
   ++zones_;
   Json zone = Json::array();
-  for_each_word(words, [&](std::string_view word) {
+  for (const std::string_view word : words) {
     if (Json bound = bound_of(word); !bound.is_null()) zone.push_back(std::move(bound));
-  });
+  }
   locations_.back()["zones"].push_back(std::move(zone));
 }
 

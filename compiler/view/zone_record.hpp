@@ -20,9 +20,9 @@ class ZoneRecorder {
   explicit ZoneRecorder(const System& system);
 
   /// The words behind `state`: what differs from the state before.
-  void add_state(std::string_view words);
+  void add_state(const std::vector<std::string_view>& words);
   /// The words behind `zone`, of the last state.
-  void add_zone(std::string_view words);
+  void add_zone(const std::vector<std::string_view>& words);
   /// Empty, or what in the last row is not of this model.
   [[nodiscard]] const std::string& problem() const { return problem_; }
   /// All locations; zones beyond kMostZones are counted in left_out().

@@ -36,8 +36,8 @@ class RunsPortfolio {
       const bool is_graph = turn.engine == RunsEngine::Graph;
       if (!(is_graph ? may_visit_ : may_prove_)) continue;
       const double left = options_.cancellation.seconds_left();
-      // The first turns also have an answer to what needs no time. Nobody else needs the rest of it if the graph cannot
-      // grow.
+      // Questions that need little time are answered in the first turns. If the graph cannot grow, all time that is
+      // left is for the proof.
       const bool is_last = !is_graph && !may_visit_;
       const double seconds = is_last ? left : std::min(left * turn.fraction, turn.at_most);
       is_graph ? visit(seconds) : prove(seconds);

@@ -117,7 +117,7 @@ void RoundMonitor::find_units(const Fairness& fairness, const Part& part) {
       if (ports.empty() || is_set == kFalse) continue;
       std::sort(ports.begin(), ports.end());
       Unit& unit = add({step.interaction, std::move(ports)}, is_set, step);
-      // That somebody else cannot take part is a part of it.
+      // Whether it is possible depends on each of its participants.
       for (const auto& [port, ignored] : step.parts) insert_atom(unit.atoms, tables_.port_atom[port]);
     }
   }

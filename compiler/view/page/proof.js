@@ -10,6 +10,11 @@ class Proof {
     this.chosen = -1;
     this.rows = proof.rows.map(([kind, total, terms], number) => ({ kind, total, terms, number, atoms: new Set(terms.flatMap(([, literals]) => literals.map(([atom]) => atom))) }));
   }
+  /** The value of a variable in this state, a bool as 0 or 1; NaN: it is no number. */
+  number(atom, variable) {
+    const now = this.page.state.data[atom][variable];
+    return now === "true" ? 1 : now === "false" ? 0 : Number(now);
+  }
   /** Does the literal hold? null: it cannot be said from what the page has. */
   holds([atom, places, values, isNegated]) {
     const { run, state } = this.page;
@@ -17,8 +22,8 @@ class Proof {
     const here = state.places[atom].split(", ");
     let is = !places || places.every((place) => here.includes(place));
     for (const [variable, value] of values) {
-      const now = state.data[atom][variable], as = now === "true" ? 1 : now === "false" ? 0 : Number(now);
-      if (value === null || now === undefined || Number.isNaN(as)) return null;
+      const as = this.number(atom, variable);
+      if (value === null || Number.isNaN(as)) return null;
       const range = value.split("..").map(Number);
       if (value.startsWith(":")) is = is && ((as >> Number(value.slice(1))) & 1) === 1;
       else is = is && as >= range[0] && as <= range[range.length - 1];
@@ -51,10 +56,9 @@ class Proof {
   /** Locations with the places and data of this state; several differ in who waits for its `resume`. */
   locations() {
     const { run, state } = this.page;
-    const now = (atom, variable) => ({ true: 1, false: 0 })[state.data[atom][variable]] ?? Number(state.data[atom][variable]);
     return run.exists
       ? this.proof.locations.map((location, number) => ({ ...location, number })).filter(
-          ({ places, values }) => places.every((text, atom) => text === null || text === state.places[atom]) && values.every(([atom, variable, value]) => now(atom, variable) === value))
+          ({ places, values }) => places.every((text, atom) => text === null || text === state.places[atom]) && values.every(([atom, variable, value]) => this.number(atom, variable) === value))
       : [];
   }
   /** ns that the clock shows in this state. */

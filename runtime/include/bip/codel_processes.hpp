@@ -747,7 +747,7 @@ class Level {
   std::mutex module_lock_;  // of `told_`; only modules take it, so that no fork finds it taken
   std::vector<Book> books_;
   std::vector<Acceptance> accepted_;
-  std::vector<std::uint64_t> told_;  // in a module: numbers of posters that it has been told of, or has told of
+  std::vector<std::uint64_t> told_;  // in a module: versions of the posters that were sent to it or by it
   std::size_t width_ = 3;            // channels of a module
   ModuleState* states_ = nullptr;
   Channel* channels_ = nullptr;

@@ -277,7 +277,7 @@ TEST_CASE("posters reach the modules that read them") {
   poster.clear();
 }
 
-// A sanitizer's allocator ends the process then; with clang that cannot be told from other builds.
+// A sanitizer's allocator ends the process then; no macro of clang says in each build whether there is one.
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(__clang__)
 TEST_CASE("a module takes no more memory than it may") {
   Description description = plain();
