@@ -5,7 +5,8 @@
 
 /log (foxglove.Log) has each reply to a request, and what the watchdog says. With --rate also, so often a second: /rover/pose
 (foxglove.PoseInFrame), /rover/path (foxglove.PosesInFrame, where it was, once a second), /diagnostics (diagnostic_msgs/DiagnosticArray: the requests that run)
-and /poster/MODULE.POSTER (what it holds). Instants are the model's. Ends when the server ends; the file is whole then. Python's library only.
+and /poster/MODULE.POSTER (what it holds). Instants are the model's. Prints a line when it listens: what happens from then on is in the file. Ends
+when the server ends; the file is whole then. Python's library only.
 """
 import argparse
 import json
@@ -170,6 +171,7 @@ class Recorder:
     def run(self):
         self.level.ask("hello", role="observer")
         self.level.ask("subscribe", requests=True)
+        print("recording", flush=True)
         now, due = self.level.ask("state", atoms=["ROOT.masterTimer"])["time"], time.monotonic()
         while True:
             if self.rate and time.monotonic() >= due:
