@@ -1,5 +1,6 @@
-# bip_unity_by_header(<header> <libraries...>): compiles each library as two unity sources, the sources that reach the
-# header through their includes and those that do not, so that a change of the header compiles only the former again.
+# bip_unity_by_header(<header> <libraries...>): compiles each library, or each unity group that it has, as two unity
+# sources, the sources that reach the header through their includes and those that do not, so that a change of the header
+# compiles only the former again.
 #
 # Includes are read when the build is configured: one that is added later costs time at the next change of the header,
 # and is right all the same.
@@ -30,17 +31,26 @@ function(bip_unity_by_header header)
       file(RELATIVE_PATH file ${PROJECT_SOURCE_DIR} ${source})
       bip_read_includes(${file} includes)
       bip_reaches(source_reaches includes reaching)
+      get_source_file_property(group ${source} UNITY_GROUP)
+      if(NOT group)
+        set(group sources)
+      endif()
       if(source_reaches)
-        set_source_files_properties(${source} PROPERTIES UNITY_GROUP with_header)
+        set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${group}_with_header)
       else()
-        set_source_files_properties(${source} PROPERTIES UNITY_GROUP without_header)
+        set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${group}_without_header)
       endif()
     endforeach()
   endforeach()
 endfunction()
 
-# The headers of the project that a file includes by itself, with their paths from the project's folder.
+# The headers of the project that a file includes by itself, with their paths from the project's folder. A generated file
+# that is not there yet includes none.
 function(bip_read_includes file result)
+  set(${result} "" PARENT_SCOPE)
+  if(NOT EXISTS ${PROJECT_SOURCE_DIR}/${file})
+    return()
+  endif()
   file(STRINGS ${PROJECT_SOURCE_DIR}/${file} lines REGEX "^#include \"compiler/")
   list(TRANSFORM lines REPLACE "^#include \"([^\"]*)\".*" "\\1")
   set(${result} "${lines}" PARENT_SCOPE)

@@ -20,6 +20,7 @@
 #include "compiler/driver/report.hpp"
 #include "compiler/driver/terminal.hpp"
 #include "compiler/driver/timed_models.hpp"
+#include "compiler/system/system.hpp"
 #include "compiler/system/uses_time.hpp"
 #include "compiler/verify/net/unread_data.hpp"
 #include "runtime/engine/interrupt.hpp"

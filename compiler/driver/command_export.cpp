@@ -20,6 +20,7 @@
 #include "compiler/pipeline/machine.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/exchange/exchange.hpp"
+#include "compiler/system/system.hpp"
 #include "compiler/system/uses_time.hpp"
 #include "compiler/verify/net/net_dot.hpp"
 #include "compiler/verify/property/property.hpp"

@@ -26,6 +26,7 @@
 #include "compiler/driver/report.hpp"
 #include "compiler/driver/terminal.hpp"
 #include "compiler/driver/usage_error.hpp"
+#include "compiler/system/system.hpp"
 #include "runtime/trace/trace_formats.hpp"
 
 namespace bip::driver {

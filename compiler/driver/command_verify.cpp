@@ -25,6 +25,7 @@
 #include "compiler/driver/verdict_table.hpp"
 #include "compiler/driver/verify_sizes.hpp"
 #include "compiler/pipeline/load_properties.hpp"
+#include "compiler/system/system.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::driver {

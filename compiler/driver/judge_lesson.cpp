@@ -15,6 +15,7 @@
 #include "compiler/driver/report.hpp"
 #include "compiler/pipeline/executor.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
+#include "compiler/system/system.hpp"
 
 namespace bip::driver {
 namespace {

@@ -8,6 +8,7 @@
 #include "compiler/emit_cpp/emit_steps.hpp"
 #include "compiler/emit_cpp/image_tables.hpp"
 #include "compiler/model/operators.hpp"
+#include "compiler/system/system.hpp"
 
 namespace bip::emit_cpp {
 

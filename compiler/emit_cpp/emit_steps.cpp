@@ -8,6 +8,7 @@
 
 #include "compiler/emit_cpp/functions.hpp"
 #include "compiler/model/code_uses.hpp"
+#include "compiler/system/system.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::emit_cpp {

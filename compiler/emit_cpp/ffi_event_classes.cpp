@@ -2,6 +2,7 @@
 #include "compiler/emit_cpp/ffi_event_classes.hpp"
 
 #include "compiler/emit_cpp/writer.hpp"
+#include "compiler/system/system.hpp"
 
 namespace bip::emit_cpp {
 

@@ -4,6 +4,7 @@
 #include "compiler/emit_cpp/ffi_event_classes.hpp"
 #include "compiler/emit_cpp/writer.hpp"
 #include "compiler/lower/unit_names.hpp"
+#include "compiler/system/system.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::emit_cpp {

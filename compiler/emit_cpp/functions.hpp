@@ -7,6 +7,7 @@
 #include "compiler/emit_cpp/writer.hpp"
 #include "compiler/lower/lower.hpp"
 #include "compiler/lower/unit_names.hpp"
+#include "compiler/system/system.hpp"
 
 namespace bip::emit_cpp {
 

@@ -7,6 +7,7 @@
 #include "compiler/emit_cpp/ffi_text.hpp"
 #include "compiler/emit_cpp/ffi_event_classes.hpp"
 #include "compiler/emit_cpp/table_text.hpp"
+#include "compiler/system/system.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::emit_cpp {

@@ -5,6 +5,7 @@
 #include "compiler/emit_cpp/emit_steps.hpp"
 #include "compiler/emit_cpp/table_text.hpp"
 #include "compiler/emit_cpp/image_tables.hpp"
+#include "compiler/system/system.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::emit_cpp {

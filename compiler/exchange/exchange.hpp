@@ -8,7 +8,7 @@
 #include <string>
 
 #include "compiler/base/result.hpp"
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 #include "compiler/verify/property/formula.hpp"
 
 namespace bip::exchange {

@@ -11,6 +11,7 @@
 
 #include "compiler/analysis/interaction_tree.hpp"
 #include "compiler/exchange/plain_name.hpp"
+#include "compiler/system/system.hpp"
 #include "compiler/system/uses_time.hpp"
 #include "compiler/verify/net/abstract_code.hpp"
 

@@ -18,6 +18,7 @@
 #include "compiler/exchange/promela_code.hpp"
 #include "compiler/exchange/promela_formula.hpp"
 #include "compiler/system/inner_priorities.hpp"
+#include "compiler/system/system.hpp"
 #include "compiler/system/uses_time.hpp"
 #include "runtime/include/bip/assert.hpp"
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "compiler/exchange/exchange.hpp"
+#include "compiler/system/system.hpp"
 
 namespace bip::exchange {
 

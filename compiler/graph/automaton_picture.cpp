@@ -12,6 +12,7 @@
 #include "compiler/graph/layers.hpp"
 #include "compiler/graph/picture.hpp"
 #include "compiler/source/utf8.hpp"
+#include "compiler/system/system.hpp"
 
 namespace bip::graph {
 namespace {

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 
 namespace bip::graph {
 

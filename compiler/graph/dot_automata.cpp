@@ -7,6 +7,7 @@
 
 #include "compiler/graph/code_text.hpp"
 #include "compiler/graph/dot.hpp"
+#include "compiler/system/system.hpp"
 
 namespace bip::graph {
 namespace {

@@ -6,7 +6,7 @@
 #pragma once
 #include "compiler/graph/graph.hpp"
 #include "compiler/graph/shapes.hpp"
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 
 namespace bip::graph {
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "compiler/graph/graph.hpp"
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 
 namespace bip::graph {
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "compiler/model/fold.hpp"
+#include "compiler/system/system.hpp"
 #include "runtime/include/bip/arith.hpp"
 #include "runtime/include/bip/assert.hpp"
 

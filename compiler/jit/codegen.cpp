@@ -13,6 +13,7 @@
 
 #include "compiler/jit/debug_info.hpp"
 #include "compiler/model/operators.hpp"
+#include "compiler/system/system.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::jit {

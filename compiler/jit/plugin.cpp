@@ -1,6 +1,8 @@
 // libbipc_jit.so: the JIT as a plug-in, so that only commands that run native code pay for loading libLLVM (13 ms).
 #include "compiler/jit/plugin.hpp"
 
+#include "compiler/jit/plugin_abi.hpp"
+
 using namespace bip;
 
 extern "C" {

@@ -10,10 +10,6 @@
 
 namespace bip::jit {
 
-/// Changes whenever a type that crosses changes; the sizes catch a forgotten change.
-constexpr std::uint64_t kPluginAbi = (std::uint64_t{3} << 48) + (sizeof(JitOptions) << 40) + (sizeof(MadeCode) << 32) +
-                                     (sizeof(lower::LoweredSystem) << 24) + (sizeof(System) << 8) + sizeof(Expr);
-
 enum class Listing : std::uint8_t { Llvm, Asm };
 
 extern "C" {

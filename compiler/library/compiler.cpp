@@ -18,6 +18,7 @@
 #include "compiler/pipeline/limits.hpp"
 #include "compiler/pipeline/machine.hpp"
 #include "compiler/system/bsys.hpp"
+#include "compiler/system/system.hpp"
 #include "compiler/system/uses_time.hpp"
 #include "compiler/verify/net/unread_data.hpp"
 #include "runtime/engine/simulate.hpp"

@@ -15,6 +15,7 @@
 #include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/pipeline/initial_fault.hpp"
 #include "compiler/pipeline/machine.hpp"
+#include "compiler/system/system.hpp"
 #include "compiler/system/uses_time.hpp"
 #include "compiler/verify/evidence/certificate.hpp"
 #include "compiler/verify/evidence/proof_cache.hpp"
@@ -140,7 +141,7 @@ std::string remove_unread_cpp(const VerifyRequest& request, Compilation& c, cons
   std::optional<System> simple = verify::without_unread_cpp(*c.system, data);
   if (!simple) return {};
   c.lowered.reset();
-  c.system = std::move(*simple);
+  c.system = std::make_unique<System>(std::move(*simple));
   c.lowered = lower::lower(*c.system, c.root_name);
   return "note: the model's C++ is taken to return; nothing that it computes decides about a state\n";
 }

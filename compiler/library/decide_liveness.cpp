@@ -12,6 +12,7 @@
 #include "compiler/pipeline/executor.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/pipeline/limits.hpp"
+#include "compiler/system/system.hpp"
 #include "compiler/system/uses_time.hpp"
 #include "compiler/verify/evidence/counterexample_text.hpp"
 #include "compiler/verify/liveness/decide_runs.hpp"

@@ -13,6 +13,7 @@
 #include "compiler/pipeline/executor.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/pipeline/limits.hpp"
+#include "compiler/system/system.hpp"
 #include "compiler/verify/net/unread_data.hpp"
 #include "compiler/verify/property/expression.hpp"
 #include "runtime/core/text.hpp"

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "compiler/base/ascii.hpp"
+#include "compiler/system/system.hpp"
 #include "compiler/verify/property/property.hpp"
 
 namespace bip::library {

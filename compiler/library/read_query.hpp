@@ -9,7 +9,7 @@
 #include <string>
 
 #include "compiler/base/result.hpp"
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 #include "runtime/engine/simulate.hpp"
 
 namespace bip::library {

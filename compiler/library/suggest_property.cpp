@@ -11,6 +11,7 @@
 #include "compiler/base/ascii.hpp"
 #include "compiler/diag/diagnostics.hpp"
 #include "compiler/library/decide.hpp"
+#include "compiler/system/system.hpp"
 
 namespace bip::library {
 namespace {

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 
 namespace bip::library {
 

@@ -9,6 +9,7 @@
 #include "compiler/library/add_run.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/pipeline/limits.hpp"
+#include "compiler/system/system.hpp"
 #include "compiler/verify/evidence/certificate.hpp"
 #include "compiler/verify/evidence/counterexample_text.hpp"
 #include "runtime/include/bip/assert.hpp"

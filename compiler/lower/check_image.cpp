@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "compiler/system/system.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::lower {

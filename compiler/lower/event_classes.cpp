@@ -1,6 +1,8 @@
 // See event_classes.hpp. Linear in the types and atoms.
 #include "compiler/lower/event_classes.hpp"
 
+#include "compiler/system/system.hpp"
+
 namespace bip::lower {
 
 std::vector<EventClassUse> event_class_uses(const System& system) {

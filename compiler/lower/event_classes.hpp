@@ -2,7 +2,7 @@
 #pragma once
 #include <vector>
 
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 
 namespace bip::lower {
 

@@ -6,6 +6,7 @@
 
 #include "compiler/lower/check_image.hpp"
 #include "compiler/lower/pools.hpp"
+#include "compiler/system/system.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::lower {

@@ -8,7 +8,7 @@
 
 #include "compiler/lower/results.hpp"
 #include "compiler/lower/step_shapes.hpp"
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 #include "runtime/include/bip/image_time.hpp"
 #include "runtime/include/bip/ffi.hpp"
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "compiler/lower/pools.hpp"
+#include "compiler/system/system.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::lower {

@@ -5,6 +5,7 @@
 #include "compiler/lower/pools.hpp"
 #include "compiler/lower/range_code.hpp"
 #include "compiler/model/model.hpp"
+#include "compiler/system/system.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::lower {

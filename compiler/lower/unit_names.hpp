@@ -11,7 +11,7 @@
 #include <unordered_set>
 #include <vector>
 
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 
 namespace bip::lower {
 

@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "compiler/system/system.hpp"
 #include "compiler/verify/property/formula.hpp"
 
 namespace bip::pipeline {

@@ -1,7 +1,7 @@
 // Properties that compounds state are read when the system is built, also if no command decides them.
 #pragma once
 #include "compiler/diag/diagnostics.hpp"
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 
 namespace bip::pipeline {
 

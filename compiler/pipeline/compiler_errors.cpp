@@ -9,6 +9,7 @@
 
 #include "compiler/emit_cpp/ffi_text.hpp"
 #include "compiler/lower/event_classes.hpp"
+#include "compiler/system/system.hpp"
 
 namespace bip::pipeline {
 

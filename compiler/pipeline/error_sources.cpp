@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "compiler/lower/code_facts.hpp"
+#include "compiler/system/system.hpp"
 #include "runtime/core/graph_algorithms.hpp"
 
 namespace bip::pipeline {

@@ -1,6 +1,6 @@
 // Can a run of the system end in an error at all, as far as the source shows?
 #pragma once
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 
 namespace bip::pipeline {
 

@@ -19,6 +19,7 @@
 #include "compiler/pipeline/ffi_cache.hpp"
 #include "compiler/pipeline/host_compiler.hpp"
 #include "compiler/lower/event_classes.hpp"
+#include "compiler/system/system.hpp"
 
 namespace bip::pipeline {
 

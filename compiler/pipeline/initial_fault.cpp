@@ -7,6 +7,7 @@
 #include "compiler/pipeline/error_sources.hpp"
 #include "compiler/interp/interp.hpp"
 #include "compiler/lower/lower.hpp"
+#include "compiler/system/system.hpp"
 #include "compiler/system/uses_time.hpp"
 #include "compiler/verify/portfolio/search_bad_state.hpp"
 

@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "bip/process.hpp"
+#include "compiler/jit/plugin_abi.hpp"
 #include "compiler/pipeline/parts.hpp"
 
 namespace bip::pipeline {

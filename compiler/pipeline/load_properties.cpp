@@ -7,6 +7,7 @@
 #include "compiler/base/ascii.hpp"
 #include "compiler/pipeline/check_properties.hpp"
 #include "compiler/system/expand_property.hpp"
+#include "compiler/system/system.hpp"
 
 namespace bip::pipeline {
 

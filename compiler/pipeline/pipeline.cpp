@@ -20,9 +20,14 @@
 #include "compiler/syntax/validate_syntax.hpp"
 #include "compiler/system/bsys.hpp"
 #include "compiler/system/instantiate.hpp"
+#include "compiler/system/system.hpp"
 #include "compiler/system/uses_time.hpp"
 
 namespace bip::pipeline {
+
+Compilation::Compilation(CompileOptions o) : options(std::move(o)) {}
+Compilation::~Compilation() = default;
+
 namespace {
 
 bool load_source(Compilation& c) {
@@ -73,21 +78,25 @@ system::UnfoldingLimits unfolding_limits(const CompileOptions& options) {
   return limits;
 }
 
+void keep_system(Compilation& c, std::optional<System>&& system) {
+  c.system = system ? std::make_unique<System>(std::move(*system)) : nullptr;
+}
+
 bool instantiate(Compilation& c) {
   if (c.is_bsys()) {
     Result<System> system = system::parse_bsys(c.sources.text(c.file));
     if (system) {
-      c.system = std::move(*system);
+      c.system = std::make_unique<System>(std::move(*system));
     } else {
       c.diags.report(Diag::kB5005, {}, c.path, system.error());
     }
-    return c.system.has_value();
+    return c.system != nullptr;
   }
   static const std::vector<const syntax::Expr*> kNoArguments;
-  c.system = system::instantiate(*c.model, c.root ? c.root->type : "", c.root ? c.root->args : kNoArguments, c.diags,
-                                 c.root_range, unfolding_limits(c.options));
+  keep_system(c, system::instantiate(*c.model, c.root ? c.root->type : "", c.root ? c.root->args : kNoArguments,
+                                     c.diags, c.root_range, unfolding_limits(c.options)));
   if (c.system && !c.diags.has_errors()) check_properties(*c.system, c.diags);
-  return c.system.has_value() && !c.diags.has_errors();
+  return c.system != nullptr && !c.diags.has_errors();
 }
 
 // Broken promises of the products, none where a .bsys file has no such product.
@@ -207,7 +216,7 @@ bool check(Compilation& c, const std::string& path) {
       // about it; an error in another root's instances is none of it.
       Diagnostics known;
       if (!std::exchange(is_first, false)) c.model = model::build_model(c.packages, c.sources, known);
-      c.system = system::instantiate(*c.model, root, {}, c.diags, c.root_range, unfolding_limits(c.options));
+      keep_system(c, system::instantiate(*c.model, root, {}, c.diags, c.root_range, unfolding_limits(c.options)));
       if (c.system) {
         check_properties(*c.system, c.diags);
         inspect_product(c, instantiation);

@@ -15,7 +15,7 @@
 #include "compiler/model/model.hpp"
 #include "compiler/parse/parse.hpp"
 #include "compiler/syntax/syntax.hpp"
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 
 namespace bip::pipeline {
 
@@ -28,7 +28,8 @@ struct PassTime {
 };
 
 struct Compilation {
-  explicit Compilation(CompileOptions o) : options(std::move(o)) {}
+  explicit Compilation(CompileOptions o);
+  ~Compilation();
   Compilation(const Compilation&) = delete;
   Compilation& operator=(const Compilation&) = delete;
 
@@ -51,7 +52,7 @@ struct Compilation {
   std::deque<syntax::Syntax> used;              // of the packages that the file uses, directly or not
   std::vector<const syntax::Syntax*> packages;  // a package after those it uses; the file's own last
   std::optional<Model> model;
-  std::optional<System> system;
+  std::unique_ptr<System> system;
   std::unique_ptr<lower::LoweredSystem> lowered;
 
   [[nodiscard]] bool is_bsys() const { return path.ends_with(".bsys"); }

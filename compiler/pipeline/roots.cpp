@@ -3,6 +3,8 @@
 
 #include <set>
 
+#include "compiler/system/system.hpp"
+
 namespace bip::pipeline {
 
 std::vector<std::string> root_candidates(const Model& model) {

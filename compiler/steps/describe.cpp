@@ -9,6 +9,7 @@
 #include <algorithm>
 
 #include "compiler/steps/deriver.hpp"
+#include "compiler/system/system.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::steps {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "compiler/base/result.hpp"
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 
 namespace bip::system {
 

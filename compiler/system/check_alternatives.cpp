@@ -4,6 +4,7 @@
 // lead to it. Two visits may meet in one interaction unless they go through different alternatives of one choice. Cost:
 // the expanded tree, which has a bound, times the visits of an atom and the depth of its choices.
 #include "compiler/system/instantiator.hpp"
+#include "compiler/system/system.hpp"
 
 namespace bip::system {
 

@@ -2,6 +2,7 @@
 // types, of which a model has one. The compiled file's own types stay, used or not. Linear in the tables; ids keep
 // their order.
 #include "compiler/system/instantiator.hpp"
+#include "compiler/system/system.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::system {

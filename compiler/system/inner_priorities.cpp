@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "compiler/system/system.hpp"
+
 namespace bip::system {
 
 namespace {

@@ -11,6 +11,7 @@
 #include "compiler/model/evaluate.hpp"
 #include "compiler/system/expand_property.hpp"
 #include "compiler/system/instantiator.hpp"
+#include "compiler/system/system.hpp"
 
 namespace bip::system {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "compiler/model/model.hpp"
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 
 namespace bip::system {
 

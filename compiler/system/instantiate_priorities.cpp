@@ -6,6 +6,7 @@
 #include <unordered_set>
 
 #include "compiler/system/instantiator.hpp"
+#include "compiler/system/system.hpp"
 #include "runtime/core/graph_algorithms.hpp"
 
 namespace bip::system {

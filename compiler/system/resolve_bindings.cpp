@@ -5,6 +5,7 @@
 #include "compiler/model/code_builder.hpp"
 #include "compiler/model/evaluate.hpp"
 #include "compiler/system/instantiator.hpp"
+#include "compiler/system/system.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::system {

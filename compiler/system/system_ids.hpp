@@ -14,6 +14,7 @@ struct Atom;
 struct Connector;
 struct DataRef;
 struct PortRef;
+struct Priority;
 struct System;
 
 }  // namespace bip

@@ -2,7 +2,7 @@
 #pragma once
 #include <string>
 
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 
 namespace bip::system {
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "compiler/graph/picture.hpp"
+#include "compiler/system/system.hpp"
 #include "runtime/core/final_state.hpp"
 #include "runtime/core/text.hpp"
 

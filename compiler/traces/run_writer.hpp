@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 #include "compiler/traces/selection.hpp"
 
 namespace bip::traces {

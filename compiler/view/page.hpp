@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "compiler/graph/graph.hpp"
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 
 namespace bip::view {
 

@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "compiler/base/result.hpp"
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 
 namespace bip::view {
 

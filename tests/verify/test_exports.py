@@ -35,7 +35,7 @@ def run(command, cwd=None, timeout=600):
 
 def explore(path, *options):
     """(states, deadlocks, errors, final states), or None: too many."""
-    done = run([BIPC, "explore", "--json", "--backend", "interp", "--threads", "1", "--limit", str(LIMIT), *options, str(path)])
+    done = run([BIPC, "explore", "--json", "--backend", "interp", "--threads", "1", "--limit", str(LIMIT), "--timeout", "300", *options, str(path)])
     if done.returncode not in (0, 1, 3):
         return None
     told = json.loads(done.stdout)

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "compiler/system/system.hpp"
 #include "runtime/include/bip/ffi.hpp"
 #include "tools/gen/ffi/random_ffi.hpp"
 

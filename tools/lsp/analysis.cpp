@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "compiler/system/system.hpp"
+
 namespace bip::lsp {
 
 namespace {

@@ -10,6 +10,7 @@
 
 #include "compiler/base/log.hpp"
 #include "compiler/system/inner_priorities.hpp"
+#include "compiler/system/system.hpp"
 #include "compiler/verify/invariants/affine_bounds.hpp"
 #include "compiler/verify/liveness/automaton.hpp"
 #include "compiler/verify/liveness/round_monitor.hpp"

@@ -13,7 +13,7 @@
 #include <cstdint>
 #include <string>
 
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 #include "compiler/verify/liveness/fairness.hpp"
 #include "compiler/verify/portfolio/question.hpp"
 #include "compiler/verify/property/formula.hpp"

@@ -7,6 +7,7 @@
 
 #include "compiler/interp/interp.hpp"
 #include "compiler/lower/lower.hpp"
+#include "compiler/system/system.hpp"
 
 namespace bip::test {
 

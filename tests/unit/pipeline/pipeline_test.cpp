@@ -9,6 +9,7 @@
 #include "compiler/base/write_file.hpp"
 #include "compiler/pipeline/host_compiler.hpp"
 #include "compiler/pipeline/roots.hpp"
+#include "compiler/system/system.hpp"
 #include "tests/unit/pipeline/model_file.hpp"
 
 using namespace bip;

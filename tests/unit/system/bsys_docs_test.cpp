@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "compiler/system/bsys.hpp"
+#include "compiler/system/system.hpp"
 
 using namespace bip;
 
