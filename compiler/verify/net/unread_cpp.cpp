@@ -5,6 +5,7 @@
 
 #include "compiler/model/code_uses.hpp"
 #include "compiler/model/operators.hpp"
+#include "compiler/system/system.hpp"
 #include "compiler/verify/net/unread_data.hpp"
 
 namespace bip::verify {

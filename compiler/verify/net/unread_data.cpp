@@ -2,6 +2,7 @@
 #include "compiler/verify/net/unread_data.hpp"
 
 #include "compiler/model/operators.hpp"
+#include "compiler/system/system.hpp"
 #include "compiler/verify/net/abstract_code.hpp"
 
 namespace bip::verify {
