@@ -2,6 +2,7 @@
 #include "compiler/serve/protocol.hpp"
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <variant>
 
 #include "bip/image_time.hpp"
@@ -324,6 +325,20 @@ void handle_line(Controller& controller, const std::string& line, Reply reply) {
     if (service == request.end() || !service->is_string()) return refuse("`service` is missing, \"MODULE.SERVICE\"");
     const bool is_whole = input != request.end() && (input->is_object() || input->is_array());
     if (input != request.end() && !input->is_string() && !is_whole) return refuse("`input` is a text or an object");
+    if (const auto name = service->get<std::string>(); name.ends_with(".abort_activity")) {
+      const bool is_sound = is_whole && input->is_object() && input->size() == 1 && input->contains("id");
+      std::uint64_t number = 0;
+      if (!is_sound || !count_of(*input, "id", 0, number))
+        return refuse("input of `" + name + "`: an object with `id`, the number of a request");
+      std::optional<RequestReply> at_once;
+      const std::string problem = controller.requests().abort_activity(name, number, reply.client, count, at_once);
+      if (!problem.empty()) return refuse(problem);
+      Json answer = answer_to(id);
+      answer["request"] = count;
+      reply.send(line_of(answer));
+      if (at_once && controller.requests().on_reply) controller.requests().on_reply(*at_once);
+      return;
+    }
     const std::string wrong = controller.requests().ask(service->get<std::string>(),
                                                         input == request.end() ? ""
                                                         : is_whole             ? input->dump()

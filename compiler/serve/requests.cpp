@@ -206,6 +206,26 @@ std::string Requests::cancel(std::uint64_t number, std::uint64_t client) {
   return {};
 }
 
+std::string Requests::abort_activity(const std::string& service, std::uint64_t number, std::uint64_t client,
+                                     std::uint64_t& count, std::optional<RequestReply>& at_once) {
+  const std::string abort = std::string(module_of(service)) + ".Abort";
+  const auto box = std::find_if(mailboxes_.begin(), mailboxes_.end(),
+                                [&](const Mailbox& one) { return one.find(abort) != nullptr; });
+  if (box == mailboxes_.end()) return unknown(service);
+  const std::lock_guard<std::mutex> hold(lock_);
+  if (box->overtaking.size() >= kMostWaiting)
+    return "full: too many requests wait for `" + std::string(module_of(service)) + "`";
+  count = next_++;
+  for (const auto& [path, request] : box->running) {
+    if (request.number != number) continue;
+    const std::string activity = path.substr(path.rfind('.') + 1);
+    enter(*box, *box->find(abort), {count, client, abort, abort + "(" + activity + ")", "", false, service});
+    return {};
+  }
+  at_once = {count, client, service, true, "no_such_activity"};
+  return {};
+}
+
 bool Requests::is_mailbox_port(const std::string& path) const {
   const std::string whole = rt::whole_path(path);
   for (const Mailbox& box : mailboxes_) {
@@ -331,7 +351,9 @@ void Requests::hear_end(const Step& step, std::uint32_t port) {
 }
 
 void Requests::reply(const Request& request, bool is_final, const std::string& report, std::string result) {
-  replies_.push_back({request.number, request.client, request.service, is_final, report, std::move(result)});
+  const bool is_renamed = !request.asked_as.empty();
+  replies_.push_back({request.number, request.client, is_renamed ? request.asked_as : request.service, is_final,
+                      is_renamed && report == "UNKNOWN_ACTIVITY" ? "no_such_activity" : report, std::move(result)});
 }
 
 std::string Requests::result(const std::string& whose, bool is_activity) const {

@@ -10,6 +10,7 @@
 #include <functional>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -54,6 +55,11 @@ class Requests {
   /// Takes a request back, or tells its activity to stop. Its final reply tells what came of it. Returns an empty text,
   /// or why not.
   [[nodiscard]] std::string cancel(std::uint64_t number, std::uint64_t client);
+  /// genom3's service of each component: "demo.abort_activity" with the number of the request whose activity is to
+  /// stop. Returns as `ask` does. If that request has no activity now, `at_once` is the final reply,
+  /// `no_such_activity`.
+  [[nodiscard]] std::string abort_activity(const std::string& service, std::uint64_t number, std::uint64_t client,
+                                           std::uint64_t& count, std::optional<RequestReply>& at_once);
   /// Is it the path of a mailbox's port for events?
   [[nodiscard]] bool is_mailbox_port(const std::string& path) const;
   struct Row {
@@ -75,6 +81,7 @@ class Requests {
     std::uint64_t number = 0, client = 0;
     std::string service, text, input;
     bool is_cancelled = false;
+    std::string asked_as{};  // the service in replies, if it is not `service`
   };
   /// Where a request is; it moves down.
   struct Mailbox {
