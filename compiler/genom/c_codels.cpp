@@ -12,8 +12,10 @@
 
 #include "compiler/genom/codel_processes.hpp"
 #include "compiler/genom/codels.hpp"
+#include "compiler/genom/cxx_mapping.hpp"
 #include "compiler/genom/names.hpp"
 #include "compiler/genom/plan.hpp"
+#include "compiler/genom/port_services.hpp"
 
 namespace bip::genom {
 namespace {
@@ -162,11 +164,14 @@ class Names {
   [[nodiscard]] std::optional<Argument> argument(const idl::Argument& a, const std::vector<idl::Member>& locals) const {
     const std::string ids = "ids_" + c_.name;
     if (a.place == idl::Place::Remote) return Argument{};  // of a service of another component
+    if (a.path.empty() && c_.is_cxx)
+      return Argument{(a.direction == Direction::In ? "const " : "") + c_.name + "_ids&", ids};
     if (a.path.empty()) return Argument{(a.direction == Direction::In ? "const " : "") + c_.name + "_ids *", "&" + ids};
     const auto data = [&](const std::vector<idl::Member>& members, const std::string& base) -> std::optional<Argument> {
       std::string value = base;
       const std::optional<std::size_t> type = follow(members, a.path, value);
       if (!type) return std::nullopt;
+      if (c_.is_cxx) return Argument{cxx_parameter_type(c_, *type, a.direction), value};
       const idl::Type& t = c_.plain(*type);
       const bool is_plain =
           decays(t) || (a.direction == Direction::In && (is_passed_by_value(t) || t.kind == Kind::String));
@@ -181,8 +186,10 @@ class Names {
     }
     if (a.place == Any || a.place == Port) {
       for (const idl::Port& p : c_.ports) {
-        if (p.name == a.path.front() && a.path.size() == 1)
-          return Argument{fmt::format("const {}_{} *", c_.name, p.name), fmt::format("&port_{}_{}", c_.name, p.name)};
+        if (p.name != a.path.front() || a.path.size() != 1) continue;
+        if (c_.is_cxx)
+          return Argument{fmt::format("const {}_{}&", c_.name, p.name), fmt::format("port_{}_{}", c_.name, p.name)};
+        return Argument{fmt::format("const {}_{} *", c_.name, p.name), fmt::format("&port_{}_{}", c_.name, p.name)};
       }
     }
     return std::nullopt;
@@ -272,6 +279,16 @@ std::string prototypes(const Module& m) {
   return out;
 }
 
+std::string event_declarations(const Module& m) {
+  const Component& c = *m.component;
+  std::string out;
+  for (const std::string& state : states_of(m)) {
+    out += fmt::format("extern const genom_event {}_{};\n", c.name, state);
+    if (state != "ether") out += fmt::format("extern const genom_event {}_pause_{};\n", c.name, state);
+  }
+  return out;
+}
+
 std::string component_header(const Module& m) {
   const Component& c = *m.component;
   std::string out = fmt::format(
@@ -281,18 +298,14 @@ std::string component_header(const Module& m) {
       c.name);
   out += fmt::format("\ntypedef struct {0}_ids {{\n{1}}} {0}_ids;\n", c.name, members_text(c, c.ids, "  "));
   for (const idl::Port& p : c.ports) out += port_struct(c, p);
-  out += "\n";
-  for (const std::string& state : states_of(m)) {
-    out += fmt::format("extern const genom_event {}_{};\n", c.name, state);
-    if (state != "ether") out += fmt::format("extern const genom_event {}_pause_{};\n", c.name, state);
-  }
-  out += "\n" + prototypes(m);
+  out += "\n" + event_declarations(m) + "\n" + prototypes(m);
   return out + "\n#ifdef __cplusplus\n}\n#endif\n#endif\n";
 }
 
 // ---- the C++ in between
 
 std::string members_functions(const Component& c, std::set<std::string>& done) {
+  if (c.is_cxx) return cxx_members_functions(c, done);
   std::string out;
   const auto visits = [](const std::vector<idl::Member>& members) {
     std::string text;
@@ -331,6 +344,11 @@ std::string members_functions(const Component& c, std::set<std::string>& done) {
   return out;
 }
 
+// Of what a port holds.
+std::string port_type(const Component& c, const idl::Port& p) {
+  return c.is_cxx ? cxx_type(c, p.type) : c.types[p.type].c_name;
+}
+
 class Glue {
  public:
   Glue(const std::vector<Module>& modules, const GenerateOptions& options)
@@ -340,9 +358,10 @@ class Glue {
     out_ = fmt::format(
         "// Between {0}.bip and the codels of its components. Written by `bipc genom --codels`.\n#include "
         "\"{0}_codels.hpp\"\n\n#include \"bip/genom3_{1}.hpp\"\n",
-        options_.package, options_.processes.are_own ? "bytes" : "codels");
+        options_.package, options_.processes.are_own || are_mixed() ? "bytes" : "codels");
     if (options_.processes.are_own) here_ = "here_";
-    for (const Module& m : modules_) out_ += fmt::format("#include \"ac{}.h\"\n", m.component->name);
+    for (const Module& m : modules_)
+      out_ += fmt::format("#include \"ac{}.h{}\"\n", m.component->name, m.component->is_cxx ? "pp" : "");
     out_ += "\n";
     std::set<std::string> done;
     for (const Module& m : modules_) out_ += members_functions(*m.component, done);
@@ -357,6 +376,7 @@ class Glue {
     for (std::size_t i = 0; i < modules_.size(); ++i) data(i);
     start();
     out_ += "}  // namespace\n\nstatic void take_input(int owner);\n";
+    for (const Module& m : modules_) connects(*m.component);
     for (std::size_t i = 0; i < modules_.size(); ++i) codels(i);
     requests();
     if (!options_.processes.are_own) return std::move(out_);
@@ -368,8 +388,14 @@ class Glue {
  private:
   [[nodiscard]] const char* scope() const { return here_.empty() ? "" : "static "; }
 
+  // Are there components of both mappings?
+  [[nodiscard]] bool are_mixed() const {
+    return std::any_of(modules_.begin(), modules_.end(),
+                       [&](const Module& m) { return m.component->is_cxx != modules_.front().component->is_cxx; });
+  }
+
   void events() {
-    std::set<std::string> done;
+    std::set<std::string> done, done_in_c;
     for (const Module& m : modules_) {
       const Component& c = *m.component;
       for (const std::string& state : states_of(m)) {
@@ -378,8 +404,9 @@ class Glue {
           out_ += fmt::format("extern const genom_event {}_pause_{} = \"pause::{}\";\n", c.name, state, state);
       }
       for (const idl::Exception& e : c.exceptions) {
-        if (!done.insert(e.c_name).second) continue;
-        out_ += fmt::format("extern const genom_event {}_id = \"{}\";\n", e.c_name, e.full_name);
+        if (done.insert(e.c_name).second)
+          out_ += fmt::format("extern const genom_event {}_id = \"{}\";\n", e.c_name, e.full_name);
+        if (c.is_cxx || !done_in_c.insert(e.c_name).second) continue;
         out_ += e.members.empty()
                     ? fmt::format(
                           "genom_event {0}(genom_context self) {{ return self->raise({0}_id, nullptr, 0, self); }}\n",
@@ -393,25 +420,32 @@ class Glue {
   }
 
   void exceptions() {
-    std::set<std::string> done;
-    std::string rows;
+    struct Row {
+      std::string in_c = "nullptr", in_cxx = "nullptr";
+    };
+    std::vector<std::string> names;
+    std::map<std::string, Row> all;
     for (const Module& m : modules_) {
       for (const idl::Exception& e : m.component->exceptions) {
-        if (!done.insert(e.c_name).second) continue;
-        rows += e.members.empty() ? fmt::format("    {{{}_id, nullptr}},\n", e.c_name)
-                                  : fmt::format(
-                                        "    {{{0}_id, [](std::string& json, const void* detail) {{ g3::to_json(json, "
-                                        "*static_cast<const {0}_detail*>(detail)); }}}},\n",
-                                        e.c_name);
+        const auto [at, is_new] = all.try_emplace(e.c_name);
+        if (is_new) names.push_back(e.c_name);
+        if (e.members.empty()) continue;
+        const bool is_cxx = m.component->is_cxx;
+        (is_cxx ? at->second.in_cxx : at->second.in_c) = fmt::format(
+            "[](std::string& json, const void* detail) {{ g3::to_json(json, *static_cast<const {}_detail*>(detail)); "
+            "}}",
+            is_cxx ? e.full_name : e.c_name);
       }
     }
+    std::string rows;
+    for (const std::string& name : names)
+      rows += fmt::format("    {{{}_id, {}, {}}},\n", name, all[name].in_c, all[name].in_cxx);
     out_ += fmt::format("const g3::ExceptionRow kExceptions[] = {{\n{}}};\n", rows);
   }
 
   void port(const Component& c, const idl::Port& p) {
     const std::string type = fmt::format("{}Port_{}_{}", p.is_out ? "Out" : "In", c.name, p.name);
-    out_ += fmt::format("using {} = g3::{}Port<{}, {}>;\n", type, p.is_out ? "Out" : "In", c.types[p.type].c_name,
-                        ports_++);
+    out_ += fmt::format("using {} = g3::{}Port<{}, {}>;\n", type, p.is_out ? "Out" : "In", port_type(c, p), ports_++);
     const char* const of = p.is_multiple ? "_of" : "";
     const char* const does = p.is_out ? "write" : "read";
     out_ += fmt::format("const {0}_{1} port_{0}_{1} = {{&{2}::data{3}, &{2}::{4}{3}{5}}};\n", c.name, p.name, type, of,
@@ -427,7 +461,8 @@ class Glue {
     const auto one = [&](const std::string& name, const std::vector<idl::Member>& members,
                          const std::vector<std::size_t>& owners, const Activity& activity,
                          const std::vector<std::string>& reports) {
-      out_ += fmt::format("struct Data_{}_{} {{\n{}}}", c.name, name, members_text(c, members, "  "));
+      out_ += fmt::format("struct Data_{}_{} {{\n{}}}", c.name, name,
+                          c.is_cxx ? cxx_members(c, members, "  ") : members_text(c, members, "  "));
       std::string list;
       for (const std::size_t owner : owners) list += fmt::format("{} data_{}", list.empty() ? "" : ",", owner);
       out_ += list + ";\n";
@@ -486,11 +521,21 @@ class Glue {
         c.name, s.name, type, outputs);
   }
 
-  // The out port that an in port reads.
-  [[nodiscard]] bool is_source(const Component& reader, const idl::Port& in, const Component& writer,
-                               const idl::Port& out) const {
-    return !in.is_out && out.is_out && out.name == in.name && out.is_multiple == in.is_multiple &&
-           writer.types[out.type].c_name == reader.types[in.type].c_name;
+  // An out port that an in port can read.
+  [[nodiscard]] static bool fits(const Component& reader, const idl::Port& in, const Component& writer,
+                                 const idl::Port& out) {
+    return !in.is_out && out.is_out && writer.types[out.type].c_name == reader.types[in.type].c_name;
+  }
+  // The one that it reads if nobody connects it to another.
+  [[nodiscard]] static bool is_source(const Component& reader, const idl::Port& in, const Component& writer,
+                                      const idl::Port& out) {
+    return fits(reader, in, writer, out) && out.name == in.name && out.is_multiple == in.is_multiple;
+  }
+  [[nodiscard]] std::string fetch_text(const Component& reader, const idl::Port& in, const Component& writer,
+                                       const idl::Port& out) const {
+    return fmt::format("[](std::string_view id, {}& into) {{ return g3::fetch{}(OutPort_{}_{}::written, id, into); }}",
+                       port_type(reader, in), reader.is_cxx == writer.is_cxx ? "" : "_converted", writer.name,
+                       out.name);
   }
 
   // What crosses processes.
@@ -509,7 +554,7 @@ class Glue {
         for (std::size_t reader = 0; reader < modules_.size(); ++reader) {
           const Component& other = *modules_[reader].component;
           if (reader != i && std::any_of(other.ports.begin(), other.ports.end(),
-                                         [&](const idl::Port& in) { return is_source(other, in, c, out); }))
+                                         [&](const idl::Port& in) { return fits(other, in, c, out); }))
             readers_ += fmt::format("    {{{}, {}}},\n", reader, count);
         }
         ++count;
@@ -529,15 +574,40 @@ class Glue {
       }
       for (const idl::Port& p : c.ports) {
         if (p.is_out) continue;
+        std::string rows;
         for (const Module& other : modules_) {
-          const idl::Port* const out = find_row(other.component->ports, p.name);
-          if (out == nullptr || !is_source(c, p, *other.component, *out)) continue;
-          out_ += fmt::format("  InPort_{0}_{1}::source = &OutPort_{2}_{1}::written;\n", c.name, p.name,
-                              other.component->name);
+          for (const idl::Port& out : other.component->ports) {
+            const Component& writer = *other.component;
+            if (!fits(c, p, writer, out)) continue;
+            rows += fmt::format("    {{\"{}/{}\", {}, {}}},\n", writer.name, out.name, out.is_multiple,
+                                fetch_text(c, p, writer, out));
+            if (is_source(c, p, writer, out))
+              out_ += fmt::format("  InPort_{}_{}::source = {};\n", c.name, p.name, fetch_text(c, p, writer, out));
+          }
         }
+        if (!rows.empty())
+          out_ += fmt::format(
+              "  static constexpr g3::SourceRow<{0}> kSources_{1}_{2}[] = {{\n{3}  }};\n  InPort_{1}_{2}::sources = "
+              "kSources_{1}_{2};\n",
+              port_type(c, p), c.name, p.name, rows);
       }
     }
     out_ += "  return true;\n}();\n";
+  }
+
+  // The codel of the service that port_services.hpp adds.
+  void connects(const Component& c) {
+    if (!has_port_services(c)) return;
+    std::string rows;
+    for (const idl::Port& p : c.ports) {
+      if (!p.is_out)
+        rows += fmt::format("    {{\"{1}\", {2}, &InPort_{0}_{1}::connect}},\n", c.name, p.name, p.is_multiple);
+    }
+    const char* const text = c.is_cxx ? "const std::string&" : "const char*";
+    out_ += fmt::format(
+        "\nstatic constexpr g3::InPortRow kInPorts_{0}[] = {{\n{1}}};\nextern \"C\" genom_event {2}({3} local, {3} "
+        "remote, genom_context self) {{ return g3::connect_port(kInPorts_{0}, local, remote, self); }}\n",
+        c.name, rows, connect_function(c), text);
   }
 
   struct Owner {
@@ -721,8 +791,11 @@ std::vector<std::pair<std::string, std::string>> c_codel_files(const std::vector
                                                                const GenerateOptions& options) {
   std::vector<std::pair<std::string, std::string>> files;
   for (const Module& m : modules) {
-    files.emplace_back(m.component->name + "_c_types.h", types_header(*m.component));
-    files.emplace_back(fmt::format("ac{}.h", m.component->name), component_header(m));
+    const Component& c = *m.component;
+    files.emplace_back(c.name + (c.is_cxx ? "_cxx_types.hpp" : "_c_types.h"),
+                       c.is_cxx ? cxx_types_header(c) : types_header(c));
+    files.emplace_back(fmt::format("ac{}.h{}", c.name, c.is_cxx ? "pp" : ""),
+                       c.is_cxx ? cxx_component_header(c, event_declarations(m), prototypes(m)) : component_header(m));
   }
   files.emplace_back(options.package + "_codels.hpp", codel_header(modules, options));
   files.emplace_back(options.package + "_codels.cpp", Glue(modules, options).run());

@@ -124,6 +124,14 @@ class Reader {
     for (const std::string& s : scope_) text += s + "::";
     return text + name;
   }
+  // With its names.
+  std::size_t add_named(Type t, const std::string& name) {
+    const std::string full_name = scoped(name);
+    t.full_name = full_name;
+    t.c_name = in_c(full_name);
+    t.namespaces = namespaces_;
+    return names_[full_name] = add(std::move(t));
+  }
   [[nodiscard]] static std::string in_c(std::string name) {
     for (std::size_t at = name.find("::"); at != std::string::npos; at = name.find("::")) name.replace(at, 2, "_");
     return name;
@@ -173,9 +181,11 @@ class Reader {
     in_.take();
     if (++depth_ > kDeepest) fail("a module that is not so deep");
     scope_.push_back(word("a name"));
+    ++namespaces_;
     expect("{");
     while (ok_ && !in_.at("}") && !in_.at_end()) declaration();
     expect("}");
+    --namespaces_;
     scope_.pop_back();
     --depth_;
   }
@@ -186,9 +196,11 @@ class Reader {
     unit_ = {};
     unit_.part.name = word("a name");
     scope_.push_back(unit_.part.name);
+    ++namespaces_;
     const bool is_whole = in_.accept("{");
     while (is_whole && ok_ && !in_.at("}") && !in_.at_end()) item();
     if (is_whole) expect("}");
+    --namespaces_;
     scope_.pop_back();
     if (!is_whole || !ok_) return;
     if (is_module && !component_) component_ = std::move(unit_);
@@ -204,7 +216,7 @@ class Reader {
       const std::size_t base = type();
       do {
         const Member m = declarator(base);
-        names_[scoped(m.name)] = add({.kind = Kind::Alias, .c_name = in_c(scoped(m.name)), .element = m.type});
+        add_named({.kind = Kind::Alias, .element = m.type}, m.name);
       } while (ok_ && in_.accept(","));
       expect(";");
       return;
@@ -216,8 +228,7 @@ class Reader {
     }
     if (t.is("native")) {
       in_.take();
-      const std::string name = scoped(word("a name"));
-      names_[name] = add({.kind = Kind::Native, .c_name = in_c(name)});
+      add_named({.kind = Kind::Native}, word("a name"));
       expect(";");
       return;
     }
@@ -226,6 +237,13 @@ class Reader {
     if (t.is("port") && (in_.peek(1).is("in") || in_.peek(1).is("out") || in_.peek(1).is("multiple"))) return port();
     if (t.is("task")) return task();
     if (t.is("attribute") || t.is("function") || t.is("activity")) return service();
+    if (t.is("lang") && in_.peek(1).kind == TokenKind::String) {
+      in_.take();
+      unit_.part.language_range = in_.peek().range;
+      unit_.part.language = in_.take().text;
+      expect(";");
+      return;
+    }
     if (t.is("provides") || t.is("provide") || t.is("extends") || t.is("extend")) {
       in_.take();
       do unit_.inherited.push_back(word("the name of an interface"));
@@ -249,12 +267,12 @@ class Reader {
 
   void constant() {
     in_.take();
-    type();
+    const std::size_t its = type();
     const std::string name = scoped(word("a name"));
     expect("=");
     const std::string value = expression({";"});
     values_[name] = value;
-    constants_.push_back({in_c(name), value});
+    constants_.push_back({.c_name = in_c(name), .value = value, .full_name = name, .type = its});
     expect(";");
   }
 
@@ -386,15 +404,11 @@ class Reader {
       const auto known = look(names_, name);
       if (known != names_.end()) return known->second;
       // `struct node;`: it is defined later.
-      if (purpose_ == Purpose::Check && what != "enum" && in_.at(";"))
-        return names_[scoped(name)] = add({.kind = Kind::Struct, .c_name = in_c(scoped(name))});
+      if (purpose_ == Purpose::Check && what != "enum" && in_.at(";")) return add_named({.kind = Kind::Struct}, name);
       fail("`{`");
       return 0;
     }
-    Type t{.kind = what == "enum"    ? Kind::Enum
-                   : what == "union" ? Kind::Union
-                                     : Kind::Struct,
-           .c_name = in_c(scoped(name))};
+    Type t{.kind = what == "enum" ? Kind::Enum : what == "union" ? Kind::Union : Kind::Struct};
     if (what == "enum") enumerators(t);
     scope_.push_back(name);
     if (what == "union") cases(t);
@@ -404,7 +418,7 @@ class Reader {
       expect("}");
     }
     scope_.pop_back();
-    return names_[scoped(name)] = add(std::move(t));
+    return add_named(std::move(t), name);
   }
 
   // They belong to the scope around the enumeration.
@@ -698,6 +712,7 @@ class Reader {
   std::set<std::string> unknown_;
   int depth_ = 0;
   std::vector<std::string> scope_;
+  std::size_t namespaces_ = 0;  // so many of them are modules or components
   std::vector<Type> types_;
   std::vector<Constant> constants_;
   std::vector<Exception> exceptions_;

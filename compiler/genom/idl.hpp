@@ -31,9 +31,15 @@ struct Type {
   std::vector<Member> members{};
   std::vector<std::string> enumerators{};  // as written
   std::string prefix{};                    // of enumerators in C: "demo_"
+  // Of types with a name: "demo::drive_s::limit_s". The first `namespaces` names are those of modules and components,
+  // the others of what the type is declared in.
+  std::string full_name{};
+  std::size_t namespaces = 0;
 };
 struct Constant {
   std::string c_name, value;
+  std::string full_name{};
+  std::size_t type = 0;
 };
 struct Exception {
   std::string c_name, full_name;  // "demo_e_far", "::demo::e_far"
@@ -81,6 +87,9 @@ struct Task {
 
 struct Component {
   std::string name;
+  std::string language = "c";  // as `lang` has it
+  SourceRange language_range{};
+  bool is_cxx = false;  // its codels use genom3's C++ mapping
   std::vector<Type> types;
   std::vector<Constant> constants;
   std::vector<Exception> exceptions;

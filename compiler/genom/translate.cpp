@@ -4,8 +4,10 @@
 #include <algorithm>
 
 #include "compiler/genom/c_codels.hpp"
+#include "compiler/genom/codel_mapping.hpp"
 #include "compiler/genom/names.hpp"
 #include "compiler/genom/parse_genom.hpp"
+#include "compiler/genom/port_services.hpp"
 
 namespace bip::genom {
 namespace {
@@ -62,6 +64,12 @@ std::optional<std::vector<Module>> read_modules(SourceMap& sources, const std::v
   for (const Description& d : files)
     modules.push_back(
         read_module(sources, d, options.preprocess, diags, options.generate.calls_c ? Types::Read : options.types));
+  if (options.generate.calls_c) {
+    find_mappings(modules, options.codel_files, diags);
+    for (Module& m : modules) {
+      if (m.component) add_port_services(m);
+    }
+  }
   for (Module& m : modules) resolve(m, side, options.instances, options.generate.flavour, diags);
   report_unused(side, diags);
   check_module_names(modules, diags);

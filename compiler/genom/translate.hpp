@@ -17,6 +17,7 @@ enum class Types : std::uint8_t { Skipped, Read };
 struct TranslateOptions {
   PreprocessOptions preprocess;
   GenerateOptions generate;
+  std::vector<std::string> codel_files;  // with generate.calls_c: as they can be opened from here
   std::size_t instances = 1;
   Types types = Types::Skipped;
 };

@@ -21,6 +21,8 @@ struct genom_context_if {
   /* The details of the exception that was raised last; its event goes to `ex`. */
   const void* (*raised)(genom_event* ex, genom_context self);
   void* data;
+  /* For C++ (bip/genom3.hpp): raises a genom::exception, which is copied. */
+  genom_event (*raise_object)(const void* exception, genom_context self);
 };
 
 /* Room for `length` elements, the new ones zero; -1 if there is none. `_length` stays. */

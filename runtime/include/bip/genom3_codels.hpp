@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <new>
 #include <span>
@@ -40,7 +41,9 @@ namespace bip::genom3 {
 /// An exception that codels raise.
 struct ExceptionRow {
   genom_event event;
-  void (*detail)(std::string& json, const void* detail);  // null: it has none
+  // Of the struct of C, and of that of C++; null: it has none.
+  void (*detail)(std::string& json, const void* detail);
+  void (*object_detail)(std::string& json, const void* detail) = nullptr;
 };
 
 // ---- contexts
@@ -48,18 +51,28 @@ struct ExceptionRow {
 struct Raised {
   genom_event event = genom_ok;
   std::vector<std::max_align_t> detail;
+  std::unique_ptr<::genom::exception> object;  // of the C++ mapping
+  [[nodiscard]] const void* details() const {
+    return object != nullptr ? object->details() : detail.empty() ? nullptr : detail.data();
+  }
 };
 inline genom_event raise(genom_event event, const void* detail, size_t size, genom_context self) {
   Raised& raised = *static_cast<Raised*>(self->data);
   raised.event = event;
+  raised.object = nullptr;
   raised.detail.assign((size + sizeof(std::max_align_t) - 1) / sizeof(std::max_align_t), {});
   if (detail != nullptr && size != 0) std::memcpy(raised.detail.data(), detail, size);
   return event;
 }
+inline genom_event raise_object(const void* exception, genom_context self) {
+  Raised& raised = *static_cast<Raised*>(self->data);
+  raised.object = static_cast<const ::genom::exception*>(exception)->copy();
+  return raised.event = raised.object->event();
+}
 inline const void* raised(genom_event* event, genom_context self) {
   const Raised& raised = *static_cast<const Raised*>(self->data);
   if (event != nullptr) *event = raised.event;
-  return raised.detail.empty() ? nullptr : raised.detail.data();
+  return raised.details();
 }
 
 // ---- ports. `N` tells ports of one type apart. C functions have no object, so each port is a class.
@@ -115,23 +128,53 @@ genom_event OutPort<T, N>::write_of(const char* id, genom_context self) {
   return genom_ok;
 }
 
+/// Copies what an out port holds under `id`; false: nothing was written yet.
+template <class T>
+using Fetch = bool (*)(std::string_view id, T& into);
+template <class T>
+bool fetch(Written<T>& written, std::string_view id, T& into) {
+  const std::lock_guard<std::mutex> hold(written.lock);
+  const auto found = written.values.find(id);
+  if (found == written.values.end()) return false;
+  assign(into, found->second);
+  return true;
+}
+/// An out port that an in port may read, "eye/target".
+template <class T>
+struct SourceRow {
+  const char* name;
+  bool is_multiple;
+  Fetch<T> fetch;
+};
+
 template <class T, int N>
 struct InPort {
-  static inline Written<T>* source = nullptr;  // null: not connected
+  // What `connect_port` has connected, by the id here.
+  struct Connection {
+    Fetch<T> fetch = nullptr;
+    std::string id;
+  };
+  static inline Fetch<T> source = nullptr;  // of what is not connected: the same id there; null: there is none
+  static inline std::span<const SourceRow<T>> sources;
+  static inline std::map<std::string, Connection, std::less<>> connections;
+  static inline std::mutex lock;  // of connections
   static inline std::map<std::string, T, std::less<>> own;
+
   static T* data_of(const char* id, genom_context) {
     const auto found = own.find(std::string_view(id));
     return found == own.end() ? nullptr : &found->second;
   }
   static genom_event read_of(const char* id, genom_context self) {
-    if (source == nullptr) return self->raise(genom_no_such_outport_id, nullptr, 0, self);
-    const std::lock_guard<std::mutex> hold(source->lock);
-    const auto found = source->values.find(std::string_view(id));
-    if (found == source->values.end()) return genom_ok;  // nothing was written yet: `data` stays null
+    Connection from{source, id};
+    {
+      const std::lock_guard<std::mutex> hold(lock);
+      if (const auto found = connections.find(from.id); found != connections.end()) from = found->second;
+    }
+    if (from.fetch == nullptr) return self->raise(genom_no_such_outport_id, nullptr, 0, self);
     const auto [at, is_new] = own.try_emplace(id);
     if (is_new) clear(at->second);
-    assign(at->second, found->second);
-    return genom_ok;
+    // Nothing was written there: `data` is null, also if another port was read before.
+    return from.fetch(from.id, at->second) ? genom_ok : close(id, self);
   }
   static genom_event open(const char*, genom_context) { return genom_ok; }
   static genom_event close(const char* id, genom_context) {
@@ -143,7 +186,41 @@ struct InPort {
   }
   static T* data(genom_context self) { return data_of("", self); }
   static genom_event read(genom_context self) { return read_of("", self); }
+
+  /// False: there is no such out port, or it holds values of another type.
+  static bool connect(std::string_view id, std::string_view remote) {
+    for (const SourceRow<T>& row : sources) {
+      const std::string_view name = row.name;
+      std::string_view there;
+      if (row.is_multiple) {
+        if (!remote.starts_with(name) || remote.size() < name.size() + 2 || remote[name.size()] != '/') continue;
+        there = remote.substr(name.size() + 1);
+      } else if (remote != name) {
+        continue;
+      }
+      const std::lock_guard<std::mutex> hold(lock);
+      connections.insert_or_assign(std::string(id), Connection{row.fetch, std::string(there)});
+      return true;
+    }
+    return false;
+  }
 };
+struct InPortRow {
+  const char* name;
+  bool is_multiple;
+  bool (*connect)(std::string_view id, std::string_view remote);
+};
+/// The service `connect_port` of a component. `local`: "target", or "gauge/left" of a multiple port.
+inline genom_event connect_port(std::span<const InPortRow> ports, std::string_view local, std::string_view remote,
+                                genom_context self) {
+  const std::size_t slash = local.find('/');
+  const std::string_view id = slash == std::string_view::npos ? "" : local.substr(slash + 1);
+  for (const InPortRow& row : ports) {
+    if (local.substr(0, slash) != row.name || row.is_multiple == id.empty()) continue;
+    return row.connect(id, remote) ? genom_ok : self->raise(genom_no_such_outport_id, nullptr, 0, self);
+  }
+  return self->raise(genom_no_such_inport_id, nullptr, 0, self);
+}
 
 /// What an out port holds, as JSON; empty: nothing was written yet.
 template <class T>
@@ -178,7 +255,15 @@ class Call {
   explicit Call(std::span<const ExceptionRow> exceptions) : exceptions_(exceptions) {}
   Call(const Call&) = delete;
   Call& operator=(const Call&) = delete;
-  [[nodiscard]] genom_context context() const { return &context_; }
+  /// What the codel returns, or the exception of its description that it throws.
+  template <class Codel>
+  genom_event run(Codel codel) const {
+    try {
+      return codel(&context_);
+    } catch (const ::genom::exception& thrown) {
+      return raise_object(&thrown, &context_);
+    }
+  }
 
   /// The number of the report, from 1 on; 0: the event is no exception, -1: one that the service does not throw.
   int report(genom_event event, const Behaviour& behaviour, ReplyNotes& notes, const char* whose) const {
@@ -186,9 +271,10 @@ class Call {
       if (event != row.event) continue;
       const std::string_view full = event;
       std::string text = "\"exception\":{\"name\":" + json_text(full);
-      if (row.detail != nullptr && raised_.event == event && !raised_.detail.empty()) {
+      const auto detail = raised_.object == nullptr ? row.detail : row.object_detail;
+      if (detail != nullptr && raised_.event == event && raised_.details() != nullptr) {
         text += ",\"detail\":";
-        row.detail(text, raised_.detail.data());
+        detail(text, raised_.details());
       }
       if (*whose != '\0') notes.note(whose, text + "}");
       for (std::size_t k = 0; k < behaviour.reports.size(); ++k) {
@@ -203,7 +289,7 @@ class Call {
  private:
   std::span<const ExceptionRow> exceptions_;
   Raised raised_;
-  genom_context_if context_{&raise, &genom3::raised, &raised_};
+  genom_context_if context_{&raise, &genom3::raised, &raised_, &raise_object};
 };
 
 /// A codel of an activity or a task; `outputs` gives the members of its reply.
@@ -212,7 +298,7 @@ int run_step(const char* name, const CodelOwner& owner, std::span<const Exceptio
              const Behaviour& behaviour, int& report, Codel codel, Outputs outputs) {
   return guarded_step(name, owner, [&] {
     const Call call(exceptions);
-    const genom_event event = codel(call.context());
+    const genom_event event = call.run(codel);
     const int raised = call.report(event, behaviour, activity_notes(), owner.name);
     if (raised != 0) {
       report = raised > 0 ? raised : 0;
@@ -229,7 +315,7 @@ int run_control(const char* name, const CodelOwner& owner, std::span<const Excep
                 const Behaviour& behaviour, Codel codel) {
   return guarded_control(name, owner, [&] {
     const Call call(exceptions);
-    const genom_event event = codel(call.context());
+    const genom_event event = call.run(codel);
     if (event == genom_ok) return 0;
     const int raised = call.report(event, behaviour, service_notes(), owner.service);
     return raised == 0 ? kCodelRefuses : raised;

@@ -1,8 +1,9 @@
-// Values of GenoM 3's types in C: deep copies, and JSON. Header only.
+// Values of GenoM 3's types in C and C++: deep copies, and JSON. Header only.
 //
 // A struct has a function `genom_members(value, f)`, which calls f(name, member) for each member (of a union: for the
 // discriminant, then for the member that it names), an enumeration `genom_enumerators(value)`; generated headers have
-// them. Everything else is seen from the type's form: sequences have `_buffer`, optionals `_present`.
+// them. Everything else is seen from the type's form: sequences have `_buffer`, optionals `_present`. Structs and
+// unions of the C++ mapping have `genom_cxx_members` instead; nothing in a value is of both mappings.
 #pragma once
 #include <charconv>
 #include <cmath>
@@ -20,6 +21,7 @@
 
 #include "bip/codels.hpp"
 #include "bip/genom3.h"
+#include "bip/genom3.hpp"
 
 namespace bip::genom3 {
 
@@ -182,6 +184,39 @@ template <class T>
 concept Text = std::is_array_v<T> && std::is_same_v < std::remove_extent_t<T>,
 char > ;
 
+// Of the C++ mapping.
+template <class T>
+concept CxxStruct = requires(T& v) {
+  genom_cxx_members(v, [](const char*, auto&) {});
+};
+template <class T>
+inline constexpr bool is_cxx_text = std::is_same_v<T, std::string>;
+template <std::size_t n>
+inline constexpr bool is_cxx_text<::genom::bounded_string<n>> = true;
+template <class T>
+inline constexpr bool is_cxx_sequence = false;
+template <class T>
+inline constexpr bool is_cxx_sequence<std::vector<T>> = true;
+template <class T, std::size_t n>
+inline constexpr bool is_cxx_sequence<::genom::bounded_vector<T, n>> = true;
+template <class T>
+inline constexpr bool is_cxx_array = false;
+template <class T, std::size_t n>
+inline constexpr bool is_cxx_array<std::array<T, n>> = true;
+template <class T>
+inline constexpr bool is_cxx_optional = false;
+template <class T>
+inline constexpr bool is_cxx_optional<std::optional<T>> = true;
+template <class T>
+concept CxxValue = CxxStruct<T> || is_cxx_text<T> || is_cxx_sequence<T> || is_cxx_array<T> || is_cxx_optional<T>;
+
+/// Members of a struct or union of either mapping.
+template <class T, class F>
+void visit_members(T& v, F f) {
+  if constexpr (CxxStruct<T>) genom_cxx_members(v, f);
+  else genom_members(v, f);
+}
+
 /// All zero, and the bounds of sequences set.
 template <class T>
 void set_bounds(T& v) {
@@ -198,8 +233,18 @@ void set_bounds(T& v) {
 }
 template <class T>
 void clear(T& v) {
-  std::memset(static_cast<void*>(&v), 0, sizeof v);
-  set_bounds(v);
+  if constexpr (is_cxx_text<T> || is_cxx_sequence<T>) {
+    v.clear();
+  } else if constexpr (is_cxx_optional<T>) {
+    v.reset();
+  } else if constexpr (is_cxx_array<T>) {
+    for (auto& element : v) clear(element);
+  } else if constexpr (CxxStruct<T>) {
+    genom_cxx_members(v, [](const char*, auto& member) { clear(member); });
+  } else {
+    std::memset(static_cast<void*>(&v), 0, sizeof v);
+    set_bounds(v);
+  }
 }
 
 /// Calls f(part) for what is in v.
@@ -209,16 +254,24 @@ void for_each_part(T& v, F f) {
     for (uint32_t k = 0; k < v._length; ++k) f(v._buffer[k]);
   } else if constexpr (Optional<T>) {
     if (v._present) f(v._value);
-  } else if constexpr (Struct<T>) {
-    genom_members(v, [&](const char*, auto& member) { f(member); });
-  } else if constexpr (std::is_array_v<T> && !Text<T>) {
+  } else if constexpr (Struct<T> || CxxStruct<T>) {
+    visit_members(v, [&](const char*, auto& member) { f(member); });
+  } else if constexpr (is_cxx_optional<T>) {
+    if (v) f(*v);
+  } else if constexpr (std::is_same_v<T, std::vector<bool>>) {
+    for (std::size_t k = 0; k < v.size(); ++k) {
+      bool bit = v[k];
+      f(bit);
+      v[k] = bit;
+    }
+  } else if constexpr (is_cxx_sequence<T> || is_cxx_array<T> || (std::is_array_v<T> && !Text<T>)) {
     for (auto& element : v) f(element);
   }
 }
 /// Gives back the memory of strings and sequences.
 template <class T>
 void release(T& v) {
-  for_each_part(v, [](auto& part) { release(part); });
+  if constexpr (!CxxValue<T>) for_each_part(v, [](auto& part) { release(part); });
   if constexpr (std::is_same_v<T, char*>) {
     std::free(v);
     v = nullptr;
@@ -244,9 +297,13 @@ void own(T& v) {
 /// A deep copy. Natives, which only codels know, stay shared.
 template <class T>
 void assign(T& to, const T& from) {
-  release(to);
-  std::memcpy(static_cast<void*>(&to), &from, sizeof to);
-  own(to);
+  if constexpr (CxxValue<T>) {
+    to = from;
+  } else {
+    release(to);
+    std::memcpy(static_cast<void*>(&to), &from, sizeof to);
+    own(to);
+  }
 }
 
 // ---- JSON
@@ -297,14 +354,31 @@ void from_json(const Json& json, T& v, const std::string& where) {
     if (json.kind != Json::Kind::Text) refuse(where, "is a text");
     std::free(v);
     v = ::strdup(json.text.c_str());
+  } else if constexpr (is_cxx_text<T>) {
+    if (json.kind != Json::Kind::Text) refuse(where, "is a text");
+    if (json.text.size() > v.max_size())
+      refuse(where, "is a text of at most " + std::to_string(v.max_size()) + " bytes");
+    v.assign(json.text);
   } else if constexpr (Text<T>) {
     if (json.kind != Json::Kind::Text || json.text.size() >= sizeof v)
       refuse(where, "is a text of at most " + std::to_string(sizeof v - 1) + " bytes");
     std::memset(v, 0, sizeof v);
     std::memcpy(v, json.text.data(), json.text.size());
-  } else if constexpr (std::is_array_v<T>) {
-    if (json.kind != Json::Kind::Array || json.items.size() != std::extent_v<T>)
-      refuse(where, "is an array of " + std::to_string(std::extent_v<T>));
+  } else if constexpr (is_cxx_sequence<T>) {
+    if (json.kind != Json::Kind::Array) refuse(where, "is an array");
+    if (json.items.size() > v.max_size()) refuse(where, "has at most " + std::to_string(v.max_size()) + " elements");
+    v.resize(json.items.size());
+    std::size_t k = 0;
+    for_each_part(v, [&](auto& part) {
+      from_json(json.items[k], part, where + "[" + std::to_string(k) + "]");
+      ++k;
+    });
+  } else if constexpr (is_cxx_optional<T>) {
+    if (json.kind == Json::Kind::Null) v.reset();
+    else from_json(json, v ? *v : v.emplace(), where);
+  } else if constexpr (std::is_array_v<T> || is_cxx_array<T>) {
+    if (json.kind != Json::Kind::Array || json.items.size() != std::size(v))
+      refuse(where, "is an array of " + std::to_string(std::size(v)));
     for (std::size_t k = 0; k < json.items.size(); ++k)
       from_json(json.items[k], v[k], where + "[" + std::to_string(k) + "]");
   } else if constexpr (Sequence<T>) {
@@ -322,10 +396,10 @@ void from_json(const Json& json, T& v, const std::string& where) {
   } else if constexpr (Optional<T>) {
     v._present = json.kind != Json::Kind::Null;
     if (v._present) from_json(json, v._value, where);
-  } else if constexpr (Struct<T>) {
+  } else if constexpr (Struct<T> || CxxStruct<T>) {
     if (json.kind != Json::Kind::Object && json.kind != Json::Kind::Array) refuse(where, "is an object");
     std::size_t known = 0, k = 0;
-    genom_members(v, [&](const char* name, auto& member) {
+    visit_members(v, [&](const char* name, auto& member) {
       const Json* const given = json.kind == Json::Kind::Object ? json.find(name)
                                 : k < json.items.size()         ? &json.items[k]
                                                                 : nullptr;
@@ -337,7 +411,7 @@ void from_json(const Json& json, T& v, const std::string& where) {
     if (known == json.members.size() + json.items.size()) return;
     for (const JsonMember& given : json.members) {
       bool is_member = false;
-      genom_members(v, [&](const char* member, auto&) { is_member = is_member || given.name == member; });
+      visit_members(v, [&](const char* member, auto&) { is_member = is_member || given.name == member; });
       if (!is_member) refuse(where, "has no member `" + given.name + "`");
     }
     refuse(where, "has too many values");
@@ -348,7 +422,7 @@ void from_json(const Json& json, T& v, const std::string& where) {
 
 template <class T>
 void to_json(std::string& out, const T& v) {
-  T& value = const_cast<T&>(v);  // genom_members is for both
+  T& value = const_cast<T&>(v);  // members are visited to be written, too
   const auto list = [&](const char* begin, const char* end, auto each) {
     out += begin;
     bool is_first = true;
@@ -377,19 +451,24 @@ void to_json(std::string& out, const T& v) {
     out += json_text(v == nullptr ? "" : v);
   } else if constexpr (Text<T>) {
     out += json_text(std::string_view(v, ::strnlen(v, sizeof v)));
+  } else if constexpr (is_cxx_text<T>) {
+    out += json_text(std::string_view(v.c_str(), v.size()));
   } else if constexpr (Optional<T>) {
     if (v._present) to_json(out, v._value);
     else out += "null";
-  } else if constexpr (Struct<T>) {
+  } else if constexpr (is_cxx_optional<T>) {
+    if (v) to_json(out, *v);
+    else out += "null";
+  } else if constexpr (Struct<T> || CxxStruct<T>) {
     list("{", "}", [&](auto add) {
-      genom_members(value, [&](const char* name, auto& member) {
+      visit_members(value, [&](const char* name, auto& member) {
         add([&] {
           out += json_text(name) + ":";
           to_json(out, member);
         });
       });
     });
-  } else if constexpr (Sequence<T> || std::is_array_v<T>) {
+  } else if constexpr (Sequence<T> || is_cxx_sequence<T> || is_cxx_array<T> || std::is_array_v<T>) {
     list("[", "]", [&](auto add) { for_each_part(value, [&](auto& part) { add([&] { to_json(out, part); }); }); });
   } else {
     out += "null";
