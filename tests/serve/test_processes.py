@@ -179,9 +179,22 @@ def apart(work):
         revive(level)
         check("there is another process with fresh data", level.processes().get("eye") != before["eye"] and level.ask("eye.Count")["report"] == "OK" and level.events()[-1].startswith("eye counts 1 "), level.events())
     check("the rule has seen that it failed", level.reply(drive)["report"] == "ACTIVITY_INTERRUPTED", level.replies)
-    os.kill(level.processes()["wheel"], signal.SIGKILL)
+    before = level.processes()
+    stops = len(level.events())
+    os.kill(before["wheel"], signal.SIGKILL)
+    end = time.monotonic() + 20
+    # Nothing calls it now: no activity runs there.
+    while ("the process of module wheel ended by SIGKILL" not in level.log() or level.processes().get("wheel") in (None, before["wheel"])) and time.monotonic() < end:
+        time.sleep(0.02)
+    check("a death is noticed without a call", level.log().count("warning[R0050]: the process of module wheel ended by SIGKILL") == 1 and level.processes()["wheel"] != before["wheel"], level.log())
+    check("and the robot is stopped", [e for e in level.events()[stops:] if e.startswith("stop: the process of module wheel")], level.events())
     check("a process that is killed is replaced", level.ask("wheel.Count")["report"] in ("OK", "ACTIVITY_FAILED") and level.ask("wheel.Abort") and level.ask("wheel.Count")["report"] == "OK", level.log())
-    os.kill(level.processes()["bip-modules"], signal.SIGKILL)
+    before = level.processes()
+    os.kill(before["bip-modules"], signal.SIGKILL)
+    end = time.monotonic() + 20
+    while level.processes().get("bip-modules") in (None, before["bip-modules"]) and time.monotonic() < end:
+        time.sleep(0.02)
+    check("so is the one that starts them, without a call", level.processes().get("bip-modules") not in (None, before["bip-modules"]), level.processes())
     level.ask("wheel.Count"), level.ask("wheel.Abort")
     check("so are all of them", (got := level.ask("wheel.Count"))["report"] == "OK" and {"eye", "wheel", "bip-modules"} <= set(level.processes()), (got, level.log()))
     pids = level.processes()

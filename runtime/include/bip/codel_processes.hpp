@@ -106,6 +106,7 @@ class Level {
     for (const std::size_t count : owners) width_ = std::max(width_, count + 3);
     for (Book& book : books_) {
       book.is_taken.resize(width_);
+      book.is_shared.resize(width_);
       book.sent.resize(d_.posters.size());
       book.heard.resize(d_.posters.size());
     }
@@ -115,6 +116,12 @@ class Level {
   /// Ends the processes of all modules.
   ~Level() {
     if (nursery_ <= 0 || own_pid_ != ::getpid()) return;
+    {
+      const std::lock_guard<std::mutex> hold(nursery_lock_);
+      ends_ = true;
+      (void)::shutdown(commands_, SHUT_RDWR);
+    }
+    listener_.join();
     ::close(commands_);
     (void)::waitpid(nursery_, nullptr, 0);
   }
@@ -218,6 +225,7 @@ class Level {
 
  private:
   static constexpr std::uint32_t kNever = UINT32_MAX;
+  static constexpr int kNurserySocket = 3;
 
   // Of an activity: the generations of its module in which its input was judged, and in which it may run.
   struct Acceptance {
@@ -227,7 +235,7 @@ class Level {
   // What the controller knows of a module: which death it has noticed, and numbers of posters in this generation.
   struct Book {
     std::uint32_t seen = 1, initialised_in = 0, input_in = 0, posters_of = 1;
-    std::vector<bool> is_taken{};
+    std::vector<bool> is_taken{}, is_shared{};  // by channel
     std::vector<std::uint64_t> sent{}, heard{};
   };
   struct Command {
@@ -267,10 +275,15 @@ class Level {
     return "the process of module " + std::string(d_.modules[index(module)].name) + " " +
            death_text(state(module).status);
   }
-  // A process may die between two calls. Whose call has ended it tells of that.
-  void notice_death(int module) {
+  // A process may die between two calls. Whose call has ended it tells of that; a call that is on its way is left to
+  // its caller.
+  enum class Calls { AreNone, MayBe };
+  void notice_death(int module, Calls calls = Calls::MayBe) {
     {
       const std::lock_guard<std::mutex> hold(lock_);
+      const Book& book = books_[index(module)];
+      if (calls == Calls::AreNone && std::find(book.is_taken.begin(), book.is_taken.end(), true) != book.is_taken.end())
+        return;
       const std::uint32_t generation = state(module).generation;
       if (std::exchange(books_[index(module)].seen, generation) == generation) return;
     }
@@ -294,9 +307,11 @@ class Level {
       const std::size_t k = take_channel(module);
       Wait end = Wait::Died;
       const bool has_begun = exchange(function, module, generation, channel(module, k), call, end);
-      free_channel(module, k);
-      if (end == Wait::MyTurn) return {.generation = generation};
-      if (!has_begun) continue;
+      if (end == Wait::MyTurn || !has_begun) {
+        free_channel(module, k);
+        if (has_begun) return {.generation = generation};
+        continue;
+      }
       Outcome outcome{.is_death = true, .generation = generation};
       if (end == Wait::TooLate) {
         outcome.why = "the process of module " + std::string(d_.modules[index(module)].name) + " did not answer for " +
@@ -308,12 +323,21 @@ class Level {
           std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }
       } else {
+        // What is alone in a process when that dies has ended it, whether it could note that or not (SIGKILL when there
+        // is no memory, `_exit`).
         const std::uint32_t culprit = state(module).ended_by;
-        if (retries >= 0 && culprit != k + 1 && (culprit != 0 || retries-- > 0)) continue;
+        const bool is_own_fault = culprit == k + 1 || (culprit == 0 && !is_shared(module, k));
+        if (retries >= 0 && !is_own_fault && (culprit != 0 || retries-- > 0)) {
+          free_channel(module, k);
+          continue;
+        }
         outcome.why = death_of(module);
       }
-      const std::lock_guard<std::mutex> hold(lock_);
-      books_[index(module)].seen = std::max(books_[index(module)].seen, generation + 1);
+      {
+        const std::lock_guard<std::mutex> hold(lock_);
+        books_[index(module)].seen = std::max(books_[index(module)].seen, generation + 1);
+      }
+      free_channel(module, k);
       return outcome;
     }
   }
@@ -324,6 +348,11 @@ class Level {
     // There are more channels than codels and other functions that may be called at a time.
     std::size_t k = 0;
     while (k + 1 < taken.size() && taken[k]) ++k;
+    std::vector<bool>& shared = books_[index(module)].is_shared;
+    shared[k] = false;
+    for (std::size_t other = 0; other < taken.size(); ++other) {
+      if (taken[other]) shared[other] = shared[k] = true;
+    }
     taken[k] = true;
     ModuleState& s = state(module);
     if (s.threads < k + 1) {
@@ -335,6 +364,12 @@ class Level {
   void free_channel(int module, std::size_t k) {
     const std::lock_guard<std::mutex> hold(lock_);
     books_[index(module)].is_taken[k] = false;
+  }
+
+  // Has there been another call in the process meanwhile?
+  [[nodiscard]] bool is_shared(int module, std::size_t k) {
+    const std::lock_guard<std::mutex> hold(lock_);
+    return books_[index(module)].is_shared[k];
   }
 
   // False: the process had died before it got the call.
@@ -487,8 +522,33 @@ class Level {
       std::uninitialized_default_construct_n(channels_, modules * width_);
       own_pid_ = ::getpid();
       open_nursery();
+      if (nursery_ > 0) listener_ = std::thread([this] { listen(); });
     });
     return nursery_ > 0;
+  }
+
+  // The nursery sends a byte when a process has died; the end of its bytes is its own. So a death is noticed at once,
+  // also if no call is due for a long time.
+  void listen() {
+    while (true) {
+      int socket = -1;
+      {
+        const std::lock_guard<std::mutex> hold(nursery_lock_);
+        if (ends_ || nursery_ <= 0) return;
+        // Its number may be another file's after watch_nursery().
+        socket = ::fcntl(commands_, F_DUPFD_CLOEXEC, 0);
+      }
+      if (socket < 0) return;
+      char byte = 0;
+      ssize_t size = 0;
+      while ((size = ::recv(socket, &byte, sizeof byte, 0)) > 0 || (size < 0 && errno == EINTR)) notice_deaths();
+      ::close(socket);
+      watch_nursery();
+      notice_deaths();
+    }
+  }
+  void notice_deaths() {
+    for (std::size_t m = 0; m < d_.modules.size(); ++m) notice_death(static_cast<int>(m), Calls::AreNone);
   }
 
   void open_nursery() {
@@ -519,6 +579,7 @@ class Level {
   // If it has died, all modules have: another one.
   void watch_nursery() {
     const std::lock_guard<std::mutex> hold(nursery_lock_);
+    if (ends_) return;
     const pid_t ended = ::waitpid(nursery_, nullptr, WNOHANG);
     if (ended == 0 || (ended < 0 && errno != ECHILD)) return;
     ::close(commands_);
@@ -544,7 +605,7 @@ class Level {
 
   // Ends with the controller, and with it end the modules' processes.
   [[noreturn]] void be_nursery(int socket) {
-    constexpr int kSocket = 3, kChildren = 4;
+    constexpr int kSocket = kNurserySocket, kChildren = 4;
     if (socket != kSocket) (void)::dup2(socket, kSocket);
     (void)::close_range(4, ~0U, 0);
     if (const int nothing = ::open("/dev/null", O_RDONLY); nothing > 0) {
@@ -595,6 +656,8 @@ class Level {
       if (states_[m].pid != pid) continue;
       const bool has_served = states_[m].served.exchange(0) != 0;
       note_end(static_cast<int>(m), status);
+      const char byte = 0;
+      (void)::send(kNurserySocket, &byte, sizeof byte, MSG_NOSIGNAL | MSG_DONTWAIT);
       // One that dies before its first answer waits until it is needed.
       if (has_served) fork_module(static_cast<int>(m));
     }
@@ -631,7 +694,8 @@ class Level {
       (void)::raise(number);
     };
     action.sa_flags = static_cast<int>(SA_RESETHAND | SA_NODEFER | SA_ONSTACK);
-    for (const int number : {SIGSEGV, SIGFPE, SIGBUS, SIGABRT, SIGILL}) (void)::sigaction(number, &action, nullptr);
+    for (const int number : {SIGSEGV, SIGFPE, SIGBUS, SIGABRT, SIGILL, SIGTRAP, SIGSYS})
+      (void)::sigaction(number, &action, nullptr);
     is_module_ = true;
     const std::uint32_t generation = state(module).generation;
     if (generation > 1) {
@@ -742,9 +806,9 @@ class Level {
   }
 
   const Description d_;
-  std::mutex lock_;  // of books and acceptances
-  std::mutex nursery_lock_;
-  std::mutex module_lock_;  // of `told_`; only modules take it, so that no fork finds it taken
+  std::mutex lock_;          // of books and acceptances
+  std::mutex nursery_lock_;  // of what is needed to talk to it
+  std::mutex module_lock_;   // of `told_`; only modules take it, so that no fork finds it taken
   std::vector<Book> books_;
   std::vector<Acceptance> accepted_;
   std::vector<std::uint64_t> told_;  // in a module: versions of the posters that were sent to it or by it
@@ -752,6 +816,8 @@ class Level {
   ModuleState* states_ = nullptr;
   Channel* channels_ = nullptr;
   std::once_flag begun_;
+  std::thread listener_;
+  bool ends_ = false;
   int commands_ = -1;
   pid_t nursery_ = 0, own_pid_ = 0;
   bool is_module_ = false;
