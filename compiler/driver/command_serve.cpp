@@ -62,6 +62,7 @@ int command_serve(const ServeArguments& arguments) {
       if (function == nullptr) break;
       requests.poster_value = reinterpret_cast<decltype(requests.poster_value)>(function);
     }
+    requests.codel_times = reinterpret_cast<decltype(requests.codel_times)>(::dlsym(library, "bip_codel_times"));
     requests.input_problem = reinterpret_cast<decltype(requests.input_problem)>(::dlsym(library, "bip_input_problem"));
   }
   controller.real_time_priority = arguments.real_time_priority;

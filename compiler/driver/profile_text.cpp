@@ -3,6 +3,7 @@
 // Linear in the image's types and in the declarations of interactions.
 #include "compiler/driver/profile_text.hpp"
 
+#include <dlfcn.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -184,6 +185,23 @@ nlohmann::ordered_json rows_of(const std::vector<Line>& lines, const char* count
   return rows;
 }
 
+// Of robot modules: what their codels took (bip/codels.hpp); empty if there are none.
+nlohmann::ordered_json codels_of(const lower::LoweredSystem& lowered) {
+  if (lowered.library == nullptr) return nlohmann::ordered_json::array();
+  const auto times = reinterpret_cast<const char* (*)()>(::dlsym(lowered.library, "bip_codel_times"));
+  return times == nullptr ? nlohmann::ordered_json::array() : nlohmann::ordered_json::parse(times(), nullptr, false);
+}
+void append_codels(std::string& out, const nlohmann::ordered_json& codels) {
+  if (codels.empty()) return;
+  out += fmt::format("\n{:>12} {:>12} {:>12} {:>10}  codel\n", "calls", "ms", "longest ms", "over wcet");
+  for (const auto& row : codels)
+    out += fmt::format("{:>12} {:>12.3f} {:>12.3f} {:>10}  {}\n", row.value("calls", 0ULL),
+                       static_cast<double>(row.value("ns", 0LL)) / 1e6,
+                       static_cast<double>(row.value("longest_ns", 0LL)) / 1e6,
+                       row.contains("over_wcet") ? std::to_string(row.value("over_wcet", 0ULL)) : "-",
+                       row.value("codel", std::string()));
+}
+
 }  // namespace
 
 std::string profile_text(const lower::LoweredSystem& lowered, const rt::Profile& profile, std::uint64_t steps) {
@@ -192,6 +210,7 @@ std::string profile_text(const lower::LoweredSystem& lowered, const rt::Profile&
                                 steps == 1 ? "" : "s", tables.total, profile.measuring_seconds());
   append_table(out, tables.interactions, "steps", "in code", "interaction", tables.total,
                tables.total - tables.in_steps);
+  append_codels(out, codels_of(lowered));
   if (lowered.units.empty()) return out;
   append_table(out, tables.types, "calls", "", "code of", tables.total, -1);
   append_table(out, tables.code, "calls", "true", "code", tables.total, -1);
@@ -210,6 +229,7 @@ std::string profile_json(const lower::LoweredSystem& lowered, const rt::Profile&
   json["interactions"] = rows_of(tables.interactions, "steps", "in_code");
   json["types"] = rows_of(tables.types, "calls", "");
   json["code"] = rows_of(tables.code, "calls", "true");
+  if (nlohmann::ordered_json codels = codels_of(lowered); !codels.empty()) json["codels"] = std::move(codels);
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
 }
 

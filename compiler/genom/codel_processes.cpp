@@ -77,9 +77,9 @@ class ProcessWriter {
   }
 
   // Its number.
-  std::size_t row(const std::string& name, std::int64_t limit_ms, const std::string& body) {
-    rows_ += fmt::format("    {{\"{}\", {}, []([[maybe_unused]] bip::processes::Call& call) {{ {} }}}},\n", name,
-                         limit_ms, body);
+  std::size_t row(const std::string& name, std::int64_t limit_ms, const std::string& body, bool is_codel = false) {
+    rows_ += fmt::format("    {{\"{}\", {}, []([[maybe_unused]] bip::processes::Call& call) {{ {} }}{}}},\n", name,
+                         limit_ms, body, is_codel ? ", true" : "");
     return row_count_++;
   }
   [[nodiscard]] std::int64_t plain_limit() const { return limit_of({}, options_); }
@@ -93,7 +93,8 @@ class ProcessWriter {
           options_.calls_c
               ? fmt::format("{}here_{}(call.owner, call.report);", take, function)
               : fmt::format("{}bip::guarded_step(\"{}\", kCodelOwners[call.owner], [&] {{ return {}(call.report); }});",
-                            take, f.name, f.name));
+                            take, f.name, f.name),
+          true);
       calls_ += fmt::format("{}int {}(int owner, int& report) {{ return {}.step({}, owner, report); }}\n", inline_,
                             function, level_, k);
     } else {
@@ -103,7 +104,8 @@ class ProcessWriter {
                   ? fmt::format("{} = call.in; {}here_{}(call.owner);", fmt::format(fmt::runtime(input), "call.owner"),
                                 take, function)
                   : fmt::format("{}bip::guarded_control(\"{}\", kCodelOwners[call.owner], [] {{ return {}(); }});",
-                                take, f.name, f.name));
+                                take, f.name, f.name),
+              true);
       calls_ += fmt::format("{}int {}(int owner) {{ return {}.control({}, owner{}); }}\n", inline_, function, level_, k,
                             options_.calls_c ? ", " + fmt::format(fmt::runtime(input), "owner") : "");
     }

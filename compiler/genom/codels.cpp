@@ -32,6 +32,7 @@ void add(std::vector<CodelFunction>& all, CodelFunction f) {
   if (known == all.end()) return all.push_back(std::move(f));
   known->is_unlimited = known->is_unlimited || f.is_unlimited;
   known->budget_us = std::max(known->budget_us, f.budget_us);
+  known->wcet_us = std::max(known->wcet_us, f.wcet_us);
 }
 
 void add_activity(std::vector<CodelFunction>& all, const Module& m, const std::string& owner,
@@ -43,7 +44,8 @@ void add_activity(std::vector<CodelFunction>& all, const Module& m, const std::s
                     .has_report = true,
                     .says = fmt::format("{}, state {}", owner, s.name.text),
                     .is_unlimited = s.codel.is_async && s.codel.budget_us == 0,
-                    .budget_us = s.codel.is_async ? s.codel.budget_us : 0};
+                    .budget_us = s.codel.is_async ? s.codel.budget_us : 0,
+                    .wcet_us = s.codel.budget_us};
     for (const Yield& y : s.yields) {
       if (y.next == Next::Other) continue;
       if (f.answers.empty()) f.first = answer_code(y);
@@ -216,6 +218,17 @@ std::string codel_header(const std::vector<Module>& modules, const GenerateOptio
                : guarded_text(f);
   }
   if (options.calls_c) out += "void service_begin(int owner);\nvoid service_end(int owner);\n";
+  std::string budgets;
+  for (const CodelFunction& f : functions_of(modules)) {
+    if (f.wcet_us > 0) budgets += fmt::format("    {{\"{}\", {}}},\n", f.name, f.wcet_us);
+  }
+  if (!budgets.empty())
+    out += fmt::format(
+        "inline constexpr bip::CodelBudget kCodelBudgets[] = {{\n{}}};\ninline const bool kHasCodelBudgets = "
+        "bip::set_codel_budgets(kCodelBudgets);\n",
+        budgets);
+  out +=
+      "extern \"C\" __attribute__((used)) inline const char* bip_codel_times() { return bip::codel_times_text(); }\n";
   if (options.executive == Executive::Served)
     out +=
         "extern \"C\" __attribute__((used)) inline const char* bip_reply_result(const char* whose, int is_activity) {\n"

@@ -238,10 +238,10 @@ constexpr RequestKind kRequests[] = {
     {"hello", Role::Observer},    {"subscribe", Role::Observer},  {"unsubscribe", Role::Observer},
     {"state", Role::Observer},    {"candidates", Role::Observer}, {"why", Role::Observer},
     {"requests", Role::Observer}, {"poster", Role::Observer},     {"post", Role::Requester},
-    {"request", Role::Requester}, {"cancel", Role::Requester},    {"break", Role::Operator},
-    {"pause", Role::Operator},    {"resume", Role::Operator},     {"step", Role::Operator},
-    {"fire", Role::Operator},     {"back", Role::Operator},       {"snapshot", Role::Operator},
-    {"restore", Role::Operator},  {"shutdown", Role::Operator},
+    {"codels", Role::Observer},   {"request", Role::Requester},   {"cancel", Role::Requester},
+    {"break", Role::Operator},    {"pause", Role::Operator},      {"resume", Role::Operator},
+    {"step", Role::Operator},     {"fire", Role::Operator},       {"back", Role::Operator},
+    {"snapshot", Role::Operator}, {"restore", Role::Operator},    {"shutdown", Role::Operator},
 };
 
 std::string with_article(Role role) { return std::string(role == Role::Requester ? "a " : "an ") + role_name(role); }
@@ -353,6 +353,12 @@ void handle_line(Controller& controller, const std::string& line, Reply reply) {
     if (!count_of(request, "request", ~0ull, count)) return refuse("`request` is a number that `request` gave");
     const std::string wrong = controller.requests().cancel(count, reply.client);
     return wrong.empty() ? reply.send(line_of(answer_to(id))) : refuse(wrong);
+  }
+  if (what == "codels") {
+    if (controller.requests().codel_times == nullptr) return refuse("the model calls no codels");
+    Json answer = answer_to(id);
+    answer["codels"] = Json::parse(controller.requests().codel_times(), nullptr, false);
+    return reply.send(line_of(answer));
   }
   if (what == "poster") {
     const auto name = request.find("poster");

@@ -47,6 +47,8 @@ class Requests {
   /// Also of the model's C++: what a poster holds, JSON; empty: nothing was written yet, null: there is no such poster.
   /// The engine's thread; may be null.
   const char* (*poster_value)(const char* poster) = nullptr;
+  /// Also of the model's C++: how long codels took, a JSON array. Any thread; may be null.
+  const char* (*codel_times)() = nullptr;
 
   // ---- any thread
   /// "NDD.GoTo(3)" with what its codels get. Returns an empty text, and its number; or why it is refused.

@@ -26,6 +26,7 @@ struct FunctionRow {
   const char* name = "";
   std::int64_t limit_ms = 0;  // a call that takes longer is ended with its process; 0: never
   void (*run)(Call& call) = nullptr;
+  bool is_codel = false;
 };
 struct ModuleRow {
   const char* name = "";

@@ -296,6 +296,9 @@ class Level {
   // ---- the controller's side: calls
 
   Outcome run(int function, int module, std::uint32_t required, Call& call) {
+    // What it takes here is what the level waits for: with both switches.
+    std::optional<CodelTimer> timer;
+    if (d_.functions[index(function)].is_codel) timer.emplace(d_.functions[index(function)].name);
     if (!start()) return {.why = "no process can be started"};
     // A task goes on in another process, if not its own codel has ended this one.
     int retries = call.owner >= 0 && d_.owner_rows[index(call.owner)].is_task ? 1 : -1;

@@ -3,8 +3,13 @@
 // The text of an exception is kept until the reply with it (compiler/serve asks for it), so at most one a
 // service.
 #pragma once
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <exception>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <string>
@@ -71,8 +76,81 @@ inline void note_exception(const char* codel, const CodelOwner& owner, ReplyNote
   notes.note(whose, "\"exception\":{\"codel\":" + json_text(codel) + ",\"what\":" + json_text(what) + "}");
 }
 
+/// How long the codels of a program took, by name. Any thread.
+class CodelTimes {
+ public:
+  /// What a call of it may take.
+  void set_budget(const char* codel, std::chrono::microseconds budget) {
+    const std::lock_guard<std::mutex> hold(lock_);
+    rows_[codel].budget = budget;
+  }
+  void add(const char* codel, std::chrono::nanoseconds took) {
+    const std::lock_guard<std::mutex> hold(lock_);
+    Row& row = rows_[codel];
+    ++row.calls;
+    row.total += took;
+    row.longest = std::max(row.longest, took);
+    if (row.budget.count() > 0 && took > row.budget) ++row.over;
+  }
+  /// An array of objects, by name; those that were called.
+  [[nodiscard]] std::string json() const {
+    const std::lock_guard<std::mutex> hold(lock_);
+    std::string out;
+    for (const auto& [name, row] : rows_) {
+      if (row.calls == 0) continue;
+      out += (out.empty() ? "[" : ",") + std::string("{\"codel\":") + json_text(name) +
+             ",\"calls\":" + std::to_string(row.calls) + ",\"ns\":" + std::to_string(row.total.count()) +
+             ",\"longest_ns\":" + std::to_string(row.longest.count());
+      if (row.budget.count() > 0)
+        out += ",\"wcet_ns\":" + std::to_string(row.budget.count()) + ",\"over_wcet\":" + std::to_string(row.over);
+      out += "}";
+    }
+    return (out.empty() ? "[" : out) + "]";
+  }
+
+ private:
+  struct Row {
+    std::uint64_t calls = 0, over = 0;
+    std::chrono::nanoseconds total{0}, longest{0}, budget{0};
+  };
+  mutable std::mutex lock_;
+  std::map<std::string, Row, std::less<>> rows_;
+};
+inline CodelTimes& codel_times() {
+  static CodelTimes times;
+  return times;
+}
+/// Of one call: from here to the end of the block.
+class CodelTimer {
+ public:
+  explicit CodelTimer(const char* codel) : codel_(codel) {}
+  CodelTimer(const CodelTimer&) = delete;
+  CodelTimer& operator=(const CodelTimer&) = delete;
+  ~CodelTimer() { codel_times().add(codel_, std::chrono::steady_clock::now() - begun_); }
+
+ private:
+  const char* codel_;
+  std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
+};
+struct CodelBudget {
+  const char* codel = "";
+  std::int64_t us = 0;
+};
+template <std::size_t n>
+bool set_codel_budgets(const CodelBudget (&budgets)[n]) {
+  for (const CodelBudget& b : budgets) codel_times().set_budget(b.codel, std::chrono::microseconds(b.us));
+  return true;
+}
+/// For `bipc serve` and `bipc run --profile`. The text lasts until the thread asks again.
+inline const char* codel_times_text() {
+  thread_local std::string text;
+  text = codel_times().json();
+  return text.c_str();
+}
+
 template <class Codel>
 int guarded(const char* name, const CodelOwner& owner, ReplyNotes& notes, const char* whose, int failed, Codel codel) {
+  const CodelTimer timer(name);
   try {
     return codel();
   } catch (const std::exception& exception) {
