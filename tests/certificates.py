@@ -5,7 +5,7 @@ import tempfile
 
 COMPILE_OPTIONS = ("--root", "-I")
 # Refused by name (B1900).
-WITHOUT_CERTIFICATE = ("a certificate for a model with time", "a certificate for a property of runs", "a certificate for a property with `within`")
+WITHOUT_CERTIFICATE = ("a certificate for a model with time", "a certificate for a property of runs of a model with floats", "a certificate for a property with `within`")
 NOT_CHECKABLE = ("the evidence is a search of all states", "C++ functions get references to variables")
 
 
@@ -15,7 +15,7 @@ def compile_arguments(arguments):
     for argument in it:
         if argument in COMPILE_OPTIONS:
             kept += [argument, next(it, "")]
-        elif argument in ("--property", "--timeout", "--memory", "--backend", "--cache"):
+        elif argument in ("--property", "--timeout", "--memory", "--backend", "--cache", "--fair"):
             next(it, None)
         elif not argument.startswith("-") or argument.startswith(COMPILE_OPTIONS):
             kept.append(argument)

@@ -14,7 +14,9 @@
 #include "compiler/pipeline/limits.hpp"
 #include "compiler/system/system.hpp"
 #include "compiler/system/uses_time.hpp"
+#include "compiler/verify/evidence/certificate.hpp"
 #include "compiler/verify/evidence/counterexample_text.hpp"
+#include "compiler/verify/evidence/reached_states.hpp"
 #include "compiler/verify/liveness/decide_runs.hpp"
 #include "compiler/verify/net/unread_data.hpp"
 #include "runtime/explore/counterexample.hpp"
@@ -25,18 +27,31 @@ namespace bip::library {
 namespace {
 
 // What has no answer yet is said. False: it was.
-bool has_an_engine(const VerifyRequest& request, Compilation& c) {
-  if (request.wants_certificate) {
-    c.diags.report(Diag::kB1900, c.root_range, "a certificate for a property of runs")
-        .help("without `--certificate` the property is decided");
-    return false;
-  }
+bool has_an_engine(Compilation& c) {
   if (const std::string what = system::first_timed(*c.system); !what.empty()) {
     c.diags.report(Diag::kB1900, c.root_range, "a property of runs (`eventually`, `leads to` …) for a model with time")
         .note(what)
         .help("`E leads to F within 50 ms` and `eventually E within 50 ms` have answers");
     return false;
   }
+  return true;
+}
+
+// False: there is none, which was said.
+bool add_certificate(const VerifyRequest& request, Compilation& c, const verify::Question& question,
+                     const verify::StateCollector& reached, Verdict& verdict) {
+  const std::string rows = reached.rows();
+  const auto refuse = [&](const std::string& what) {
+    c.diags.report(Diag::kB1900, c.root_range, "a certificate for a property of runs " + what)
+        .help("without `--certificate` the property is decided");
+    return false;
+  };
+  if (!reached.is_listable()) return refuse("of a model with floats, C++ data or priorities below connectors");
+  if (rows.empty()) return refuse("whose states are too many for `--memory`");
+  const std::optional<std::string> text =
+      verify::certificate_of_runs(question.formula, verify::name_of(request.fairness), rows, *c.system, c.root_name);
+  if (!text) return refuse("that repeats its parts too often");
+  verdict.certificate = *text;
   return true;
 }
 
@@ -132,7 +147,7 @@ std::string proof_text(const verify::Question& question, const VerifyRequest& re
 Verdict decide_liveness(const VerifyRequest& request, Compilation& c, const verify::Question& question,
                         const std::string& note, const verify::CancellationToken& token, const verify::Report& report) {
   Verdict verdict;
-  if (!has_an_engine(request, c)) return verdict;
+  if (!has_an_engine(c)) return verdict;
   Executor executor(MachineCode::Fresh);
   const bool has_graph = !calls_cpp(*c.system);
   if (has_graph && !executor.prepare(c, request.backend, Optimisation::Auto)) return verdict;
@@ -140,12 +155,17 @@ Verdict decide_liveness(const VerifyRequest& request, Compilation& c, const veri
   options.fairness = request.fairness;
   options.megabytes = static_cast<std::size_t>(request.megabytes);
   options.cancellation = token.within(request.timeout);
-  if (has_graph) options.unread_cells = verify::find_unread_cells(*c.system, c.lowered->image, data_of(question));
+  verify::StateCollector reached(*c.system, c.lowered->image, request.megabytes * (kMega / 2));
+  if (request.wants_certificate) options.add_state = [&](const rt::Core& core) { reached.add(core.snapshot()); };
+  else if (has_graph) options.unread_cells = verify::find_unread_cells(*c.system, c.lowered->image, data_of(question));
   options.report = report;
   const verify::RunsDecision decision =
       verify::decide_runs(question.formula, *c.system, c.lowered->image,
                           has_graph ? verify::StateAccess::Searchable : verify::StateAccess::CallsCpp, options);
   const verify::LivenessResult& found = decision.on_graph;
+  if (request.wants_certificate && decision.outcome == verify::Outcome::Holds &&
+      !add_certificate(request, c, question, reached, verdict))
+    return verdict;
   // Null as well for what is true of any run.
   const verify::KLivenessProof* proof = decision.proof && decision.proof->atoms != 0 ? &*decision.proof : nullptr;
   nlohmann::ordered_json json{{"format", "bipc-verdict"}, {"version", 1}};

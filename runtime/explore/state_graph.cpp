@@ -133,6 +133,15 @@ ExploreEnd StateGraph::grow(u32 wanted) {
   return ExploreEnd::Complete;
 }
 
+void StateGraph::each_state(const std::function<void(const Core&)>& visit) {
+  for (u32 row = 0; row < states(); ++row) {
+    store_->read(row, state_.data(), read_scratch_);
+    const bool is_entered = expander_->enter(expander_->core(), state_.data());
+    BIP_ASSERT(is_entered, "state {} cannot be entered again", row);
+    visit(expander_->core());
+  }
+}
+
 u32 StateGraph::find(const Core& core) {
   std::vector<u64> packed(space_.layout.words());
   return expander_->pack(core, packed.data()) ? store_->find(packed.data()) : kNone;

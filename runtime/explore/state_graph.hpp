@@ -69,6 +69,8 @@ class StateGraph {
   [[nodiscard]] u64 errors() const { return errors_; }
   /// The state's number of the stable state that a core of the same image is in; kNone: it is not in the graph.
   [[nodiscard]] u32 find(const Core& core);
+  /// Enters each state in the order of their numbers. The core stays as it is until `visit` returns.
+  void each_state(const std::function<void(const Core&)>& visit);
   /// The label of a candidate of the state that a core of the same image is in.
   [[nodiscard]] u32 label_of(Core& core, const Candidate& candidate) { return labels_.of(core, candidate); }
 

@@ -7,10 +7,12 @@ Each system is asked three properties, each with one kind of fairness. The oracl
 decides by another method: positions of a run are (state, what was true at the position before, step, promises for the next
 position), truth comes from the memory and the promises (Lichtenstein, Pnueli 1985), and strong fairness by trying every set of interactions that are impossible from some point on. A
 violation that bipc reports is followed step by step: the cycle must close, be fair, and violate the property. The circuit is asked
-alone, too (bip-prove-runs): it must not prove what is violated, and prove some of what holds. Prints the text of
+alone, too (bip-prove-runs): it must not prove what is violated, and prove some of what holds. Of every fourth system certcheck gets the
+certificates: it must accept them for exactly those kinds of fairness, and the negation of the property exactly where, the oracle says so; and no certificate
+without one of its states. Prints the text of
 a system with another answer. BIPC names the program, JOBS the number of processes. Python's library only. To see it go red: let
 `covers` in compiler/verify/liveness/automaton.cpp ignore `postponed`, or count no unit in `is_accepting` of components.cpp, or
-let `add_end` of round_monitor.cpp add no step.
+let `add_end` of round_monitor.cpp add no step, or `fair_part` in tools/certcheck/runs.cpp return nothing.
 """
 import collections
 import concurrent.futures
@@ -28,6 +30,9 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 BUILD = pathlib.Path(os.environ.get("BUILD") or os.environ.get("BIPC_BUILD_DIR") or ROOT / "build").resolve()
 BIPC = os.environ.get("BIPC") or str(BUILD / "bipc")
 PROVER = str(BUILD / "bip-prove-runs")
+CERTCHECK = os.environ.get("CERTCHECK") or str(pathlib.Path(BIPC).with_name("certcheck"))
+CERTIFICATES_EVERY = int(os.environ.get("CERTIFICATES_EVERY", "4"))
+FAIRNESS = "none", "weak", "strong", "weak:atoms", "strong:atoms"
 MOST_STATES, MOST_NODES = 60, 6000
 PROPERTIES_OF_A_SYSTEM = 3
 
@@ -485,6 +490,54 @@ def follow(graph, formula, fairness, verdict):
     return "the run is not fair" if due - done else ""
 
 
+# ---- certificates
+def certcheck(folder, text):
+    path = pathlib.Path(folder, "m.cert")
+    path.write_text(text)
+    done = subprocess.run([CERTCHECK, os.path.join(folder, "m.bsys"), str(path)], capture_output=True, text=True, timeout=120)
+    return done.returncode, done.stdout.strip()
+
+
+def problem_of_certificate(folder, graph, formula, asked, fairness, r, kinds):
+    """What is wrong with the certificate of a property that holds; empty: nothing."""
+    path, made = os.path.join(folder, "m.bip"), pathlib.Path(folder, "made.cert")
+    done = subprocess.run([BIPC, "verify", "--property", asked, "--fair", fairness, "--backend=interp", "--certificate", str(made), path],
+                          capture_output=True, text=True, timeout=120)
+    if done.returncode != 0:
+        return f"no certificate: {done.stdout}{done.stderr}"
+    system = pathlib.Path(folder, "m.bsys")
+    if not system.exists():
+        system.write_text(subprocess.run([BIPC, "check", "--emit=system", path], capture_output=True, text=True, timeout=120, check=True).stdout)
+    text = made.read_text()
+    code, said = certcheck(folder, text)
+    if code == 4 and "too many operators" in said:
+        kinds.append("certificates not checkable")
+        return ""
+    if code != 0:
+        return f"the certificate is not accepted: {said}"
+    kinds.append("certificates accepted")
+    rows = text.splitlines()
+    states = [k for k, row in enumerate(rows) if row.startswith("state ")]
+    if len(states) > 1:
+        # The last one, whose row no other one builds on.
+        code, said = certcheck(folder, "\n".join(rows[:states[-1]] + rows[states[-1] + 1:]) + "\n")
+        if code != 1:
+            return f"a certificate without a state: {said}"
+    if is_invariant_of_past(formula):
+        return ""
+    negated = re.sub("^claim runs (.*)", r"claim runs (not \1)", text, flags=re.M)
+    for claimed, claim in ((formula, text), (("!", formula), negated)):
+        for other in r.sample(FAIRNESS, 3):
+            expected = is_violated(graph, claimed, other)
+            if expected is None:
+                continue
+            code, said = certcheck(folder, re.sub("^fairness .*", f"fairness {other}", claim, flags=re.M))
+            kinds.append(f"changed claims {'refused' if expected else 'accepted'}")
+            if code not in (0, 1) or (code == 0) == expected:
+                return f"{print_formula(claimed)} under {other}: certcheck says `{said}`, the oracle {'violated' if expected else 'holds'}"
+    return ""
+
+
 # ---- the comparison
 def check(seed):
     """(what was found, a difference or "")"""
@@ -524,6 +577,8 @@ def check(seed):
             kinds += ["looks back"] if looks(formula, BACK) else []
             wanted = "violated" if expected else "holds"
             difference = ""
+            if not expected and verdict["verdict"] == wanted and seed % CERTIFICATES_EVERY == 0 and os.path.exists(CERTCHECK):
+                difference = problem_of_certificate(folder, graph, formula, asked, fairness, random.Random(seed), kinds)
             if verdict["verdict"] != wanted:
                 difference = f"{verdict['verdict']}, the oracle says {wanted}"
             elif expected:
@@ -562,6 +617,10 @@ def main():
     # What decides nothing is no test.
     needed = [f"{kind} {verdict}" for kind in ("none", "weak", "strong", "invariant of past") for verdict in ("holds", "violated")]
     proved = [f"circuit, {kind}: proved" for kind in ("none", "weak", "strong", "invariant of past")]
+    changed_claims = [f"changed claims {what}" for what in ("accepted", "refused")]
+    if count >= 100 and os.path.exists(CERTCHECK) and any(kinds[kind] < count // CERTIFICATES_EVERY // 3 for kind in ["certificates accepted", *changed_claims]):
+        bad += 1
+        print("too few certificates")
     if count >= 100 and any(kinds[kind] < count // 30 for kind in proved):
         bad += 1
         print("the circuit proved too few")

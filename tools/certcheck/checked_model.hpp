@@ -49,6 +49,7 @@ struct Tree {
   Text text;  // of a word or string, in the text that was read; escapes stay: strings are only compared with each other
   std::vector<Tree> items;  // of a list
 
+  friend bool operator==(const Tree&, const Tree&) = default;
   [[nodiscard]] Text head() const { return items.empty() ? Text() : items[0].text; }
   [[nodiscard]] const Tree& at(std::size_t k) const { return items.at(k); }
   [[nodiscard]] std::vector<const Tree*> all(Text name) const {
@@ -281,7 +282,7 @@ struct Bound {
 };
 using Zone = std::vector<Bound>;
 struct Certificate {
-  std::string claim;
+  std::string claim, fairness = "none";     // the latter of claims about runs
   std::vector<Fact> facts, sets;            // sets: of modes; without total: traps
   std::map<Values, char32_t> row_of_local;  // parameters as 0
   std::vector<Values> locals;

@@ -53,7 +53,8 @@ class CertificateReader {
         {"component", {5, &CertificateReader::component_row}}, {"trap", {1, &CertificateReader::fact_row}},
         {"one-token", {1, &CertificateReader::fact_row}},      {"sum", {2, &CertificateReader::fact_row}},
         {"lemma", {1, &CertificateReader::fact_row}},          {"equation", {2, &CertificateReader::fact_row}},
-        {"state", {1, &CertificateReader::state_row}},         {"zone", {1, &CertificateReader::zone_row}}};
+        {"state", {1, &CertificateReader::state_row}},         {"zone", {1, &CertificateReader::zone_row}},
+        {"fairness", {2, &CertificateReader::fairness_row}}};
     const Text head = words_.empty() ? Text() : words_[0];
     if (line == "method exhaustive") throw NotCheckable("the evidence is a search of all states");
     if (head == "root" || head == "method") return;
@@ -68,6 +69,11 @@ class CertificateReader {
     (this->*form->second.second)();
   }
 
+  void fairness_row() {
+    static const std::vector<Text> kFairness{"none", "weak", "strong", "weak:atoms", "strong:atoms"};
+    need(words_.size() == 2 && contains(kFairness, words_[1]), "no fairness");
+    c_.fairness = words_[1];
+  }
   void class_row() {
     need(words_.size() == 3 && words_[1] == std::to_string(c_.classes.size()),
          "not the number of the next class, and its type");

@@ -1,6 +1,6 @@
 // The states that the rows allow: the first one is among them, every step stays among them, and none of them is bad.
 // All at once, as terms with the rows as facts.
-#include "tools/certcheck/successors.hpp"
+#include "tools/certcheck/runs.hpp"
 
 namespace certcheck {
 namespace {
@@ -11,7 +11,12 @@ class States {
       : m_(model), c_(certificate), z_(z), terms_(model, z), system_(model, terms_) {
     if (c_.claim == "deadlock-free" || c_.claim == "error-free") return;
     claim_ = read_trees(c_.claim);
-    if (claim_.items.size() != 2 || claim_.items[0].text != "never") throw Rejected("the claim " + quoted(c_.claim));
+    const Text form = claim_.head();
+    is_of_runs_ = form == "runs" || form == "points";
+    if (claim_.items.size() != 2 || (form != "never" && !is_of_runs_)) throw Rejected("the claim " + quoted(c_.claim));
+    if (!is_of_runs_) return;
+    if (c_.states.empty()) throw NotCheckable("a claim about runs without a list of states");
+    runs_.emplace(c_, claim_, terms_);
   }
 
   void run() {
@@ -25,12 +30,13 @@ class States {
     if (c_.states.empty()) return check_from(allowed(), wants_steps, nullptr);
     std::map<std::size_t, Local> all;
     for (const Local& local : first) all.emplace(all.size(), local);
-    if (!is(fault, true) && !is_listed(*c_.states.begin(), all))
-      throw Rejected("the first state is not among those that the certificate lists");
+    const std::optional<std::u32string> begin = listed(*c_.states.begin(), all);
+    if (!is(fault, true) && !begin) throw Rejected("the first state is not among those that the certificate lists");
     for (const std::u32string& state : c_.states) {
       for (std::size_t a = 0; a < first.size(); ++a) first[a] = terms_.local(m_.atoms[a], c_.locals[state[a]]);
       check_from(first, true, &state);
     }
+    if (runs_ && begin) runs_->check(*begin);
   }
 
  private:
@@ -46,6 +52,7 @@ class States {
     if (listed != nullptr && !is(system_.state_fault(), false))
       throw NotCheckable("what a state does depends on values that are not followed");
     terms_.assume(no(system_.state_fault()));
+    if (runs_) runs_->enter(*listed, system_);
     const auto check_step = [&](const Step& step) {
       // First without what priorities hide, and only for the atoms that move.
       const auto can = [&](const expr& e) {
@@ -72,28 +79,46 @@ class States {
     if (wants_steps) system_.each_step(check_step);
     if (c_.claim == "deadlock-free")
       demand(no(either(system_.has_step(), system_.is_final())), "a state that the certificate allows has no step");
+    if (runs_) return runs_->leave(system_.has_step());
     if (!claim_.items.empty())
       demand(system_.claim(claim_.items[1]), "a state that the certificate allows is what should never be");
   }
   // Is all that a step can lead to listed? Where ports are merged there are several such states.
   void check_listed(const std::u32string& state, const Step& step, const expr& goes_on) {
-    if (is_listed(state, step.next)) return;
-    terms_.each_solution(both(step.possible, goes_on), step.next, [&](const std::map<std::size_t, Local>& next) {
-      if (!is_listed(state, next)) throw Rejected("a step leads out of what the certificate allows");
+    std::map<std::size_t, Local> next = step.next;
+    // Of runs it matters which ports take part, too.
+    if (runs_)
+      for (const auto& [node, is_in] : step.parts) next[kNone].push_back(is_in);
+    const bool is_clear =
+        !runs_ || std::ranges::all_of(next[kNone], [](const expr& e) { return value_of(e).has_value(); });
+    if (is_clear && goes_to(state, step, next)) return;
+    terms_.each_solution(both(step.possible, goes_on), next, [&](const std::map<std::size_t, Local>& one) {
+      if (!goes_to(state, step, one)) throw Rejected("a step leads out of what the certificate allows");
     });
   }
-  // Is it a listed state, for sure, but for some atoms this one?
-  [[nodiscard]] bool is_listed(std::u32string state, const std::map<std::size_t, Local>& others) const {
+  bool goes_to(const std::u32string& state, const Step& step, const std::map<std::size_t, Local>& next) {
+    const std::optional<std::u32string> to = listed(state, next);
+    if (!to || !runs_) return to.has_value();
+    std::map<std::size_t, expr> parts = step.parts;
+    auto value = next.at(kNone).begin();
+    for (auto& [node, is_in] : parts) is_in = *value++;
+    runs_->add(m_, step, parts, *to);
+    return true;
+  }
+  // The listed state that is, for sure, this one but for some atoms; or nothing.
+  [[nodiscard]] std::optional<std::u32string> listed(std::u32string state,
+                                                     const std::map<std::size_t, Local>& others) const {
     for (const auto& [atom, local] : others) {
+      if (atom == kNone) continue;
       Values values(local.size(), 0);
       for (std::size_t k = 0; k < local.size(); ++k) {
         if (!m_.type_of(atom).variables[k].is_param) values[k] = value_of(local[k]);
       }
       const auto row = c_.row_of_local.find(values);
-      if (row == c_.row_of_local.end()) return false;
+      if (row == c_.row_of_local.end()) return std::nullopt;
       state[atom] = row->second;
     }
-    return c_.states.contains(state);
+    return c_.states.contains(state) ? std::optional(state) : std::nullopt;
   }
   // There is no state like that.
   void demand(const expr& bad, const std::string& otherwise) {
@@ -207,6 +232,8 @@ class States {
   System system_;
   const expr zero_ = terms_.constant("int", 0);
   Tree claim_;
+  bool is_of_runs_ = false;
+  std::optional<Runs> runs_;
   std::map<std::size_t, std::map<std::size_t, std::set<const Case*>>> facts_of_;  // by atom and fact
 };
 
@@ -224,6 +251,8 @@ std::string check(const Model& model, std::istream& text, z3::context& z) {
   std::size_t zones = 0;
   for (const auto& [state, of] : c.zones) zones += of.size();
   const std::string states = count(c.states.size(), "state");
+  if (c.claim.starts_with("runs ") || c.claim.starts_with("points "))
+    return components + states + (c.claim.starts_with("r") ? "; fairness of runs: " + c.fairness : "");
   if (!c.states.empty()) return components + (zones == 0 ? "" : count(zones, "zone") + " of ") + states;
   return components + count(c.sets.size(), "invariant") + (c.facts.empty() ? "" : ", " + count(c.facts.size(), "fact"));
 }

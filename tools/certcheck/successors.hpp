@@ -10,7 +10,9 @@ namespace certcheck {
 
 using State = std::vector<Local>;  // by atom
 struct Step {
-  expr possible, offered, fault;           // offered: whatever priorities hide; shorter
+  expr possible, offered, sure, fault;     // offered: whatever priorities hide; shorter; sure: by no chain of these
+  std::size_t connector = kNone;           // kNone: of a port alone
+  std::map<std::size_t, expr> parts;       // by node of a port: does it take part?
   std::map<std::size_t, Local> now, next;  // of the atoms that may move; what is known of them if the step is taken
 };
 
@@ -73,10 +75,12 @@ class System {
   void each_step(const std::function<void(const Step&)>& visit) {
     for (const Candidate& c : all_) {
       if (is(c.possible, false)) continue;
-      Step step{c.possible, c.offered, t_.truth(false), {}, {}};
+      Step step{c.possible, c.offered, c.sure, t_.truth(false), m_.nodes[c.node].connector, {}, {}, {}};
       // What takes part in any case does so for sure.
       Candidate taken = c;
       for (auto& [node, is_in] : taken.chosen) is_in = z3::eq(is_in, c.chosen.at(c.node)) ? t_.truth(true) : is_in;
+      for (const auto& [node, is_in] : taken.chosen)
+        if (m_.nodes[node].kind == Kind::Port) step.parts.emplace(node, is_in);
       fire(taken, c.node, t_.truth(true), taken.store, step);
       resume(taken, step);
       visit(step);
@@ -429,7 +433,12 @@ class System {
     const Text what = e.head(), path = e.at(1).text;
     if (what == "can") {
       const std::size_t root = m_.connectors[row_of(m_.connectors, path, &Connector::path)].root;
-      return t_.some(all_, [&](const Candidate& c) { return c.node == root ? c.possible : t_.truth(false); });
+      // Which chains of priorities there are may be unclear: then it is any value.
+      const auto some = [&](expr Candidate::*is) {
+        return t_.some(all_, [&](const Candidate& c) { return c.node == root ? c.*is : t_.truth(false); });
+      };
+      const expr may = some(&Candidate::possible), must = some(&Candidate::sure);
+      return z3::eq(may, must) ? may : either(must, both(may, t_.fresh("bool")));
     }
     const std::size_t atom = row_of(m_.atoms, path, &Atom::path);
     const AtomType& type = m_.type_of(atom);

@@ -129,14 +129,18 @@ void add_affine(const AffineInvariants& affine, const System& system, std::strin
 
 }  // namespace
 
+namespace {
+std::string head_of_claim(const std::string& root_name) { return "bipc-certificate 1\nroot " + root_name + "\nclaim "; }
+}  // namespace
+
 std::string certificate_head(const Question& question, const System& system, const std::string& root_name) {
-  std::string out = "bipc-certificate 1\nroot " + root_name + "\nclaim ";
+  std::string out = head_of_claim(root_name);
   switch (question.what) {
     case QuestionKind::DeadlockFreedom: out += "deadlock-free"; break;
     case QuestionKind::NoErrors: out += "error-free"; break;
     case QuestionKind::State: out += "never " + certificate_text(question.property, system); break;
     case QuestionKind::NoLocalDeadlock:
-    case QuestionKind::Runs: BIP_UNREACHABLE("local deadlocks and properties of runs have no certificate");
+    case QuestionKind::Runs: BIP_UNREACHABLE("no local deadlock has a certificate, and runs have one of their own");
   }
   return out + '\n';
 }
@@ -175,6 +179,19 @@ std::string certificate(const Portfolio& portfolio, const Question& question, co
              },
              decision.evidence);
   return out + "end\n";
+}
+
+// Of an invariant that looks back its inner part is claimed, of each point, with those before errors.
+std::optional<std::string> certificate_of_runs(const Formula& formula, const std::string& fairness,
+                                               const std::string& rows, const System& system,
+                                               const std::string& root_name) {
+  Formula claimed = formula;
+  const bool is_of_points = is_invariant_of_past(formula);
+  if (is_of_points) claimed.root = formula.nodes[formula.root].b;
+  const std::optional<std::string> text = certificate_text(claimed, system);
+  if (!text) return std::nullopt;
+  return head_of_claim(root_name) + (is_of_points ? "points " + *text : "runs " + *text + "\nfairness " + fairness) +
+         "\nmethod induction\n" + rows + "end\n";
 }
 
 std::string cube_text(const TransitionSystem& machine, const System& system, const Cube& cube) {

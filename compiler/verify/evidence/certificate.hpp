@@ -1,6 +1,7 @@
 // The evidence of a proof as text (compiler/docs/certificate.md): modes by class, components, invariants, ranges,
 // lemmas; or, after an exhaustive search, how many states there are.
 #pragma once
+#include <optional>
 #include <string>
 
 #include "compiler/verify/portfolio/portfolio.hpp"
@@ -15,6 +16,12 @@ namespace bip::verify {
 /// Returns the first rows of a certificate: its version, the root and the claim.
 [[nodiscard]] std::string certificate_head(const Question& question, const System& system,
                                            const std::string& root_name);
+
+/// Returns the certificate of a property of runs that holds under that fairness (fairness.hpp): the rows of all
+/// reachable states. Nothing: the property is too long.
+[[nodiscard]] std::optional<std::string> certificate_of_runs(const Formula& formula, const std::string& fairness,
+                                                             const std::string& rows, const System& system,
+                                                             const std::string& root_name);
 
 /// Returns "exactly one of fork[0]@FREE, phil[0]@EATS"
 [[nodiscard]] std::string invariant_text(const Net& net, const TokenInvariant& invariant);

@@ -32,6 +32,8 @@ class RunsPortfolio {
       graph_reason_ = "what the model's C++ remembers is part of no state, so no cycle of states is known";
       may_visit_ = false;
     }
+    // The evidence is what the graph has visited.
+    may_prove_ = !options_.add_state;
     for (const RunsTurn& turn : kRunsTurns) {
       const bool is_graph = turn.engine == RunsEngine::Graph;
       if (!(is_graph ? may_visit_ : may_prove_)) continue;

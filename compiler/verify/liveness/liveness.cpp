@@ -163,8 +163,12 @@ class LivenessDecision {
     if (!graph_.initialize()) return unknown("the initial state could not be entered");
     // True of every run whatsoever.
     if (automaton_.is_empty()) {
-      result_.outcome = Outcome::Holds;
-      return std::move(result_);
+      if (options_.add_state) {
+        const rt::ExploreEnd end = graph_.grow(kMostStates);
+        count();
+        if (end != rt::ExploreEnd::Complete) return unknown(reason_of(end));
+      }
+      return holds();
     }
     for (std::uint64_t wanted = kFirstRound;; wanted *= kGrowth) {
       const rt::ExploreEnd end = graph_.grow(static_cast<std::uint32_t>(std::min(wanted, kMostStates)));
@@ -187,11 +191,15 @@ class LivenessDecision {
       if (end != rt::ExploreEnd::Complete) return unknown(reason_of(end));
       if (graph_.is_complete()) break;
     }
-    result_.outcome = Outcome::Holds;
-    return std::move(result_);
+    return holds();
   }
 
  private:
+  LivenessResult holds() {
+    result_.outcome = Outcome::Holds;
+    if (options_.add_state) graph_.each_state(options_.add_state);
+    return std::move(result_);
+  }
   [[nodiscard]] bool is_stopped() const {
     if (options_.report) options_.report("exploring", graph_.states(), "states");
     return options_.cancellation.is_over() || soon_.is_over();

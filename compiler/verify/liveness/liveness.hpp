@@ -7,6 +7,7 @@
 // by the core's candidates before it is reported.
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,6 +25,9 @@ struct LivenessOptions {
   std::size_t megabytes = 2048;
   CancellationToken cancellation;
   std::vector<std::uint32_t> unread_cells;  // rt::ExploreOptions
+  /// Of a property that holds: called with each reachable state, which then are visited though the formula be true of
+  /// any run.
+  std::function<void(const rt::Core&)> add_state;
   Report report;
 };
 struct LivenessResult {

@@ -5,6 +5,7 @@
 #include <map>
 #include <tuple>
 
+#include "compiler/system/system.hpp"
 #include "compiler/verify/property/make_formula.hpp"
 #include "runtime/include/bip/assert.hpp"
 
@@ -173,6 +174,44 @@ std::size_t depth_of_past(const Formula& formula) {
 }
 
 }  // namespace
+
+std::optional<std::string> certificate_text(const Formula& formula, const System& system) {
+  constexpr std::size_t kMostBytes = 1'000'000;
+  std::vector<std::string> texts;  // by node
+  for (const FormulaNode& node : formula.nodes) {
+    const auto with_operands = [&](const char* name, bool is_unary) {
+      return '(' + std::string(name) + ' ' + texts[node.a] + (is_unary ? "" : ' ' + texts[node.b]) + ')';
+    };
+    const auto text = [&]() -> std::string {
+      switch (node.kind) {
+        case FormulaKind::Constant: return node.value ? "true" : "false";
+        case FormulaKind::State: {
+          Property condition = formula.states[node.row];
+          condition.is_never = true;
+          return certificate_text(condition, system);
+        }
+        case FormulaKind::Step: {
+          const StepCondition& step = formula.steps[node.row];
+          if (!step.is_port) return "(happens " + system.connectors[ConnectorId(std::size_t{step.owner})].path + ')';
+          const Atom& atom = system.atoms[AtomId(std::size_t{step.owner})];
+          return "(happens-port " + atom.path + ' ' + system.atom_types[atom.type].ports[step.port].name + ')';
+        }
+        case FormulaKind::Not: return with_operands("not", true);
+        case FormulaKind::And: return with_operands("and", false);
+        case FormulaKind::Or: return with_operands("or", false);
+        case FormulaKind::Next: return with_operands("next", true);
+        case FormulaKind::Until: return with_operands("until", false);
+        case FormulaKind::Release: return with_operands("release", false);
+        case FormulaKind::Previously: return with_operands("previously", true);
+        case FormulaKind::Since: return with_operands("since", false);
+      }
+      BIP_UNREACHABLE("a formula of no kind");
+    };
+    texts.push_back(text());
+    if (texts.back().size() > kMostBytes) return std::nullopt;
+  }
+  return texts[formula.root];
+}
 
 bool holds_at_last(const Formula& formula, std::uint32_t row, const std::vector<std::uint64_t>& states,
                    const std::vector<std::uint64_t>& steps) {

@@ -94,4 +94,8 @@ class PropertyReader {
 [[nodiscard]] bool holds_on_lasso(const Formula& formula, const std::vector<std::uint64_t>& states,
                                   const std::vector<std::uint64_t>& steps, std::size_t cycle);
 
+/// Returns the formula as certificates have it: "(release false (or (not (at ROOT.a P)) (until true (at ROOT.b Q))))";
+/// nothing if that is too long, for parts that a formula shares are written wherever they are.
+[[nodiscard]] std::optional<std::string> certificate_text(const Formula& formula, const System& system);
+
 }  // namespace bip::verify
