@@ -1,4 +1,5 @@
 """Certificates of `bipc verify`, given to certcheck: what tests of models and documents share. Python's library only."""
+import json
 import pathlib
 import subprocess
 import tempfile
@@ -33,7 +34,10 @@ def problem_of_certificate(bipc, certcheck, arguments, cwd=None, timeout=600):
         asked = subprocess.run([bipc, "verify", "--no-reuse", "--certificate", str(certificate), *arguments], **run)
         if asked.returncode == 2 and "is of one answer" in asked.stderr:
             # The model states properties as well.
-            return problem_of_certificate(bipc, certcheck, [*arguments, "--property", "deadlock"], cwd, timeout)
+            answers = json.loads(subprocess.run([bipc, "verify", "--no-reuse", "--json", *arguments], **run).stdout)["verdicts"]
+            names = [answer["name"] for answer in answers if answer["verdict"] in ("holds", "deadlock-free")]
+            problems = [problem_of_certificate(bipc, certcheck, [*arguments, "--property", name], cwd, timeout) for name in names]
+            return next((f"{name}: {problem}" for name, problem in zip(names, problems) if problem), None)
         # 3: it does not hold; 4: nothing is known.
         if asked.returncode in (3, 4) or (asked.returncode == 1 and any(reason in asked.stderr for reason in WITHOUT_CERTIFICATE)):
             return None

@@ -39,14 +39,16 @@ bool has_an_engine(Compilation& c) {
 
 // False: there is none, which was said.
 bool add_certificate(const VerifyRequest& request, Compilation& c, const verify::Question& question,
-                     const verify::StateCollector& reached, Verdict& verdict) {
-  const std::string rows = reached.rows();
+                     const verify::StateCollector& reached, const std::optional<verify::KLivenessProof>& proof,
+                     Verdict& verdict) {
+  const std::string rows = proof ? proof->rows : reached.rows();
   const auto refuse = [&](const std::string& what) {
     c.diags.report(Diag::kB1900, c.root_range, "a certificate for a property of runs " + what)
         .help("without `--certificate` the property is decided");
     return false;
   };
-  if (!reached.is_listable()) return refuse("of a model with floats, C++ data or priorities below connectors");
+  if (!proof && !reached.is_listable())
+    return refuse("of a model with floats, C++ data or priorities below connectors");
   if (rows.empty()) return refuse("whose states are too many for `--memory`");
   const std::optional<std::string> text =
       verify::certificate_of_runs(question.formula, verify::name_of(request.fairness), rows, *c.system, c.root_name);
@@ -164,7 +166,7 @@ Verdict decide_liveness(const VerifyRequest& request, Compilation& c, const veri
                           has_graph ? verify::StateAccess::Searchable : verify::StateAccess::CallsCpp, options);
   const verify::LivenessResult& found = decision.on_graph;
   if (request.wants_certificate && decision.outcome == verify::Outcome::Holds &&
-      !add_certificate(request, c, question, reached, verdict))
+      !add_certificate(request, c, question, reached, decision.proof, verdict))
     return verdict;
   // Null as well for what is true of any run.
   const verify::KLivenessProof* proof = decision.proof && decision.proof->atoms != 0 ? &*decision.proof : nullptr;

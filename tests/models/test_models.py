@@ -9,7 +9,7 @@ arguments; several such lines give several runs. A model without a root of its o
 says how to run it: (--root 'Ring(1000)'). `// run: none` marks a package that others use.
 
 Verdicts: `// verify: free|deadlock|holds|violated|unknown [options]`, as many as one likes, say how `bipc verify` must answer. Every
-system in VERDICTS needs one. Where the answer is `free` or `holds`, certcheck must accept its certificate, except where there is none: for all sizes, for models with time, for properties of runs. Python's library only.
+system in VERDICTS needs one. Where the answer is `free` or `holds`, certcheck must accept its certificate, except where there is none: for all sizes, for models with time, for C++. Python's library only.
 """
 import argparse
 import concurrent.futures

@@ -1,6 +1,7 @@
-// bip-prove-runs FILE [SECONDS [ROUNDS]]: properties of runs of a model, each asked of the circuit alone
+// bip-prove-runs FILE [SECONDS [ROUNDS [CERTIFICATE]]]: properties of runs of a model, each asked of the circuit alone
 // (compiler/verify/liveness/ k_liveness.hpp). Reads lines "FAIRNESS PROPERTY"; prints for each `holds ROUNDS ATOMS`, or
-// `unknown REASON`. test_liveness.py compares the answers with its oracle.
+// `unknown REASON`. With CERTIFICATE that of the proof of line N is written to the file CERTIFICATE.N; the proof is
+// then another one. test_liveness.py compares the answers with its oracle.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -11,13 +12,14 @@
 #include <sstream>
 #include <string>
 
+#include "compiler/verify/evidence/certificate.hpp"
 #include "compiler/verify/liveness/k_liveness.hpp"
 #include "tools/gen/compiled.hpp"
 
 int main(int argc, char** argv) {
   using namespace bip;
-  if (argc < 2 || argc > 4) {
-    std::fprintf(stderr, "bip-prove-runs FILE [SECONDS [ROUNDS]]\n");
+  if (argc < 2 || argc > 5) {
+    std::fprintf(stderr, "bip-prove-runs FILE [SECONDS [ROUNDS [CERTIFICATE]]]\n");
     return 2;
   }
   const double seconds = argc > 2 ? std::strtod(argv[2], nullptr) : 5;
@@ -33,6 +35,7 @@ int main(int argc, char** argv) {
   }
   const verify::PropertyReader reader(*c.system);
   std::string line;
+  std::size_t count = 0;
   while (std::getline(std::cin, line)) {
     const std::size_t blank = line.find(' ');
     const std::optional<verify::Fairness> fairness = verify::read_fairness(line.substr(0, blank));
@@ -44,11 +47,17 @@ int main(int argc, char** argv) {
     verify::KLivenessOptions options;
     options.fairness = *fairness;
     options.most_rounds = most_rounds;
+    options.wants_certificate = argc > 4;
     options.cancellation = verify::within_seconds(seconds);
     const verify::KLivenessProof proof =
         verify::prove_by_k_liveness(parsed->formula, *c.system, c.lowered->image, options);
     if (proof.outcome == verify::Outcome::Holds) std::printf("holds %u %u\n", proof.rounds, proof.atoms);
     else std::printf("unknown %s\n", proof.reason.c_str());
+    if (argc > 4 && proof.outcome == verify::Outcome::Holds)
+      std::ofstream(argv[4] + ('.' + std::to_string(count)))
+          << verify::certificate_of_runs(parsed->formula, verify::name_of(*fairness), proof.rows, *c.system, "Root()")
+                 .value_or("");
+    ++count;
   }
   return 0;
 }

@@ -491,6 +491,12 @@ def follow(graph, formula, fairness, verdict):
 
 
 # ---- certificates
+def write_system(folder):
+    system = pathlib.Path(folder, "m.bsys")
+    if not system.exists():
+        system.write_text(subprocess.run([BIPC, "check", "--emit=system", os.path.join(folder, "m.bip")], capture_output=True, text=True, timeout=120, check=True).stdout)
+
+
 def certcheck(folder, text):
     path = pathlib.Path(folder, "m.cert")
     path.write_text(text)
@@ -505,9 +511,7 @@ def problem_of_certificate(folder, graph, formula, asked, fairness, r, kinds):
                           capture_output=True, text=True, timeout=120)
     if done.returncode != 0:
         return f"no certificate: {done.stdout}{done.stderr}"
-    system = pathlib.Path(folder, "m.bsys")
-    if not system.exists():
-        system.write_text(subprocess.run([BIPC, "check", "--emit=system", path], capture_output=True, text=True, timeout=120, check=True).stdout)
+    write_system(folder)
     text = made.read_text()
     code, said = certcheck(folder, text)
     if code == 4 and "too many operators" in said:
@@ -536,6 +540,38 @@ def problem_of_certificate(folder, graph, formula, asked, fairness, r, kinds):
             if code not in (0, 1) or (code == 0) == expected:
                 return f"{print_formula(claimed)} under {other}: certcheck says `{said}`, the oracle {'violated' if expected else 'holds'}"
     return ""
+
+
+def problems_of_proofs(folder, graph, asked_of_circuit, kinds):
+    """Certificates of proofs on the circuit are accepted, and changed ones only where the oracle agrees."""
+    path, proofs, problems = os.path.join(folder, "m.bip"), os.path.join(folder, "proof"), []
+    write_system(folder)
+    done = subprocess.run([PROVER, path, "5", "16", proofs], input="".join(f"{fairness} {asked}\n" for fairness, asked, *_ in asked_of_circuit),
+                          capture_output=True, text=True, timeout=120)
+    answers = done.stdout.splitlines()
+    if len(answers) != len(asked_of_circuit):
+        return [f"bip-prove-runs for certificates: {len(answers)} answers\n{done.stderr}"]
+    for row, ((fairness, asked, expected, is_invariant, formula), answer) in enumerate(zip(asked_of_circuit, answers)):
+        if not answer.startswith("holds"):
+            kinds += [] if expected or is_invariant else ["circuit, certificate: open"]
+            continue
+        if expected:
+            problems.append(f"`{asked}` --fair={fairness}: the circuit says `{answer}` with a certificate, the oracle says violated")
+            continue
+        text = pathlib.Path(f"{proofs}.{row}").read_text()
+        code, said = certcheck(folder, text)
+        kinds.append("circuit, certificate: accepted")
+        if code != 0:
+            problems.append(f"`{asked}` --fair={fairness}: certcheck says `{said}` of\n{text}")
+        # Whatever else it claims then must be true.
+        negated = re.sub("^claim runs (.*)", r"claim runs (not \\1)", text, flags=re.M)
+        fewer = re.sub("^rounds .*", "rounds 0", text, flags=re.M)
+        for claimed, other, changed in ((("!", formula), fairness, negated), *((formula, f, re.sub("^fairness .*", f"fairness {f}", fewer, flags=re.M)) for f in FAIRNESS)):
+            code, said = certcheck(folder, changed)
+            kinds.append(f"circuit, changed certificate: {'refused' if code else 'accepted'}")
+            if code == 0 and is_violated(graph, claimed, other):
+                problems.append(f"certcheck accepts what the oracle finds violated:\n{changed}")
+    return problems
 
 
 # ---- the comparison
@@ -588,13 +624,15 @@ def check(seed):
                     difference = f"it does not hold under {helpful}"
             if difference:
                 problems.append(f"`{asked}` --fair={fairness}: {difference}\n{verdict['text']}")
-            asked_of_circuit.append((fairness, asked, expected, is_invariant_of_past(formula)))
-        done = subprocess.run([PROVER, path], input="".join(f"{fairness} {asked}\n" for fairness, asked, _, _ in asked_of_circuit),
+            asked_of_circuit.append((fairness, asked, expected, is_invariant_of_past(formula), formula))
+        done = subprocess.run([PROVER, path], input="".join(f"{fairness} {asked}\n" for fairness, asked, *_ in asked_of_circuit),
                               capture_output=True, text=True, timeout=120)
+        if seed % CERTIFICATES_EVERY == 0 and os.path.exists(CERTCHECK):
+            problems += problems_of_proofs(folder, graph, asked_of_circuit, kinds)
         answers = done.stdout.splitlines()
         if len(answers) != len(asked_of_circuit):
             problems.append(f"bip-prove-runs: {len(answers)} answers\n{done.stderr}")
-        for (fairness, asked, expected, is_invariant), answer in zip(asked_of_circuit, answers):
+        for (fairness, asked, expected, is_invariant, _), answer in zip(asked_of_circuit, answers):
             is_proved = answer.startswith("holds")
             if is_proved and expected:
                 problems.append(f"`{asked}` --fair={fairness}: the circuit says `{answer}`, the oracle says violated")
@@ -618,7 +656,7 @@ def main():
     needed = [f"{kind} {verdict}" for kind in ("none", "weak", "strong", "invariant of past") for verdict in ("holds", "violated")]
     proved = [f"circuit, {kind}: proved" for kind in ("none", "weak", "strong", "invariant of past")]
     changed_claims = [f"changed claims {what}" for what in ("accepted", "refused")]
-    if count >= 100 and os.path.exists(CERTCHECK) and any(kinds[kind] < count // CERTIFICATES_EVERY // 3 for kind in ["certificates accepted", *changed_claims]):
+    if count >= 100 and os.path.exists(CERTCHECK) and any(kinds[kind] < count // CERTIFICATES_EVERY // 3 for kind in ["certificates accepted", "circuit, certificate: accepted", *changed_claims]):
         bad += 1
         print("too few certificates")
     if count >= 100 and any(kinds[kind] < count // 30 for kind in proved):

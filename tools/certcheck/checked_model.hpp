@@ -269,6 +269,20 @@ struct Case {
   bool is_value = false;
   int weight = 1;
 };
+/// The bits beside the states in a proof about runs (rounds.hpp), variables of one more atom than there are: what the
+/// tester of the claim knows; is the demand met in this round; are more rounds over; have rounds begun; is the turn
+/// guessed to be impossible from there on.
+struct Monitor {
+  enum Kind : std::size_t { Bit, Seen, Over, Started, Never, kKinds };
+  static constexpr std::size_t row(std::size_t kind, std::size_t number) { return number * kKinds + kind; }
+};
+/// What fairness demands: a step of the atom, or the interaction of the connector (kNone: a port alone) with these
+/// ports.
+struct Turn {
+  bool is_atom = false;
+  std::size_t row = kNone;
+  Rows ports;
+};
 /// One of the cases holds; or what they are, times their weights, adds up to the total, modulo 2^32.
 struct Fact {
   std::string line;
@@ -283,6 +297,8 @@ struct Bound {
 using Zone = std::vector<Bound>;
 struct Certificate {
   std::string claim, fairness = "none";     // the latter of claims about runs
+  std::optional<std::size_t> rounds;        // of claims about runs without states: no run has more
+  std::vector<Turn> turns;                  // that each round has
   std::vector<Fact> facts, sets;            // sets: of modes; without total: traps
   std::map<Values, char32_t> row_of_local;  // parameters as 0
   std::vector<Values> locals;

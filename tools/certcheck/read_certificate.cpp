@@ -49,12 +49,19 @@ class CertificateReader {
   void row(Text line) {
     // Each with the least number of its words.
     static const std::map<Text, std::pair<std::size_t, void (CertificateReader::*)()>> kForms{
-        {"class", {3, &CertificateReader::class_row}},         {"mode", {3, &CertificateReader::mode_row}},
-        {"component", {5, &CertificateReader::component_row}}, {"trap", {1, &CertificateReader::fact_row}},
-        {"one-token", {1, &CertificateReader::fact_row}},      {"sum", {2, &CertificateReader::fact_row}},
-        {"lemma", {1, &CertificateReader::fact_row}},          {"equation", {2, &CertificateReader::fact_row}},
-        {"state", {1, &CertificateReader::state_row}},         {"zone", {1, &CertificateReader::zone_row}},
-        {"fairness", {2, &CertificateReader::fairness_row}}};
+        {"class", {3, &CertificateReader::class_row}},
+        {"mode", {3, &CertificateReader::mode_row}},
+        {"component", {5, &CertificateReader::component_row}},
+        {"trap", {1, &CertificateReader::fact_row}},
+        {"one-token", {1, &CertificateReader::fact_row}},
+        {"sum", {2, &CertificateReader::fact_row}},
+        {"lemma", {1, &CertificateReader::fact_row}},
+        {"equation", {2, &CertificateReader::fact_row}},
+        {"state", {1, &CertificateReader::state_row}},
+        {"zone", {1, &CertificateReader::zone_row}},
+        {"fairness", {2, &CertificateReader::fairness_row}},
+        {"rounds", {2, &CertificateReader::rounds_row}},
+        {"turn", {2, &CertificateReader::turn_row}}};
     const Text head = words_.empty() ? Text() : words_[0];
     if (line == "method exhaustive") throw NotCheckable("the evidence is a search of all states");
     if (head == "root" || head == "method") return;
@@ -73,6 +80,26 @@ class CertificateReader {
     static const std::vector<Text> kFairness{"none", "weak", "strong", "weak:atoms", "strong:atoms"};
     need(words_.size() == 2 && contains(kFairness, words_[1]), "no fairness");
     c_.fairness = words_[1];
+  }
+  void rounds_row() {
+    need(words_.size() == 2 && !c_.rounds, "not the number of rounds");
+    c_.rounds = static_cast<std::size_t>(number(words_[1], 0, kMostBits));
+  }
+  // An atom; or a connector, if it is none of a port alone, and ports.
+  void turn_row() {
+    Turn& turn = c_.turns.emplace_back();
+    turn.is_atom = words_.size() == 2 && atoms_.contains(words_[1]);
+    if (turn.is_atom) {
+      turn.row = atoms_.at(words_[1]);
+      return;
+    }
+    const auto connector = std::ranges::find(m_.connectors, words_[1], &Connector::path);
+    if (connector != m_.connectors.end()) turn.row = static_cast<std::size_t>(connector - m_.connectors.begin());
+    for (std::size_t k = turn.row == kNone ? 1 : 2; k < words_.size(); ++k) {
+      const auto [path, port] = split(words_[k], words_[k].rfind('.'));
+      const std::size_t atom = atom_of(path);
+      turn.ports.push_back(m_.first_port[atom] + row_of(m_.type_of(atom).ports, port, &Port::name));
+    }
   }
   void class_row() {
     need(words_.size() == 3 && words_[1] == std::to_string(c_.classes.size()),
@@ -197,12 +224,25 @@ class CertificateReader {
   [[nodiscard]] Literal literal(Text name, bool is_value) const {
     const bool is_negated = name.starts_with('!');
     if (is_negated) name.remove_prefix(1);
+    if (name.starts_with('%')) {
+      Literal literal{m_.atoms.size(), monitor_row(name.substr(1))};
+      literal.is_negated = is_negated;
+      return literal;
+    }
     const std::size_t at = std::min(name.substr(0, name.find_first_of("=:")).find_last_of(".@"), name.size());
     const std::size_t atom = atom_of(name.substr(0, at));
     Literal literal = said(m_.type_of(atom), name.substr(at), is_value);
     literal.atom = atom;
     literal.is_negated = is_negated;
     return literal;
+  }
+  // "bit3": of the monitor
+  [[nodiscard]] std::size_t monitor_row(Text name) const {
+    need(c_.rounds.has_value(), "has no monitor");
+    static const std::vector<Text> kKinds{"bit", "seen", "over", "started", "never"};
+    const std::size_t digit = std::min(name.find_first_of("0123456789"), name.size());
+    return Monitor::row(row_of(kKinds, name.substr(0, digit), std::identity()),
+                        static_cast<std::size_t>(number(name.substr(digit), 0, kMostBits)));
   }
   // "@PLACE", ".n=-5", ".n=1..4", ".n:3"; a variable's value is ".n"
   [[nodiscard]] Literal said(const AtomType& type, Text what, bool is_value = false) const {
@@ -255,6 +295,7 @@ class CertificateReader {
     return variable.type == "bool" ? number(text, 0, 1) : number(text);
   }
 
+  static constexpr int kMostBits = 10000;
   static constexpr std::int64_t kMostTicks = std::int64_t{1} << 62;
 
   const Model& m_;

@@ -41,6 +41,21 @@ void Formula::add(const Tree& e, std::size_t depth) {
   if (is_bit && !contains(bits_, e)) bits_.push_back(e);
 }
 
+std::size_t Formula::promises() const {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(bits_, [](const Tree& e) { return e.head() == "until" || e.head() == "release"; }));
+}
+
+expr happens(const Model& model, const Terms& terms, const Tree& leaf, std::size_t connector,
+             const std::map<std::size_t, expr>& parts) {
+  if (leaf.head() == "happens")
+    return terms.truth(row_of(model.connectors, leaf.at(1).text, &Connector::path) == connector);
+  const std::size_t atom = row_of(model.atoms, leaf.at(1).text, &Atom::path);
+  const auto part =
+      parts.find(model.first_port[atom] + row_of(model.type_of(atom).ports, leaf.at(2).text, &Port::name));
+  return part == parts.end() ? terms.truth(false) : part->second;
+}
+
 bool Formula::looks_ahead(std::size_t bit) const { return contains(kAhead, bits_[bit].head()); }
 
 std::optional<bool> Formula::first(std::size_t bit) const {
@@ -121,12 +136,7 @@ void Runs::add(const Model& model, const Step& step, const std::map<std::size_t,
   std::vector<bool> truth = truth_;
   for (std::size_t k = 0; k < truth.size(); ++k) {
     const Tree& leaf = formula_.leaves()[k];
-    if (leaf.head() == "happens")
-      truth[k] = row_of(model.connectors, leaf.at(1).text, &Connector::path) == step.connector;
-    if (leaf.head() != "happens-port") continue;
-    const std::size_t atom = row_of(model.atoms, leaf.at(1).text, &Atom::path);
-    truth[k] =
-        contains(ports, model.first_port[atom] + row_of(model.type_of(atom).ports, leaf.at(2).text, &Port::name));
+    if (Formula::is_about_step(leaf)) truth[k] = is(happens(model, t_, leaf, step.connector, parts), true);
   }
   edges_[now_].push_back(
       {row_of_state(to), at->second, &changes_of(truth), is(step.sure, true) && is(step.fault, false)});

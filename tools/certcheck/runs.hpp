@@ -21,6 +21,8 @@ class Formula {
     return leaf.head() == "happens" || leaf.head() == "happens-port";
   }
   [[nodiscard]] std::size_t bits() const { return bits_.size(); }
+  /// Of those, how many may be pending.
+  [[nodiscard]] std::size_t promises() const;
   /// True of the bit at first, as the run is to violate the claim; nothing: any value.
   [[nodiscard]] std::optional<bool> first(std::size_t bit) const;
 
@@ -41,6 +43,10 @@ class Formula {
   std::vector<Tree> leaves_, bits_;
   std::size_t root_bit_ = kNone;
 };
+
+/// Is what the leaf is about what happens: does the step have that connector, or does the port take part?
+[[nodiscard]] expr happens(const Model& model, const Terms& terms, const Tree& leaf, std::size_t connector,
+                           const std::map<std::size_t, expr>& parts);
 
 /// The steps of listed states, and whether a fair run through them violates the claim.
 class Runs {

@@ -1,6 +1,6 @@
 // The states that the rows allow: the first one is among them, every step stays among them, and none of them is bad.
 // All at once, as terms with the rows as facts.
-#include "tools/certcheck/runs.hpp"
+#include "tools/certcheck/rounds.hpp"
 
 namespace certcheck {
 namespace {
@@ -9,14 +9,16 @@ class States {
  public:
   States(const Model& model, const Certificate& certificate, z3::context& z)
       : m_(model), c_(certificate), z_(z), terms_(model, z), system_(model, terms_) {
+    if (c_.rounds && !c_.claim.starts_with("runs ")) throw Rejected("rounds of a claim that is not about runs");
     if (c_.claim == "deadlock-free" || c_.claim == "error-free") return;
     claim_ = read_trees(c_.claim);
     const Text form = claim_.head();
     is_of_runs_ = form == "runs" || form == "points";
     if (claim_.items.size() != 2 || (form != "never" && !is_of_runs_)) throw Rejected("the claim " + quoted(c_.claim));
     if (!is_of_runs_) return;
-    if (c_.states.empty()) throw NotCheckable("a claim about runs without a list of states");
-    runs_.emplace(c_, claim_, terms_);
+    if (c_.states.empty() && !c_.rounds) throw Rejected("neither states nor rounds are given");
+    if (c_.states.empty()) rounds_.emplace(m_, c_, claim_, terms_);
+    else runs_.emplace(c_, claim_, terms_);
   }
 
   void run() {
@@ -25,6 +27,7 @@ class States {
     State first;
     for (const Atom& atom : m_.atoms) first.push_back(terms_.initial(atom, fault));
     if (no_errors) demand(fault, "the run ends before its first state");
+    if (rounds_) first.push_back(rounds_->bits(true));
     for (const Fact& fact : c_.facts)
       demand(both(no(fault), no(says(fact, {first}))), fact.line + ": does not hold at first");
     if (c_.states.empty()) return check_from(allowed(), wants_steps, nullptr);
@@ -76,6 +79,13 @@ class States {
       });
       if (can(both(goes_on, leaves))) throw Rejected("a step leads out of what the certificate allows");
     };
+    if (rounds_) {
+      std::vector<Step> steps;
+      system_.each_step([&](const Step& step) { steps.push_back(step); });
+      rounds_->add_monitor(now.back(), system_, steps);
+      for (const Step& step : steps) check_step(step);
+      return demand(rounds_->is_bad(now.back()), "a state that the certificate allows has more rounds before it");
+    }
     if (wants_steps) system_.each_step(check_step);
     if (c_.claim == "deadlock-free")
       demand(no(either(system_.has_step(), system_.is_final())), "a state that the certificate allows has no step");
@@ -216,6 +226,7 @@ class States {
     for (const Fact& set : c_.sets) assume(set, {modes}, kNone);
     // Between steps no internal transition is left.
     for (std::size_t a = 0; a < now.size(); ++a) terms_.assume(no(terms_.goes_on(m_.type_of(a), now[a])), a);
+    if (rounds_) now.push_back(rounds_->bits(false));
     for (std::size_t k = 0; k < c_.facts.size(); ++k) {
       std::set<std::size_t> atoms;
       for (const Case& row : c_.facts[k].cases)
@@ -234,6 +245,7 @@ class States {
   Tree claim_;
   bool is_of_runs_ = false;
   std::optional<Runs> runs_;
+  std::optional<Rounds> rounds_;
   std::map<std::size_t, std::map<std::size_t, std::set<const Case*>>> facts_of_;  // by atom and fact
 };
 
@@ -252,7 +264,8 @@ std::string check(const Model& model, std::istream& text, z3::context& z) {
   for (const auto& [state, of] : c.zones) zones += of.size();
   const std::string states = count(c.states.size(), "state");
   if (c.claim.starts_with("runs ") || c.claim.starts_with("points "))
-    return components + states + (c.claim.starts_with("r") ? "; fairness of runs: " + c.fairness : "");
+    return components + (c.rounds ? count(*c.rounds, "round") + ", " + count(c.facts.size(), "fact") : states) +
+           (c.claim.starts_with("r") ? "; fairness of runs: " + c.fairness : "");
   if (!c.states.empty()) return components + (zones == 0 ? "" : count(zones, "zone") + " of ") + states;
   return components + count(c.sets.size(), "invariant") + (c.facts.empty() ? "" : ", " + count(c.facts.size(), "fact"));
 }

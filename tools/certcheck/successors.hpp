@@ -28,7 +28,7 @@ class System {
     on_.clear();
     all_.clear();
     state_fault_ = guard_fault_ = t_.truth(false);
-    for (std::size_t atom = 0; atom < now_.size(); ++atom) {
+    for (std::size_t atom = 0; atom < m_.atoms.size(); ++atom) {
       offers_.push_back(t_.offer(m_.type_of(atom), now_[atom], state_fault_));
       on_.insert(on_.end(), offers_[atom].ports.begin(), offers_[atom].ports.end());
     }
@@ -64,7 +64,7 @@ class System {
   /// Is each atom at final places only?
   [[nodiscard]] expr is_final() const {
     expr final = t_.truth(true);
-    for (std::size_t atom = 0; atom < now_.size(); ++atom) {
+    for (std::size_t atom = 0; atom < m_.atoms.size(); ++atom) {
       const AtomType& type = m_.type_of(atom);
       for (std::size_t place = 0; place < type.places; ++place)
         if (!contains(type.finals, place)) final = both(final, no(now_[atom][place]));

@@ -83,15 +83,6 @@ void add_structure(const Net& net, const Proof& proof, std::string& out) {
   }
 }
 
-// "!ROOT.a@EATS", "ROOT.a.n:3"
-std::string literal_text(const StateBit& bit, bool value, const System& system) {
-  const Atom& atom = system.atoms[AtomId(std::size_t{bit.atom})];
-  const AtomType& type = system.atom_types[atom.type];
-  std::string out = (value ? "" : "!") + atom.path;
-  if (bit.is_place) return out + '@' + type.places[bit.row];
-  return out + '.' + type.variables[bit.row].name + ':' + std::to_string(bit.position);
-}
-
 void add_lemmas(const TransitionSystem& machine, const std::vector<Cube>& lemmas, const System& system,
                 std::string& out) {
   std::size_t row = 0;
@@ -128,6 +119,24 @@ void add_affine(const AffineInvariants& affine, const System& system, std::strin
 }
 
 }  // namespace
+
+// "!ROOT.a@EATS", "ROOT.a.n:3"
+std::string literal_text(const StateBit& bit, bool value, const System& system) {
+  const Atom& atom = system.atoms[AtomId(std::size_t{bit.atom})];
+  const AtomType& type = system.atom_types[atom.type];
+  std::string out = (value ? "" : "!") + atom.path;
+  if (bit.is_place) return out + '@' + type.places[bit.row];
+  return out + '.' + type.variables[bit.row].name + ':' + std::to_string(bit.position);
+}
+
+std::string invariant_rows(const Net& net, const Proof* proof, const AffineInvariants& affine,
+                           const TransitionSystem& machine, const System& system) {
+  std::string out;
+  if (proof != nullptr) add_structure(net, *proof, out);
+  add_affine(affine, system, out);
+  add_lemmas(machine, {}, system, out);
+  return out;
+}
 
 namespace {
 std::string head_of_claim(const std::string& root_name) { return "bipc-certificate 1\nroot " + root_name + "\nclaim "; }

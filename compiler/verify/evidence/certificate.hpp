@@ -17,6 +17,12 @@ namespace bip::verify {
 [[nodiscard]] std::string certificate_head(const Question& question, const System& system,
                                            const std::string& root_name);
 
+/// Returns the rows of modes, reachable modes and invariants, if there is a proof, of equations and of ranges.
+[[nodiscard]] std::string invariant_rows(const Net& net, const Proof* proof, const AffineInvariants& affine,
+                                         const TransitionSystem& machine, const System& system);
+/// Returns "ROOT.a@EATS", "!ROOT.a.n:3".
+[[nodiscard]] std::string literal_text(const StateBit& bit, bool value, const System& system);
+
 /// Returns the certificate of a property of runs that holds under that fairness (fairness.hpp): the rows of all
 /// reachable states. Nothing: the property is too long.
 [[nodiscard]] std::optional<std::string> certificate_of_runs(const Formula& formula, const std::string& fairness,

@@ -32,8 +32,6 @@ class RunsPortfolio {
       graph_reason_ = "what the model's C++ remembers is part of no state, so no cycle of states is known";
       may_visit_ = false;
     }
-    // The evidence is what the graph has visited.
-    may_prove_ = !options_.add_state;
     for (const RunsTurn& turn : kRunsTurns) {
       const bool is_graph = turn.engine == RunsEngine::Graph;
       if (!(is_graph ? may_visit_ : may_prove_)) continue;
@@ -67,6 +65,7 @@ class RunsPortfolio {
     options.megabytes = options_.megabytes;
     options.cancellation = options_.cancellation.within(seconds);
     options.report = options_.report;
+    options.wants_certificate = options_.add_state != nullptr;
     KLivenessProof proof = prove_by_k_liveness(formula_, system_, image_, options);
     proof_reason_ = proof.reason;
     may_prove_ = proof.is_out_of_time;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <optional>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "compiler/base/log.hpp"
 #include "compiler/system/inner_priorities.hpp"
 #include "compiler/system/system.hpp"
+#include "compiler/verify/evidence/certificate.hpp"
 #include "compiler/verify/invariants/affine_bounds.hpp"
 #include "compiler/verify/liveness/automaton.hpp"
 #include "compiler/verify/liveness/round_monitor.hpp"
@@ -73,6 +75,8 @@ class KLiveness {
     Result<Automaton> automaton = make_automaton(formula_, true);
     if (!automaton) return unknown(automaton.error());
     automaton_ = std::move(*automaton);
+    if (options_.wants_certificate && (automaton_.is_empty() || is_invariant_of_past(formula_)))
+      return unknown("there is no certificate of a proof on the circuit");
     if (automaton_.is_empty()) {
       result_.outcome = Outcome::Holds;
       return std::move(result_);
@@ -110,14 +114,16 @@ class KLiveness {
   // Modes and equations of the structure, and the invariants that exclude deadlocks: what must happen mostly rests on
   // them.
   void find_clauses() {
-    const Net net = build_net(system_);
+    net_ = build_net(system_);
+    const Net& net = net_;
     if (net.too_large_atom != kNoRow || !system::first_inner_priority(system_).empty()) return;
     const CancellationToken share =
         options_.cancellation.within(options_.cancellation.seconds_left() * kShareOfInvariants);
-    Proof proof = prove_deadlock_freedom(net, share);
-    if (proof.reachable.empty()) proof = find_reachable_modes(net);
-    clauses_ = mode_clauses(net, proof, machine_, image_);
-    const AffineInvariants affine = find_affine_invariants(net, machine_, image_, clauses_, share);
+    proof_ = prove_deadlock_freedom(net, share);
+    if (proof_->reachable.empty()) proof_ = find_reachable_modes(net);
+    clauses_ = mode_clauses(net, *proof_, machine_, image_);
+    affine_ = find_affine_invariants(net, machine_, image_, clauses_, share);
+    const AffineInvariants& affine = affine_;
     for (const AffineEquation& equation : affine.equations)
       clauses_.push_back({equation_signal(equation, machine_, image_)});
     for (const VariableBound& bound : affine.bounds) clauses_.push_back({bound_signal(bound, machine_, image_)});
@@ -205,8 +211,9 @@ class KLiveness {
         options_.cancellation.within(options_.cancellation.seconds_left() * kShareOfAttempt);
     for (;;) {
       if (!part.monitor)
-        part.monitor = std::make_unique<RoundMonitor>(machine_, image_, formula_, automaton_, options_.fairness,
-                                                      part.atoms, clauses_, part.expected);
+        part.monitor = std::make_unique<RoundMonitor>(machine_, image_, formula_,
+                                                      options_.wants_certificate ? nullptr : &automaton_,
+                                                      options_.fairness, part.atoms, clauses_, part.expected);
       RoundMonitor& monitor = *part.monitor;
       const bool is_invariant = is_invariant_of_past(formula_);
       Ic3Problem problem;
@@ -219,6 +226,8 @@ class KLiveness {
         if (options_.report) options_.report("k-liveness", lemmas, "lemmas");
       };
       if (!is_invariant) observe(monitor, problem.observed);
+      // Promises are kept by the constraint alone, so what it reads is followed, too.
+      if (options_.wants_certificate) problem.observed.push_back(monitor.constraint());
       const Ic3Answer answer = run_ic3(problem);
       BIP_LOG(Ic3, 1, "part {} of {}, {} of {} units, at most {} rounds: {}", row + 1, parts_.size(),
               part.expected.size(), monitor.units().size(), bound,
@@ -242,6 +251,42 @@ class KLiveness {
     const KeptAtoms& keeps = part.atoms.keeps;
     result_.atoms = static_cast<std::uint32_t>(
         keeps.empty() ? system_.atoms.size() : static_cast<std::size_t>(std::count(keeps.begin(), keeps.end(), 1)));
+    if (options_.wants_certificate) write_certificate(part, answer);
+  }
+
+  // The turns that are expected, the invariants, and the lemmas, which speak of the monitor's bits, too.
+  void write_certificate(const Part& part, const Ic3Answer& answer) {
+    const rt::Tables tables = rt::link(image_, rt::MaximalProgress::On);
+    const RoundMonitor& monitor = *part.monitor;
+    std::string& out = result_.rows;
+    out = "rounds " + std::to_string(result_.rounds) + '\n';
+    for (const std::uint32_t row : part.expected) {
+      const RoundMonitor::Unit& unit = monitor.units()[row];
+      out += "turn";
+      const bool is_atom = options_.fairness.unit == FairnessUnit::Atoms;
+      if (is_atom) out += ' ' + system_.atoms[AtomId(std::size_t{unit.interaction})].path;
+      if (!is_atom && unit.interaction < tables.connector_interactions)
+        out += ' ' + system_.connectors[ConnectorId(std::size_t{tables.interactions[unit.interaction].row})].path;
+      for (const std::uint32_t port : unit.ports) {
+        const std::uint32_t atom = tables.port_atom[port];
+        const Atom& owner = system_.atoms[AtomId(std::size_t{atom})];
+        out += ' ' + owner.path + '.' + system_.atom_types[owner.type].ports[port - tables.instance(atom, 0)].name;
+      }
+      out += '\n';
+    }
+    out += invariant_rows(net_, proof_ ? &*proof_ : nullptr, affine_, machine_, system_);
+    // A single demand has no bit here: where it is met the round ends.
+    if (const std::optional<std::size_t> demand = monitor.lone_demand())
+      out += "lemma !%seen" + std::to_string(*demand) + '\n';
+    for (const Cube& cube : answer.lemmas) {
+      out += "lemma";
+      for (const std::uint32_t literal : cube) {
+        const StateBit& bit = monitor.machine().bits[cube_bit(literal)];
+        out += ' ' + (bit.atom != kNoRow ? literal_text(bit, !cube_value(literal), system_)
+                                         : (cube_value(literal) ? "!" : "") + monitor.name_of(cube_bit(literal)));
+      }
+      out += '\n';
+    }
   }
 
   static void observe(const RoundMonitor& monitor, std::vector<Signal>& observed) {
@@ -322,6 +367,9 @@ class KLiveness {
   Automaton automaton_;
   TransitionSystem machine_;
   StateClauses clauses_;
+  Net net_;
+  std::optional<Proof> proof_;
+  AffineInvariants affine_;
   std::vector<Part> parts_;
   std::vector<std::uint32_t> distance_;  // by atom: from those of the property
   KLivenessProof result_;

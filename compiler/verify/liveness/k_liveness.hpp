@@ -27,6 +27,7 @@ struct KLivenessOptions {
   std::size_t megabytes = 2048;
   CancellationToken cancellation;
   std::uint32_t most_rounds = 256;
+  bool wants_certificate = false;  // the monitor is the tester that certificates speak of; no invariants that look back
   Report report;
 };
 struct KLivenessProof {
@@ -37,6 +38,7 @@ struct KLivenessProof {
   std::uint32_t rounds = 0, atoms = 0, units = 0, frames = 0;
   std::size_t lemmas = 0;
   bool may_have_errors = false;  // some step may end in a run-time error
+  std::string rows;              // of the certificate, if one is wanted
 };
 
 /// `system` and `image` are of one compilation, without time and without a fault in the initialization. Code of the

@@ -42,18 +42,23 @@ std::vector<std::uint8_t> nodes_above(const Aig& aig, const std::vector<StateBit
 }  // namespace
 
 RoundMonitor::RoundMonitor(const TransitionSystem& system, const rt::Image& image, const Formula& formula,
-                           const Automaton& automaton, const Fairness& fairness, const Part& part,
+                           const Automaton* automaton, const Fairness& fairness, const Part& part,
                            const StateClauses& clauses, const std::vector<std::uint32_t>& expected)
     : machine_(system), aig_(machine_.aig), tables_(rt::link(image, rt::MaximalProgress::On)), expected_(expected) {
-  BIP_ASSERT(!automaton.is_empty() && system.unsupported.empty(), "no automaton, or no circuit");
+  BIP_ASSERT((automaton == nullptr || !automaton->is_empty()) && system.unsupported.empty(),
+             "no automaton, or no circuit");
   find_conditions(formula, image);
   find_units(fairness, part);
   add_end(part);
   cut(part, clauses);
   if (is_strong_) add_guesses();
-  run_automaton(automaton);
-  find_violated(automaton);
-  add_rounds(automaton);
+  if (automaton == nullptr) {
+    run_tester(formula);
+  } else {
+    run_automaton(*automaton);
+    find_violated(*automaton);
+  }
+  add_rounds();
 }
 
 void RoundMonitor::find_conditions(const Formula& formula, const rt::Image& image) {
@@ -83,9 +88,11 @@ void RoundMonitor::find_units(const Fairness& fairness, const Part& part) {
   if (fairness.kind == FairnessKind::None) return;
   using Key = std::pair<std::uint32_t, std::vector<std::uint32_t>>;  // the interaction and its ports; or the atom
   std::map<Key, Unit> units;
-  const auto add = [&](Key key, Signal when, const SystemStep& step) -> Unit& {
-    Unit& unit = units[std::move(key)];
+  const auto add = [&](const Key& key, Signal when, const SystemStep& step) -> Unit& {
+    Unit& unit = units[key];
+    unit.ports = key.second;
     const Signal possible = aig_.make_and(step.fine, when);
+    unit.interaction = key.first;
     unit.possible = aig_.make_or(unit.possible, possible);
     unit.taken = aig_.make_or(unit.taken, aig_.make_and(step.chosen, possible));
     return unit;
@@ -230,31 +237,33 @@ void RoundMonitor::cut(const Part& part, const StateClauses& clauses) {
   constraint_ = aig_.make_and_of(ties);
 }
 
-std::uint32_t RoundMonitor::add_bit(std::int8_t initial) {
+std::uint32_t RoundMonitor::add_bit(std::int8_t initial, const std::string& name) {
   StateBit bit;
   bit.now = aig_.make_input();
   bit.next = bit.now;
   bit.initial = initial;
   bit.atom = kNoRow;
   machine_.bits.push_back(bit);
+  names_.resize(machine_.bits.size());
+  names_.back() = name;
   return static_cast<std::uint32_t>(machine_.bits.size() - 1);
 }
 
-std::uint32_t RoundMonitor::add_bit_of_round() {
-  const std::uint32_t bit = add_bit(0);
+std::uint32_t RoundMonitor::add_bit_of_round(const std::string& name) {
+  const std::uint32_t bit = add_bit(0, name);
   is_of_round_.resize(machine_.bits.size(), 0);
   is_of_round_[bit] = 1;
   return bit;
 }
 
 void RoundMonitor::add_guesses() {
-  const std::uint32_t started = add_bit(0);
+  const std::uint32_t started = add_bit(0, "%started0");
   started_ = now(started);
   machine_.bits[started].next = aig_.make_or(started_, aig_.make_input());
   std::vector<Signal> fails;
   for (const std::uint32_t unit : expected_) {
     // It keeps the value that it has at first, which is any.
-    never_.push_back(now(add_bit(-1)));
+    never_.push_back(now(add_bit(-1, "%never" + std::to_string(never_.size()))));
     fails.push_back(aig_.make_and(never_.back(), units_[unit].possible));
   }
   guess_fails_ = aig_.make_and(started_, aig_.make_or_of(fails));
@@ -278,7 +287,7 @@ void RoundMonitor::run_automaton(const Automaton& automaton) {
     machine_.bits.back().is_alone = true;
   }
   machine_.exactly_one.push_back(automaton_bits_);
-  marks_.assign(32, kFalse);
+  std::vector<Signal> marks(32, kFalse);
   std::vector<std::vector<Signal>> arrives(width);
   for (std::size_t state = 0; state < width; ++state) {
     const std::vector<AutomatonEdge>& edges = automaton.edges[state];
@@ -295,10 +304,13 @@ void RoundMonitor::run_automaton(const Automaton& automaton) {
       arrives[edge.to].push_back(is_taken);
       if (automaton.may_accept[state] == 0 || automaton.may_accept[edge.to] == 0) continue;
       inside_ = aig_.make_or(inside_, is_taken);
-      for (std::size_t mark = 0; mark < marks_.size(); ++mark) {
-        if ((edge.marks >> mark & 1) != 0) marks_[mark] = aig_.make_or(marks_[mark], is_taken);
+      for (std::size_t mark = 0; mark < marks.size(); ++mark) {
+        if ((edge.marks >> mark & 1) != 0) marks[mark] = aig_.make_or(marks[mark], is_taken);
       }
     }
+  }
+  for (std::size_t mark = 0; mark < marks.size(); ++mark) {
+    if ((automaton.marks >> mark & 1) != 0) marks_.push_back(marks[mark]);
   }
   std::vector<Signal> none;
   for (std::size_t state = 0; state < width; ++state) {
@@ -306,6 +318,79 @@ void RoundMonitor::run_automaton(const Automaton& automaton) {
     none.push_back(negated(machine_.bits[automaton_bits_[state]].next));
   }
   machine_.bits[automaton_bits_[width]].next = aig_.make_and_of(none);
+}
+
+// What is promised of a point is any value, kept by a constraint on the step that leaves it. Numbers of bits are those
+// of certificates: operators in the order in which the formula's text ends them, each once.
+void RoundMonitor::run_tester(const Formula& formula) {
+  constexpr std::size_t kDone = 1;
+  std::vector<std::uint32_t> operators, bits(formula.nodes.size(), kNoRow);
+  std::vector<std::uint8_t> is_done(formula.nodes.size(), 0);
+  for (std::vector<std::pair<std::uint32_t, std::size_t>> path{{formula.root, 0}}; !path.empty();) {
+    const auto [row, state] = path.back();
+    const FormulaNode& node = formula.nodes[row];
+    const bool is_leaf =
+        node.kind == FormulaKind::Constant || node.kind == FormulaKind::State || node.kind == FormulaKind::Step;
+    if (is_leaf || is_done[row] != 0 || state > kDone) {
+      path.pop_back();
+      if (is_leaf || is_done[row] != 0) continue;
+      is_done[row] = 1;
+      if (looks_ahead(node.kind) || looks_back(node.kind)) operators.push_back(row);
+      continue;
+    }
+    ++path.back().second;
+    path.emplace_back(state == 0 ? node.a : node.b, 0);
+  }
+  const FormulaNode& root = formula.nodes[formula.root];
+  const bool is_promise = root.kind == FormulaKind::Until || root.kind == FormulaKind::Release;
+  for (std::size_t k = 0; k < operators.size(); ++k) {
+    const std::uint32_t row = operators[k];
+    // The formula is false at first.
+    const bool is_known = looks_back(formula.nodes[row].kind) || (is_promise && row == formula.root);
+    bits[row] = add_bit(is_known ? 0 : -1, "%bit" + std::to_string(k));
+  }
+  std::vector<Signal> value(formula.nodes.size(), kFalse), later(formula.nodes.size(), kFalse);
+  for (const std::uint32_t row : operators) {
+    if (looks_ahead(formula.nodes[row].kind)) later[row] = machine_.bits[bits[row]].next = aig_.make_input();
+  }
+  for (std::size_t row = 0; row < formula.nodes.size(); ++row) {
+    const FormulaNode& node = formula.nodes[row];
+    const Signal a = value[node.a], b = value[node.b];
+    const auto before = [&] { return bits[row] == kNoRow ? kFalse : now(bits[row]); };
+    switch (node.kind) {
+      case FormulaKind::Constant: value[row] = node.value ? kTrue : kFalse; break;
+      case FormulaKind::State: value[row] = conditions_[node.row]; break;
+      case FormulaKind::Step: value[row] = conditions_[states_ + node.row]; break;
+      case FormulaKind::Not: value[row] = negated(a); break;
+      case FormulaKind::And: value[row] = aig_.make_and(a, b); break;
+      case FormulaKind::Or: value[row] = aig_.make_or(a, b); break;
+      case FormulaKind::Next: value[row] = later[row]; break;
+      case FormulaKind::Until: value[row] = aig_.make_or(b, aig_.make_and(a, later[row])); break;
+      case FormulaKind::Release: value[row] = aig_.make_and(b, aig_.make_or(a, later[row])); break;
+      case FormulaKind::Previously: value[row] = before(); break;
+      case FormulaKind::Since: value[row] = aig_.make_or(b, aig_.make_and(a, before())); break;
+    }
+  }
+  std::vector<Signal> kept{constraint_, negated(guess_fails_)};
+  const auto keep = [&](std::uint32_t bit, Signal promised) {
+    kept.push_back(negated(aig_.make_xor(now(bit), promised)));
+  };
+  for (const std::uint32_t row : operators) {
+    const FormulaNode& node = formula.nodes[row];
+    const bool is_of_operand = node.kind == FormulaKind::Next || node.kind == FormulaKind::Previously;
+    const Signal is = value[is_of_operand ? node.a : row];
+    if (looks_back(node.kind)) machine_.bits[bits[row]].next = is;
+    else keep(bits[row], is);
+    if (node.kind == FormulaKind::Until) marks_.push_back(negated(aig_.make_and(is, negated(value[node.b]))));
+    if (node.kind == FormulaKind::Release) marks_.push_back(negated(aig_.make_and(negated(is), value[node.b])));
+  }
+  if (!is_promise) {
+    const std::uint32_t bit = add_bit(0, "%bit" + std::to_string(operators.size()));
+    machine_.bits[bit].next = aig_.make_input();
+    keep(bit, value[formula.root]);
+  }
+  constraint_ = aig_.make_and_of(kept);
+  inside_ = kTrue;
 }
 
 // As find_bad_prefix has it: such a state of the automaton is entered, or will be by the state alone, whatever the
@@ -330,22 +415,24 @@ void RoundMonitor::find_violated(const Automaton& automaton) {
 }
 
 // A bit for each mark and unit that says whether it was seen in this round.
-void RoundMonitor::add_rounds(const Automaton& automaton) {
+void RoundMonitor::add_rounds() {
   const Signal counts = aig_.make_and(aig_.make_and(inside_, happened_), started_);
-  for (std::size_t mark = 0; mark < marks_.size(); ++mark) {
-    if ((automaton.marks >> mark & 1) != 0) demands_.push_back(marks_[mark]);
-  }
+  demands_ = marks_;
   for (std::size_t k = 0; k < expected_.size(); ++k) {
     const Unit& unit = units_[expected_[k]];
     const Signal excused = is_strong_ ? never_[k] : negated(unit.possible);
     demands_.push_back(aig_.make_or(unit.taken, excused));
   }
+  const std::vector<Signal> all = demands_;
   std::erase(demands_, kTrue);
   std::vector<std::uint32_t> bits;
   std::vector<Signal> seen;
   const bool is_alone = demands_.size() == 1;
-  for (const Signal signal : demands_) {
-    if (!is_alone) bits.push_back(add_bit_of_round());
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const Signal signal = all[k];
+    if (signal == kTrue) continue;
+    if (is_alone) lone_demand_ = k;
+    else bits.push_back(add_bit_of_round("%seen" + std::to_string(k)));
     seen.push_back(is_alone ? signal : aig_.make_or(now(bits.back()), signal));
   }
   round_ = aig_.make_and(counts, aig_.make_and_of(seen));
@@ -356,7 +443,7 @@ void RoundMonitor::add_rounds(const Automaton& automaton) {
 Signal RoundMonitor::more_rounds_than(std::uint32_t rounds) {
   while (counter_.size() <= rounds) {
     const Signal before = counter_.empty() ? kTrue : now(counter_.back());
-    const std::uint32_t bit = add_bit_of_round();
+    const std::uint32_t bit = add_bit_of_round("%over" + std::to_string(counter_.size()));
     machine_.bits[bit].next = aig_.make_or(now(bit), aig_.make_and(before, round_));
     counter_.push_back(bit);
   }

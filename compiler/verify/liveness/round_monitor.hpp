@@ -12,8 +12,13 @@
 // R. Kurshan, Computer-Aided Verification of Coordinating Processes, 1994). Only units of fairness whose atoms are all
 // kept are asked for. Each makes more runs, so what is proved holds. Cost: linear in the circuit, and for each
 // interaction whose participants depend on the state up to 15 units.
+//
+// For a certificate the automaton is not ours but the tester that certcheck makes of the formula, whose bits lemmas can
+// name (compiler/docs/certificate.md): a promise for each operator that looks ahead, which each step must keep.
 #pragma once
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "compiler/verify/liveness/automaton.hpp"
@@ -35,11 +40,11 @@ class RoundMonitor {
     [[nodiscard]] bool has(std::uint32_t atom) const { return has_all() || keeps[atom] != 0; }
   };
 
-  /// `system` and `image` are of one compilation; the automaton is that of the formula's negation and not empty.
-  /// `clauses` hold in every reachable state of the system.
+  /// `system` and `image` are of one compilation; the automaton is that of the formula's negation and not empty; null:
+  /// the tester, which sees no violation of an invariant. `clauses` hold in every reachable state of the system.
   /// A round needs the turns of the units in `expected` alone.
   RoundMonitor(const TransitionSystem& system, const rt::Image& image, const Formula& formula,
-               const Automaton& automaton, const Fairness& fairness, const Part& part, const StateClauses& clauses,
+               const Automaton* automaton, const Fairness& fairness, const Part& part, const StateClauses& clauses,
                const std::vector<std::uint32_t>& expected);
   RoundMonitor(const RoundMonitor&) = delete;
   RoundMonitor& operator=(const RoundMonitor&) = delete;
@@ -56,11 +61,17 @@ class RoundMonitor {
   struct Unit {
     Signal possible = kFalse, taken = kFalse;
     std::vector<std::uint32_t> atoms;
+    std::uint32_t interaction = 0;          // of fairness of interactions; else the atom
+    std::vector<std::uint32_t> ports = {};  // instances that take part
   };
   /// All whose atoms are kept. The same for all monitors of a part.
   [[nodiscard]] const std::vector<Unit>& units() const { return units_; }
   /// What each round shows: marks, and turns of the expected units.
   [[nodiscard]] const std::vector<Signal>& demands() const { return demands_; }
+  /// Returns what certificates call a bit that no atom has: "%seen2".
+  [[nodiscard]] const std::string& name_of(std::uint32_t bit) const { return names_[bit]; }
+  /// The only one, which needs no bit; numbered with those that are always met.
+  [[nodiscard]] std::optional<std::size_t> lone_demand() const { return lone_demand_; }
   /// This step may be one of a round.
   [[nodiscard]] Signal inside() const { return inside_; }
   /// Is the bit of the machine one that counts, or that says what the round has shown?
@@ -75,10 +86,11 @@ class RoundMonitor {
   void add_end(const Part& part);
   void add_guesses();
   void run_automaton(const Automaton& automaton);
+  void run_tester(const Formula& formula);
   void find_violated(const Automaton& automaton);
-  void add_rounds(const Automaton& automaton);
-  std::uint32_t add_bit(std::int8_t initial);
-  std::uint32_t add_bit_of_round();
+  void add_rounds();
+  std::uint32_t add_bit(std::int8_t initial, const std::string& name = {});
+  std::uint32_t add_bit_of_round(const std::string& name);
   [[nodiscard]] Signal now(std::uint32_t bit) const { return machine_.bits[bit].now; }
   [[nodiscard]] Signal matches(std::uint64_t required, std::uint64_t forbidden);
 
@@ -95,11 +107,13 @@ class RoundMonitor {
   std::vector<Signal> never_;  // by expected unit: guessed to be impossible from the start of rounds on
   Signal started_ = kTrue, guess_fails_ = kFalse, happened_ = kTrue;
   std::vector<std::uint32_t> automaton_bits_;  // by state of the automaton, one more: it has no edge
-  std::vector<Signal> marks_;                  // an edge with the mark is taken
+  std::vector<Signal> marks_;                  // by mark that counts: an edge with it is taken
   Signal inside_ = kFalse;                     // an edge between states that may accept is taken
   Signal round_ = kFalse;                      // this step ends a round
   std::vector<Signal> demands_;
+  std::optional<std::size_t> lone_demand_;
   std::vector<std::uint8_t> is_of_round_;  // by bit
+  std::vector<std::string> names_;         // by bit; those of atoms have none
   std::vector<std::uint32_t> counter_;     // bit k: more than k rounds are over
 };
 
