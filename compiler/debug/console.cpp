@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "bip/assert.hpp"
 #include "compiler/debug/back_refusal.hpp"
 #include "compiler/debug/event_values.hpp"
 #include "runtime/core/final_state.hpp"
@@ -314,6 +315,7 @@ void Console::list(std::string_view) {
   for (std::size_t at = 0; at < text.size(); at = text.find('\n', at) + 1) {
     if (recorded == k++) text[at + 2] = '*';
   }
+  BIP_ASSERT(k == core.candidate_count(), "{} lines of {} candidates", k, core.candidate_count());
   if (core.is_timed()) {
     const auto tell_candidate = [](std::string& out, rt::Core& of, const rt::Candidate& candidate) {
       rt::append_candidate(out, of, candidate);
@@ -411,7 +413,7 @@ void Console::set_breakpoint(std::string_view rest) {
   }
   Result<rt::Breakpoint> made = model_.parse_breakpoint(std::string(rest));
   if (!made) return refuse(fmt::format("`{}`: {}", rest, made.error()));
-  made->number = next_breakpoint_++;
+  made->number = output_.number_breakpoint ? output_.number_breakpoint() : next_breakpoint_++;
   output_.print(fmt::format("breakpoint {}: {}\n", made->number, made->text));
   session_.breakpoints().push_back(std::move(*made));
 }

@@ -21,6 +21,8 @@ struct ConsoleOutput {
   std::function<void(const std::string& problem, const std::string& help)> refuse;
   /// Writes a file; returns an empty text, or what is wrong.
   std::function<std::string(const std::string& path, const std::string& text)> write;
+  /// Gives the next breakpoint its number, where breakpoints of others have numbers too. May be empty: from 1 on.
+  std::function<std::uint64_t()> number_breakpoint;
 };
 
 class Console {

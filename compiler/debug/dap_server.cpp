@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "bip/assert.hpp"
 #include "bip/image_time.hpp"
 #include "runtime/core/deadlock_explanation.hpp"
 #include "runtime/core/final_state.hpp"
@@ -212,6 +213,7 @@ DapServer::Answer DapServer::launch(const json& arguments) {
 }
 
 void DapServer::begin_session() {
+  BIP_ASSERT(debuggee_->session != nullptr && debuggee_->model != nullptr, "a model without a session");
   files_.clear();
   for (const char* const file : model().image().files) files_.push_back(absolute_path(file));
   ConsoleOutput output;
@@ -221,6 +223,10 @@ void DapServer::begin_session() {
   };
   output.write = [](const std::string&, const std::string&) {
     return std::string("`bipc step` writes traces, the debug adapter writes no files");
+  };
+  output.number_breakpoint = [this] {
+    owners_.push_back({Owner::Console, ""});
+    return std::uint64_t{owners_.size()};
   };
   console_ = std::make_unique<Console>(session(), model(), launched_.seed, std::move(output));
   session().on_log = [this](const rt::Breakpoint& b) { send_output(b.message + "\n", "console"); };
@@ -244,6 +250,7 @@ DapServer::Answer DapServer::disconnect(const json&) {
 // The breakpoints stay.
 DapServer::Answer DapServer::restart(const json&) {
   running_ = Running::No;
+  last_halt_ = rt::Halt::Done;
   if (session().back_refusal().empty()) {
     (void)session().go_to(0);
   } else {
@@ -264,11 +271,7 @@ DapServer::Answer DapServer::restart(const json&) {
 void DapServer::send_stopped(const std::string& reason, const std::string& text) {
   json body = {{"reason", reason}, {"threadId", kThread}, {"allThreadsStopped", true}};
   if (!text.empty()) body["text"] = text;
-  json numbers = json::array();
-  if (last_halt_ == rt::Halt::Breakpoint) {
-    for (const rt::u32 row : session().reached()) numbers.push_back(session().breakpoints()[row].number);
-  }
-  if (!numbers.empty()) body["hitBreakpointIds"] = std::move(numbers);
+  if (last_halt_ == rt::Halt::Breakpoint) body["hitBreakpointIds"] = reached_numbers_;
   send_event("stopped", std::move(body));
 }
 
@@ -276,15 +279,7 @@ void DapServer::stop_after(rt::Halt halt, const char* reason) {
   running_ = Running::No;
   last_halt_ = halt;
   switch (halt) {
-    case rt::Halt::Breakpoint: {
-      const rt::Breakpoint& b = session().breakpoints()[session().reached().front()];
-      const bool is_exception = owners_[b.number - 1].owner == Owner::Exception;
-      return send_stopped(is_exception                                     ? "exception"
-                          : owners_[b.number - 1].owner == Owner::Function ? "function breakpoint"
-                          : owners_[b.number - 1].owner == Owner::Data     ? "data breakpoint"
-                                                                           : "breakpoint",
-                          is_exception ? "violated: " + b.text : b.text);
-    }
+    case rt::Halt::Breakpoint: return stop_at_breakpoint();
     case rt::Halt::Deadlock:
       if (rt::is_final_state(session().core())) return send_stopped("pause", "the run has ended in a final state");
       if (!stops_on_deadlock_) return send_event("terminated", json::object());
@@ -301,7 +296,24 @@ void DapServer::stop_after(rt::Halt halt, const char* reason) {
   send_stopped(reason, "");
 }
 
+void DapServer::stop_at_breakpoint() {
+  BIP_ASSERT(!session().reached().empty(), "the model stopped at no breakpoint, at {}", session().position());
+  reached_numbers_.clear();
+  for (const rt::u32 row : session().reached()) reached_numbers_.push_back(session().breakpoints()[row].number);
+  const rt::Breakpoint& first = session().breakpoints()[session().reached().front()];
+  reached_text_ = first.text;
+  BIP_ASSERT(first.number != 0 && first.number <= owners_.size(), "breakpoint {} of {}", first.number, owners_.size());
+  switch (owners_[first.number - 1].owner) {
+    case Owner::Exception: return send_stopped("exception", "violated: " + first.text);
+    case Owner::Function: return send_stopped("function breakpoint", first.text);
+    case Owner::Data: return send_stopped("data breakpoint", first.text);
+    case Owner::Source:
+    case Owner::Console: return send_stopped("breakpoint", first.text);
+  }
+}
+
 void DapServer::run() {
+  BIP_ASSERT(is_launched() && is_running(), "nothing asks the model to run");
   const rt::Halt halt = running_ == Running::Forward ? session().run() : session().run_back();
   // A request has come: it is answered, and the model runs on unless it said otherwise.
   if (halt == rt::Halt::Interrupted && has_input && has_input()) return;
@@ -361,9 +373,8 @@ std::uint32_t DapServer::file_of(const std::string& path) const {
 // Those that the same request set before go.
 void DapServer::replace_breakpoints(Owner owner, const std::string& file) {
   std::erase_if(session().breakpoints(), [&](const rt::Breakpoint& b) {
-    // Those of the debug console have no owner here.
-    return b.number != 0 && b.number <= owners_.size() && owners_[b.number - 1].owner == owner &&
-           owners_[b.number - 1].file == file;
+    BIP_ASSERT(b.number != 0 && b.number <= owners_.size(), "breakpoint {} of {}", b.number, owners_.size());
+    return owners_[b.number - 1].owner == owner && owners_[b.number - 1].file == file;
   });
 }
 
@@ -500,7 +511,7 @@ DapServer::Answer DapServer::exception_info(const json&) {
     body["description"] = without_end(rt::deadlock_story(session().core(), session().position(), launched_.seed));
   } else if (last_halt_ == rt::Halt::Breakpoint) {
     body["exceptionId"] = "property";
-    body["description"] = session().breakpoints()[session().reached().front()].text;
+    body["description"] = reached_text_;
   } else {
     return {{}, "the model has not stopped at an exception", {}};
   }
@@ -514,6 +525,7 @@ DapServer::Answer DapServer::threads(const json&) {
 }
 
 json DapServer::source_of(std::uint32_t file) const {
+  BIP_ASSERT(file < files_.size(), "file {} of {}", file, files_.size());
   return {{"name", std::filesystem::path(files_[file]).filename().string()}, {"path", files_[file]}};
 }
 

@@ -88,12 +88,14 @@ class DapServer {
   void send_event(const char* name, Json body);
   void send_output(const std::string& text, const char* category);
   void stop_after(rt::Halt halt, const char* reason);
+  void stop_at_breakpoint();
   void send_stopped(const std::string& reason, const std::string& text);
   void begin_session();
   [[nodiscard]] bool is_launched() const { return debuggee_ != nullptr; }
   [[nodiscard]] rt::DebugSession& session() { return *debuggee_->session; }
   [[nodiscard]] const DebugModel& model() const { return *debuggee_->model; }
-  enum class Owner : std::uint8_t { Source, Function, Data, Exception };
+  /// The request that set a breakpoint; Console: a command of the debug console, which none of them replaces.
+  enum class Owner : std::uint8_t { Source, Function, Data, Exception, Console };
   void replace_breakpoints(Owner owner, const std::string& file);
   Json add_breakpoint(Owner owner, const std::string& file, rt::Breakpoint made, const Json& options);
   [[nodiscard]] std::uint32_t file_of(const std::string& path) const;
@@ -117,6 +119,9 @@ class DapServer {
   bool is_finished_ = false;
   Running running_ = Running::No;
   rt::Halt last_halt_ = rt::Halt::Done;
+  // Of the breakpoints at which the model stopped last, which may be gone by now.
+  std::vector<std::uint64_t> reached_numbers_;
+  std::string reached_text_;
   std::uint64_t next_sequence_ = 1;
 };
 

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "bip/assert.hpp"
 #include "compiler/verify/property/expression.hpp"
 #include "runtime/core/text.hpp"
 #include "runtime/engine/event_file.hpp"
@@ -50,6 +51,8 @@ std::uint32_t DebugModel::find_connector(const std::string& path) const {
 }
 
 std::optional<Named> DebugModel::find(std::string_view given) const {
+  BIP_ASSERT(system_->atoms.size() == image_->atoms.size && system_->connectors.size() == image_->connectors.size,
+             "{} atoms of the system, {} of the image", system_->atoms.size(), image_->atoms.size);
   const std::string text = rt::whole_path(trimmed(given));
   if (const std::size_t at = text.find('@'); at != std::string::npos) {
     const std::uint32_t atom = find_atom(text.substr(0, at));
@@ -156,7 +159,7 @@ std::optional<rt::Breakpoint> DebugModel::parse_line(const std::string& text, st
   }
   std::uint32_t line = 0;
   std::from_chars(number.data(), number.data() + number.size(), line);
-  if (next_line(row, line) != line) {
+  if (line == 0 || next_line(row, line) != line) {
     const std::uint32_t next = next_line(row, line);
     problem = fmt::format("no transition with a port and no connector is at line {}", line);
     if (next != 0) problem += fmt::format("; the next one is at line {}", next);

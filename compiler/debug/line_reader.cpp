@@ -8,6 +8,8 @@
 #include <cstring>
 #include <utility>
 
+#include "bip/assert.hpp"
+
 #ifdef BIPC_LIBEDIT
 #include <editline/readline.h>
 #endif
@@ -43,6 +45,7 @@ char** complete_line(const char* text, int, int) {
 LineReader::LineReader(Complete complete)
     : complete_(std::move(complete)), is_terminal_(::isatty(STDIN_FILENO) == 1 && ::isatty(STDOUT_FILENO) == 1) {
 #ifdef BIPC_LIBEDIT
+  BIP_ASSERT(complete_at_hand == nullptr, "there is another reader of lines");
   complete_at_hand = &complete_;
   rl_attempted_completion_function = complete_line;
   // Paths contain dots, brackets and `@`.
