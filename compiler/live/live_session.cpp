@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "bip/assert.hpp"
 #include "compiler/debug/event_values.hpp"
 #include "compiler/system/system.hpp"
 #include "runtime/core/final_state.hpp"
@@ -78,7 +79,7 @@ LiveSession::LiveSession(const System& system, rt::DebugSession& session, const 
   while (session_.position() < length) {
     const std::uint64_t before = session_.position();
     if (session_.step() == rt::Halt::Refused || session_.position() == before) break;
-    note_move(before);
+    note_moves(before);
   }
   end_ = dumped(recorder_.end(session_.is_at_fault() ? rt::Halt::Fault : rt::Halt::Done, seed_));
   initial_["end"] = steps_.empty() ? Json::parse(end_) : Json(nullptr);
@@ -91,23 +92,53 @@ LiveSession::LiveSession(const System& system, rt::DebugSession& session, const 
 
 // Steps after the first `steps` have been dropped.
 void LiveSession::keep(std::uint64_t steps) {
+  BIP_ASSERT(steps <= steps_.size(), "{} of {} steps stay", steps, steps_.size());
   steps_.resize(steps);
   candidates_.resize(steps);
   told_ = std::min<std::size_t>(told_, steps);
 }
 
-// Records the move that led from `before` to here, if it is a new one.
-void LiveSession::note_move(std::uint64_t before) {
-  if (session_.position() == before || before < steps_.size()) return;
-  const rt::LastMove* const move = session_.last_move();
-  if (move == nullptr) return;
+// Records the moves that led from `before` to here, if they are new ones. A step that the policy chooses is several
+// moves if events come before it: their states are visited again, where the session can go back.
+void LiveSession::note_moves(std::uint64_t before) {
+  const std::uint64_t here = session_.position();
+  BIP_ASSERT(before <= steps_.size(), "a move begins at {} of {}", before, steps_.size());
+  if (here == before || before < steps_.size()) return;
+  // A fault that is no move would be gone.
+  const bool can_return = here > before + 1 && session_.back_refusal().empty() && session_.last_move() != nullptr;
+  if (can_return && session_.go_to(before) == rt::Halt::Done) {
+    while (session_.position() == steps_.size() && session_.position() < here) {
+      (void)session_.step();
+      note_move();
+    }
+  } else {
+    while (steps_.size() < here) note_move();
+  }
+  BIP_ASSERT(session_.position() == here && steps_.size() == here && candidates_.size() == here,
+             "{} rows of {} moves, at {}", steps_.size(), here, session_.position());
+}
+
+// Records the move behind the last one that is recorded. Of one that did not lead to where the session is there is
+// only a text.
+void LiveSession::note_move() {
+  const Json none{{"rows", Json::array()}, {"count", 0}};
+  const rt::LastMove* const move = session_.position() == steps_.size() + 1 ? session_.last_move() : nullptr;
+  if (move == nullptr) {
+    steps_.push_back(
+        dumped({-1, session_.move_text(steps_.size()), Json::array(), Json::array(), session_.core().now(), ""}));
+    candidates_.push_back(dumped(none));
+    return;
+  }
   steps_.push_back(dumped(recorder_.step(*move)));
-  candidates_.push_back(
-      dumped(session_.is_at_fault() ? Json{{"rows", Json::array()}, {"count", 0}} : recorder_.candidates()));
+  candidates_.push_back(dumped(session_.is_at_fault() ? none : recorder_.candidates()));
 }
 
 std::string LiveSession::run_note(std::size_t from, std::size_t to, std::size_t names_from, std::uint64_t by,
                                   const std::string& halt) const {
+  BIP_ASSERT(from <= to && to <= steps_.size() && steps_.size() == candidates_.size() &&
+                 names_from <= recorder_.names().size(),
+             "steps {} to {} of {}, names from {} of {}", from, to, steps_.size(), names_from,
+             recorder_.names().size());
   std::string out = fmt::format("{{\"note\":\"run\",\"from\":{},\"steps\":[", from);
   for (std::size_t k = from; k < to; ++k) out += (k > from ? "," : "") + steps_[k];
   out += "],\"candidates\":[";
@@ -225,13 +256,14 @@ LiveSession::Answer LiveSession::take(const Asked& asked) {
     keep(at);
   }
   const rt::Halt halt = session_.choose(k);
-  note_move(at);
+  note_moves(at);
   if (session_.position() == steps_.size()) end_ = dumped(recorder_.end(halt, seed_));
   tell(asked.page, halt_text(halt));
   return Json{{"position", session_.position()}};
 }
 
 LiveSession::Answer LiveSession::walk(const Asked& asked) {
+  BIP_ASSERT(!running_, "page {} has a walk already", running_->page);
   const std::uint64_t count = (*asked.body)["count"].get<std::uint64_t>();
   session_.branch();
   keep(session_.position());
@@ -261,7 +293,7 @@ void LiveSession::go_on() {
     --running_->left;
     if (running_->stops_at_breakpoints) halt = session_.run(1);
     else if (const rt::Halt stepped = session_.step(); stepped != rt::Halt::Done) halt = stepped;
-    note_move(before);
+    note_moves(before);
   }
   if (halt == rt::Halt::Interrupted) is_interrupted_ = true;
   if (halt != rt::Halt::Limit) return finish(halt);
@@ -271,6 +303,7 @@ void LiveSession::go_on() {
 }
 
 void LiveSession::finish(rt::Halt halt) {
+  BIP_ASSERT(running_.has_value(), "nothing runs that ends by {}", halt);
   const Running done = *running_;
   running_.reset();
   const std::string text = halt_text(halt);
@@ -289,7 +322,7 @@ LiveSession::Answer LiveSession::stop(const Asked&) {
 LiveSession::Answer LiveSession::moved(const Asked& asked, std::uint64_t at, rt::Halt halt) {
   if (halt == rt::Halt::Refused) return refused();
   keep(at);
-  note_move(at);
+  note_moves(at);
   end_ = dumped(recorder_.end(halt, seed_));
   tell(asked.page, halt_text(halt));
   return Json{{"position", session_.position()}};

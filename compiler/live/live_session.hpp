@@ -84,7 +84,8 @@ class LiveSession final : public PageSession {
   Answer moved(const Asked& asked, std::uint64_t at, rt::Halt halt);
   [[nodiscard]] Json refused();
   [[nodiscard]] std::string go_to(std::uint64_t position);
-  void note_move(std::uint64_t before);
+  void note_moves(std::uint64_t before);
+  void note_move();
   void keep(std::uint64_t steps);
   void tell(std::uint64_t by, const std::string& halt);
   void finish(rt::Halt halt);

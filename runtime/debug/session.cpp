@@ -59,6 +59,8 @@ Halt DebugSession::start() {
 
 void DebugSession::record(Move move, i64 instant) {
   BIP_ASSERT(!has_ahead(), "a move is appended before recorded ones");
+  BIP_ASSERT(instants_.empty() || instants_.back() <= instant, "a move at {} after one at {}", instant,
+             instants_.back());
   moves_.push_back(move);
   if (core_.is_timed()) instants_.push_back(instant);
 }
@@ -111,6 +113,7 @@ bool DebugSession::apply(const Move& move, i64 instant, Track track) {
 
 // Repeats the next recorded move.
 Halt DebugSession::forward(Track track) {
+  BIP_ASSERT(has_ahead() && !is_faulty_, "no move is ahead of {}", position_);
   const std::uint64_t at = position_;
   const Move move = moves_[at];
   return apply(move, core_.is_timed() ? instants_[at] : 0, track) ? Halt::Done : Halt::Fault;
@@ -227,6 +230,7 @@ Halt DebugSession::post(const std::string& port, std::vector<EventValue> values)
 
 Halt DebugSession::assign(u32 atom, u32 variable, Cell value) {
   if (is_faulty_) return Halt::Fault;
+  BIP_ASSERT(atom < core_.image().atoms.size, "atom {} of {}", atom, core_.image().atoms.size);
   const Var& declared = core_.tables().atom_type(atom).variables[variable];
   if (is_ffi(declared.type)) return refuse("an object of C++ cannot be set");
   branch();
@@ -305,6 +309,7 @@ void DebugSession::take_snapshot() {
     std::erase_if(snapshots_, [this](const Snapshot& s) { return s.position % stride_ != 0; });
     for (const Snapshot& s : snapshots_) snapshot_bytes_ += s.bytes;
   }
+  BIP_ASSERT(snapshots_.front().position == 0, "the first snapshot is at {}", snapshots_.front().position);
 }
 
 void DebugSession::restore(const Snapshot& snapshot) {
@@ -328,6 +333,8 @@ Halt DebugSession::return_to(std::uint64_t position) {
   is_faulty_ = false;
   is_tracked_ = false;
   position_ = from.position;
+  BIP_ASSERT(position_ <= position && position <= moves_.size(), "from {} to {} of {}", position_, position,
+             moves_.size());
   while (position_ < position) {
     if (forward(Track::No) == Halt::Fault) return Halt::Fault;
   }
@@ -405,6 +412,7 @@ bool DebugSession::undo() {
   marks_.pop_back();
   if (!last.tail.empty()) {
     (void)go_to(last.cut);
+    BIP_ASSERT(position_ == last.cut, "the moves were dropped at {}, and this is {}", last.cut, position_);
     drop_ahead();
     moves_.insert(moves_.end(), last.tail.begin(), last.tail.end());
     instants_.insert(instants_.end(), last.instants.begin(), last.instants.end());
@@ -492,6 +500,27 @@ bool DebugSession::append_trace(std::string& out, TraceFormat format, TraceSink&
 
 // -- The last move --
 
+std::string DebugSession::move_text(std::uint64_t row) const {
+  BIP_ASSERT(row < moves_.size(), "move {} of {}", row, moves_.size());
+  const Move& move = moves_[row];
+  std::string text;
+  if (move.interaction == kDelay) {
+    text = "time passes to ";
+    append_time(text, instants_[row]);
+  } else if (move.interaction == kEvent) {
+    const Event& event = events_[move.rank].event;
+    if (event.kind == EventKind::Port) text = "an event arrives at " + feed_.ports().path(event.row);
+    else text = "the action returns in " + core_.image().atoms[event.row].path();
+  } else if (move.interaction == kAssign) {
+    const u32 cell = assignments_[move.rank].cell, atom = atom_of_cell(cell);
+    text = "a person sets ";
+    append_relative(text, core_.image().atoms[atom]);
+    const AtomType& type = core_.tables().atom_type(atom);
+    text += std::string(".") + type.variables[cell - core_.image().atoms[atom].first_cell].name;
+  }
+  return text;
+}
+
 const LastMove* DebugSession::last_move() {
   if (position_ == 0) return nullptr;
   if (is_tracked_) return &last_;
@@ -500,6 +529,16 @@ const LastMove* DebugSession::last_move() {
   (void)return_to(here - 1);
   (void)forward(Track::Yes);
   return &last_;
+}
+
+// The atom whose variable is in the cell: their variables follow each other.
+u32 DebugSession::atom_of_cell(u32 cell) const {
+  const Image& image = core_.image();
+  u32 atom = 0;
+  while (atom + 1 < image.atoms.size && image.atoms[atom + 1].first_cell <= cell) ++atom;
+  BIP_ASSERT(cell - image.atoms[atom].first_cell < core_.tables().atom_type(atom).variables.size,
+             "cell {} is none of atom {}", cell, atom);
+  return atom;
 }
 
 void DebugSession::note_atom(u32 atom) {
@@ -530,31 +569,20 @@ void DebugSession::begin_tracking(const Move& move) {
   before_.clear();
   if (move.interaction == kDelay) {
     last_.kind = MoveKind::Delay;
-    last_.text = "time passes to ";
-    append_time(last_.text, core_.now());
+    last_.text = move_text(position_);
     return;
   }
   if (move.interaction == kEvent) {
     const Event& event = events_[move.rank].event;
     last_.kind = MoveKind::Event;
-    if (event.kind == EventKind::Port) {
-      last_.text = "an event arrives at " + feed_.ports().path(event.row);
-    } else {
-      last_.text = "the action returns in " + core_.image().atoms[event.row].path();
-      note_atom(event.row);
-    }
+    last_.text = move_text(position_);
+    if (event.kind != EventKind::Port) note_atom(event.row);
     return;
   }
   if (move.interaction == kAssign) {
     last_.kind = MoveKind::Assign;
-    const u32 cell = assignments_[move.rank].cell;
-    u32 atom = 0;
-    while (atom + 1 < core_.image().atoms.size && core_.image().atoms[atom + 1].first_cell <= cell) ++atom;
-    const AtomType& type = core_.tables().atom_type(atom);
-    last_.text = "a person sets ";
-    append_relative(last_.text, core_.image().atoms[atom]);
-    last_.text += std::string(".") + type.variables[cell - core_.image().atoms[atom].first_cell].name;
-    note_atom(atom);
+    last_.text = move_text(position_);
+    note_atom(atom_of_cell(assignments_[move.rank].cell));
     return;
   }
   const Candidate candidate = core_.candidate(EnabledSet::Position{move.interaction, move.rank});
@@ -615,6 +643,7 @@ void DebugSession::prepare_breakpoints() {
 
 bool DebugSession::check_breakpoints() {
   if (breakpoints_.empty()) return false;
+  BIP_ASSERT(position_ != 0 && position_ <= moves_.size(), "no move led to {}", position_);
   reached_.clear();
   bool stops = false;
   const Move& move = moves_[position_ - 1];

@@ -93,6 +93,9 @@ class DebugSession {
   [[nodiscard]] std::string fault() const;
   /// The number of the candidate that the next recorded move takes; nothing if there is no such move.
   [[nodiscard]] std::optional<std::uint64_t> recorded_choice() const;
+  /// What recorded move `row` (from 0) is, in a few words: `an event arrives at arm.coin`. Empty for a step: what it
+  /// moves is seen in its state only.
+  [[nodiscard]] std::string move_text(std::uint64_t row) const;
   /// The move that led here; nothing in the initial state. Goes back and forth by one step if need be.
   [[nodiscard]] const LastMove* last_move();
   void track(Tracking tracking) { tracking_ = tracking; }
@@ -198,6 +201,7 @@ class DebugSession {
   void end_tracking();
   void note_part(const Participant& part);
   void note_atom(u32 atom);
+  [[nodiscard]] u32 atom_of_cell(u32 cell) const;
   void prepare_breakpoints();
   [[nodiscard]] bool check_breakpoints();
   void note_step(const Candidate& candidate);

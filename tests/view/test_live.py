@@ -168,6 +168,24 @@ def events():
         run.follow(page.notes)
         check("the coin is taken", len(run.steps) == 3 and run.steps[2][3], run.steps)
         page.close()
+    # Events of a file come before the step that the policy chooses: each is a move, and a state to go to.
+    with tempfile.TemporaryDirectory() as made:
+        coins = pathlib.Path(made) / "coins.jsonl"
+        coins.write_text("".join(f'{{"time": {at}, "port": "arm.coin", "values": [50]}}\n' for at in (1_000_000, 9_000_000)), encoding="utf-8")
+        with Served(BIPC, "--events", coins, MODELS / "timed/turnstile.bip") as served:
+            page, run = Page(served), Run()
+            run.follow([page.message()])
+            page.message()
+            walk = page.ask("walk", at=0, count=2)
+            run.follow(page.notes)
+            check("a walk counts its events", walk["ok"] and walk["position"] == 4 == len(run.steps), walk, run.steps)
+            check("each event is a row", [run.steps[k][1].endswith("arm.coin") for k in (0, 2)] == [True] * 2 and all(run.steps[k][3] for k in (1, 3)), run.steps)
+            check("between them a coin may be taken", run.candidates[1]["count"] > 0, run.candidates)
+            again = page.ask("walk", at=walk["position"], count=1)
+            run.follow(page.notes)
+            check("it goes on from there", again["ok"] and again["position"] == 5 == len(run.steps), again, run.steps)
+            check("and from between", page.ask("watch", at=1, texts=["arm.total", "arm.paid"])["values"] == [["0", True]] * 2)
+            page.close()
 
 
 def strangers():
