@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "bip/assert.hpp"
 #include "compiler/base/read_file.hpp"
 #include "compiler/driver/published_trace.hpp"
 #include "compiler/system/uses_time.hpp"
@@ -64,7 +65,9 @@ bool read_binary_head(Compilation& c, const RunFileText& run, rt::SessionOptions
   rt::RecordedBegin begin;
   (void)reader.open(run.text, begin);
   options.seed = begin.seed;
-  options.policy = rt::find_policy(begin.policy)->policy;
+  const rt::PolicyRow* const policy = rt::find_policy(begin.policy);
+  BIP_ASSERT(policy != nullptr, "a sound record has the policy `{}`", begin.policy);
+  options.policy = policy->policy;
   options.progress = begin.maximal_progress ? rt::MaximalProgress::On : rt::MaximalProgress::Off;
   return true;
 }
@@ -116,7 +119,9 @@ std::optional<rt::EnabledSet::Position> find_json_candidate(rt::Core& core, cons
     for (std::size_t i = 0; i < parts.size(); ++i) {
       const rt::AtomType& type = core.tables().atom_type(parts[i].atom);
       const std::string path = core.image().atoms[parts[i].atom].path() + "." + type.ports[parts[i].port].name;
-      if (!(*ports)[i].is_object() || (*ports)[i].value("port", std::string()) != path) return false;
+      if (!(*ports)[i].is_object()) return false;
+      const auto port = (*ports)[i].find("port");
+      if (port == (*ports)[i].end() || *port != path) return false;
     }
     return true;
   };
@@ -173,6 +178,8 @@ std::optional<rt::EnabledSet::Position> find_published_candidate(rt::Core& core,
   const Result<PublishedTrace> ours = read_published_trace(text);
   if (!ours || core.candidate_count() == 0) return std::nullopt;
   const std::vector<std::string>& candidates = (*ours).states.front().candidates;
+  BIP_ASSERT(candidates.size() == core.candidate_count(), "{} lines of {} candidates", candidates.size(),
+             core.candidate_count());
   std::size_t before = 0;
   std::optional<rt::EnabledSet::Position> found;
   for (std::size_t k = 0; k < candidates.size(); ++k) {
