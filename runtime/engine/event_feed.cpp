@@ -155,6 +155,18 @@ void EventFeed::release(const Core& core) {
   }
 }
 
+void EventFeed::recount(const Core& core) {
+  if (!is_open_) return;
+  active_.clear();
+  for (u32 row = 0; row < held_.size(); ++row) {
+    const u32 waiting = core.events().waiting(row);
+    if (waiting > held_[row]) inbox_.hold(row, waiting - held_[row]);
+    else if (waiting < held_[row]) inbox_.release(row, held_[row] - waiting);
+    held_[row] = waiting;
+    if (waiting != 0) active_.push_back(row);
+  }
+}
+
 i64 EventFeed::wait_for_outside(Core& core, i64 target) {
   BIP_ASSERT(target >= core.now(), "waits at {} for {}", core.now(), target);
   ++looks_;

@@ -59,6 +59,8 @@ class EventFeed {
   /// Any thread: a wait returns, and is_stopped() holds.
   void stop();
   void go_on() { wants_stop_.store(false); }
+  /// The core was set to another state: the events that wait in it are counted anew.
+  void recount(const Core& core);
   /// The instant `now` of the model is now on the wall, and events that wait come now.
   void restart(RealTime& wall, i64 now);
   [[nodiscard]] Waker& waker() { return inbox_.waker(); }

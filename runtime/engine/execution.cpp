@@ -371,6 +371,7 @@ void Execution::restore(const Snapshot& snapshot) {
   BIP_ASSERT(!sound || is_same_state(impl_->core, snapshot.impl_->state), "the restored state is another one");
   impl_->steps = snapshot.impl_->steps;
   impl_->feed.restart(impl_->wall, impl_->core.now());
+  impl_->feed.recount(impl_->core);
   impl_->outcome = sound ? snapshot.impl_->outcome : Outcome::Fault;
 }
 

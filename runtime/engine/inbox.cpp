@@ -56,4 +56,9 @@ void Inbox::release(u32 row, u32 count) {
   waiting_[row] -= std::min(waiting_[row], count);
 }
 
+void Inbox::hold(u32 row, u32 count) {
+  const std::lock_guard<std::mutex> hold(lock_);
+  waiting_[row] += count;
+}
+
 }  // namespace bip::rt

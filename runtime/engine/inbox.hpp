@@ -31,6 +31,8 @@ class Inbox {
   void restart(RealTime& wall, i64 now);
   /// `count` events of the port left the core.
   void release(u32 row, u32 count);
+  /// `count` events of the port are in the core that were not: it was set to another state.
+  void hold(u32 row, u32 count);
   [[nodiscard]] Waker& waker() { return waker_; }
   [[nodiscard]] const Waker& waker() const { return waker_; }
   [[nodiscard]] u32 capacity() const { return capacity_; }

@@ -103,6 +103,24 @@ TEST_CASE("a snapshot holds the events that wait") {
   CHECK(sum == 10);
 }
 
+TEST_CASE("events that wait in a restored state count for the queue's bound") {
+  const EventModel model(kCounter);
+  Execution system(model.image(), {.seed = 1, .event_capacity = 3});
+  for (int k = 0; k < 3; ++k) REQUIRE(system.post("c.add", {k}) == Posted::Taken);
+  REQUIRE(system.step() == Outcome::Stepped);
+  const Execution::Snapshot two_wait = system.snapshot();
+  CHECK(system.run(10) == 2);
+  const Execution::Snapshot none_waits = system.snapshot();
+  system.restore(two_wait);
+  CHECK(system.post("c.add", {3}) == Posted::Taken);
+  CHECK(system.post("c.add", {4}) == Posted::Full);
+  CHECK(system.run(10) == 3);
+  system.restore(two_wait);
+  system.restore(none_waits);
+  for (int k = 0; k < 3; ++k) CHECK(system.post("c.add", {k}) == Posted::Taken);
+  CHECK(system.post("c.add", {4}) == Posted::Full);
+}
+
 TEST_CASE("eight threads post, and nothing that was taken in is lost") {
   const EventModel model(kCounter);
   Execution system(model.image(), {.seed = 1, .speed = 1, .event_capacity = 64});
