@@ -10,6 +10,7 @@
 #include "BipLexer.h"
 #include "antlr4-runtime.h"
 #include "compiler/parse/token_list.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::parse {
 namespace {
@@ -229,6 +230,7 @@ class Classifier {
   }
   /// One token of all up to the closing brace.
   void push_property_text(TokenRow row) {
+    BIP_ASSERT(property_end_ > at_ && property_end_ < in_.size(), "a property from word {} to {}", at_, property_end_);
     at_ = property_end_;
     row.end = in_[at_].end;
     push(row, BipLexer::PROPERTY_TEXT);
@@ -297,7 +299,7 @@ class Classifier {
   std::vector<TokenRow> out_;
   std::size_t at_ = 0;
   std::size_t in_of_for_ = 0;
-  std::size_t property_text_ = 0, property_end_ = 0;
+  std::size_t property_text_ = ~std::size_t{0}, property_end_ = 0;
   Region region_ = Region::None;
   Part part_ = Part::Head;
   WordAsName on_, end_;
@@ -336,7 +338,9 @@ void mark_else_chains(std::vector<TokenRow>& rows) {
 }  // namespace
 
 void classify_tokens(std::vector<TokenRow>& rows, std::string_view text) {
+  [[maybe_unused]] const std::uint32_t end = rows.empty() ? 0 : rows.back().end;
   rows = Classifier(rows, text).run();
+  BIP_ASSERT((rows.empty() ? 0 : rows.back().end) == end, "{} words end elsewhere than at {}", rows.size(), end);
   mark_else_chains(rows);
 }
 
