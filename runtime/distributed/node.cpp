@@ -10,6 +10,8 @@ namespace bip::rt {
 bool Node::start(const State& state) {
   const u32 atoms = core_.image().atoms.size;
   n_.assign(atoms, 0);
+  BIP_ASSERT(distribution_.history.empty() || distribution_.history.size() == atoms, "{} atoms have a history",
+             distribution_.history.size());
   history_ = distribution_.history;
   history_.resize(atoms, kNone);
   if (!core_.restore(state)) return false;
@@ -43,6 +45,7 @@ void Node::take(const Offer& offer) {
 }
 
 void Node::receive(const Offer& offer) {
+  BIP_ASSERT(distribution_.home(offer.atom) != self_, "atom {} is at home here", offer.atom);
   n_[offer.atom] = offer.n;
   where_[offer.atom] = Where::Here;
   is_in_core_[offer.atom] = 1;
@@ -62,7 +65,7 @@ void Node::take(const Begin& begin) {
     }
     ++n_[part.atom];
     where_[part.atom] = Where::Working;
-    tell(NodeEvent::Kind::Taken, part.atom);
+    tell(NodeEvent::Kind::Taken, part.atom, begin.interaction);
     const Span<u32> cells = distribution_.cells[part.atom];
     for (u32 i = 0; i < cells.size; ++i) core_.write_cell(cells[i], part.cells[i]);
     note_history(part.atom, core_.tables().transitions[part.transition], begin.interaction);
@@ -74,6 +77,7 @@ void Node::take(const Begin& begin) {
 }
 
 void Node::begin(EnabledSet::Position at, u64 step, std::vector<u32>& atoms) {
+  BIP_ASSERT(core_.partial().is_decided(at.interaction), "interaction {} waits for atoms elsewhere", at.interaction);
   begun_.clear();
   if (!core_.partial().begin(at, step, begun_)) stop();
   const std::size_t first = outbox_.size();
@@ -81,11 +85,12 @@ void Node::begin(EnabledSet::Position at, u64 step, std::vector<u32>& atoms) {
   for (const Work& work : begun_) {
     const u32 home = distribution_.home(work.atom);
     atoms.push_back(work.atom);
+    BIP_ASSERT(is_in_core_[work.atom] != 0, "atom {} takes part and is not offered here", work.atom);
     where_[work.atom] = home == self_ ? Where::Working : Where::Away;
     is_in_core_[work.atom] = 0;
-    tell(NodeEvent::Kind::Begun, work.atom);
+    tell(NodeEvent::Kind::Begun, work.atom, at.interaction);
     if (home == self_) {
-      tell(NodeEvent::Kind::Taken, work.atom);
+      tell(NodeEvent::Kind::Taken, work.atom, at.interaction);
       ++n_[work.atom];
       note_history(work.atom, *work.transition, at.interaction);
       works_.push_back(work);
@@ -115,6 +120,8 @@ void Node::begin(EnabledSet::Position at, u64 step, std::vector<u32>& atoms) {
 
 void Node::run(std::size_t k) {
   Work work = works_[k];
+  BIP_ASSERT(distribution_.home(work.atom) == self_ && where_[work.atom] == Where::Working,
+             "an action of atom {}, which is not at work here", work.atom);
   works_[k] = works_.back();
   works_.pop_back();
   const std::int32_t status = core_.partial().run(work);
@@ -157,7 +164,7 @@ bool Node::find_coordinator(u32 atom, u32& coordinator) {
 
 void Node::come_to_rest(u32 atom) {
   PartialSteps& partial = core_.partial();
-  tell(NodeEvent::Kind::Rested, atom);
+  tell(NodeEvent::Kind::Rested, atom, kNone, partial.place_at_rest(atom));
   u32 coordinator = kNone;
   if (!find_coordinator(atom, coordinator)) return stop();
   if (coordinator != kNone) tell(NodeEvent::Kind::Offered, atom);
@@ -173,6 +180,7 @@ void Node::come_to_rest(u32 atom) {
   Offer offer{atom, n_[atom], {}, {}};
   if (!partial.offer_away(atom, offer.offer)) return stop();
   if (coordinator == kNone) return;
+  BIP_ASSERT(coordinator < distribution_.placement.nodes.size(), "atom {} is offered to node {}", atom, coordinator);
   for (const u32 cell : distribution_.cells[atom]) offer.cells.push_back(core_.cell(cell).bits);
   outbox_.push_back({coordinator, std::move(offer)});
   ++counts_.offers;

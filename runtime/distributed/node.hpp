@@ -32,17 +32,26 @@ struct NodeCounts {
   u64 stale = 0;                           // messages that came again
 };
 
-/// What happens to an atom, as models/protocol/offer_begin.bip tells it.
+/// What happens to an atom, as models/protocol/offer_begin.bip tells it, and to an attempt to lock atoms for an
+/// interaction, as models/protocol/lock_chain.bip does.
 struct NodeEvent {
   enum class Kind : std::uint8_t {
-    Begun,    // its coordinator begins a step with it
-    Taken,    // its home takes the step
-    Rested,   // it is at rest again
-    Offered,  // its home offers it
-    Received  // its coordinator has the offer
+    Begun,     // its coordinator begins a step with it
+    Taken,     // its home takes the step
+    Rested,    // it is at rest again, at `place`
+    Offered,   // its home offers it
+    Received,  // its coordinator has the offer
+    Locked,    // an attempt takes it along
+    Arrived,   // a LOCK has come to another home; of no atom
+    Refused,   // it cannot take part, and the attempt ends
+    Released,  // it is offered again as it was before the attempt
+    Woken,     // it has changed, and its home sends WAKE
+    Heard      // the coordinator has the WAKE; of no atom
   };
   Kind kind = Kind::Begun;
   u32 atom = kNone;
+  u32 interaction = kNone;  // of a step: the step's; of an attempt: what it is for
+  u32 place = kNone;        // of automata
 };
 using NodeObserver = std::function<void(NodeEvent)>;
 
@@ -130,8 +139,8 @@ class Node {
   void note_history(u32 atom, const LinkedTransition& transition, u32 interaction);
   bool find_coordinator(u32 atom, u32& coordinator);
   void stop();
-  void tell(NodeEvent::Kind kind, u32 atom) const {
-    if (observer_) observer_({kind, atom});
+  void tell(NodeEvent::Kind kind, u32 atom, u32 interaction = kNone, u32 place = kNone) const {
+    if (observer_) observer_({kind, atom, interaction, place});
   }
 
   const Distribution& distribution_;

@@ -65,6 +65,8 @@ bool Node::fits(u32 interaction, u32 atom) {
 // -- What to try --
 
 void Node::list_try(u32 interaction) {
+  BIP_ASSERT(distribution_.coordinator_of[interaction] == self_, "interaction {} is coordinated elsewhere",
+             interaction);
   if (is_listed_[interaction] != 0 || blocked_[interaction] != Blocked::No) return;
   is_listed_[interaction] = 1;
   tries_.push_back(interaction);
@@ -124,6 +126,7 @@ void Node::try_lock(std::size_t k) {
   const u32 interaction = tries_[k];
   tries_[k] = tries_.back();
   tries_.pop_back();
+  BIP_ASSERT(is_listed_[interaction] != 0, "interaction {} is tried twice", interaction);
   is_listed_[interaction] = 0;
   if (blocked_[interaction] != Blocked::No || !may_try(interaction)) return;
   is_awake_[interaction] = 0;
@@ -152,6 +155,7 @@ void Node::lend(u32 atom, Lock& lock) {
   const LinkedType& type = tables.types[tables.atoms[atom].type];
   PartialSteps& partial = core_.partial();
   BIP_ASSERT(is_in_core_[atom] != 0, "atom {} is not here", atom);
+  tell(NodeEvent::Kind::Locked, atom, lock.interaction);
   AtomOffer& offer = lent_[atom];
   const auto marks = core_.parts().memory.marks.begin() + tables.first_mark(atom);
   offer.place = partial.place_at_rest(atom);
@@ -177,7 +181,10 @@ void Node::take_back(u32 atom, const AtomOffer& offer) {
   if (!core_.partial().receive(atom, offer)) stop();
 }
 
-void Node::take(const Lock& lock) { go_on(lock, kNone); }
+void Node::take(const Lock& lock) {
+  tell(NodeEvent::Kind::Arrived, kNone, lock.interaction);
+  go_on(lock, kNone);
+}
 
 // Locks what is at home here, and passes the attempt on. `served`: the atom that is given to it now, which waited for
 // it first.
@@ -198,6 +205,7 @@ void Node::go_on(Lock lock, u32 served) {
       return;
     }
     if (where_[atom] == Where::Away || !fits(lock.interaction, atom)) {
+      tell(NodeEvent::Kind::Refused, atom, lock.interaction);
       watch(atom, lock.interaction);
       return refuse(lock, false);
     }
@@ -223,6 +231,9 @@ void Node::hold_all(Lock lock) {
     take_back(offer->atom, offer->offer);
     where_[offer->atom] = Where::Locked;
   }
+  BIP_ASSERT(std::all_of(distribution_.needs[lock.interaction].begin(), distribution_.needs[lock.interaction].end(),
+                         [this](u32 atom) { return is_in_core_[atom] != 0; }),
+             "not all that interaction {} needs is here", lock.interaction);
   if (core_.enabled().weight(lock.interaction) != 0 && partial.is_decided(lock.interaction)) {
     ready_.push_back(std::move(lock));
     return;
@@ -239,6 +250,8 @@ void Node::refuse(const Lock& lock, bool is_watched) {
 
 // A step with the first of those that are ready has begun: what did not take part goes back.
 void Node::end_attempt() {
+  BIP_ASSERT(!ready_.empty() && !begun_.empty(), "{} attempts are ready, {} parts have begun", ready_.size(),
+             begun_.size());
   const Lock lock = std::move(ready_.front());
   ready_.pop_front();
   std::vector<u32> atoms;
@@ -292,6 +305,7 @@ void Node::take(const Release& release) {
     const bool is_home = distribution_.home(atom) == self_;
     BIP_ASSERT(is_home ? where_[atom] == Where::Locked : is_coordinator && taken_by_[atom] == interaction,
                "atom {} comes back, and was not taken", atom);
+    tell(NodeEvent::Kind::Released, atom, interaction);
     take_back(atom, lent_[atom]);
     where_[atom] = Where::Here;
     taken_by_[atom] = kNone;
@@ -314,6 +328,7 @@ void Node::take(const Release& release) {
 // -- Refused interactions --
 
 void Node::watch(u32 atom, u32 interaction) {
+  BIP_ASSERT(distribution_.home(atom) == self_, "atom {} is watched where it is not at home", atom);
   for (Watcher& watcher : watchers_[atom]) {
     if (watcher.interaction != interaction) continue;
     watcher.n = n_[atom];
@@ -327,6 +342,7 @@ void Node::wake_watchers(u32 atom) {
   std::erase_if(watchers_[atom], [&](const Watcher& watcher) {
     if (watcher.n == n_[atom] || !fits(watcher.interaction, atom)) return false;
     const u32 coordinator = distribution_.coordinator_of[watcher.interaction];
+    tell(NodeEvent::Kind::Woken, atom, watcher.interaction);
     if (coordinator == self_) {
       unblock(watcher.interaction);
     } else {
@@ -337,7 +353,10 @@ void Node::wake_watchers(u32 atom) {
   });
 }
 
-void Node::take(const Wake& wake) { unblock(wake.interaction); }
+void Node::take(const Wake& wake) {
+  tell(NodeEvent::Kind::Heard, kNone, wake.interaction);
+  unblock(wake.interaction);
+}
 
 // Gives the atoms that came to rest, or came back, to those that wait for them; what is left is offered here.
 void Node::serve() {

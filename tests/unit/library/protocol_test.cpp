@@ -1,5 +1,6 @@
 // The protocol as a model and as a program are one: what happens to each atom in simulated runs, whatever the network
-// does, is a run of models/protocol/offer_begin.bip, which is proved.
+// does, is a run of models/protocol/offer_begin.bip, and of runs with locks also one of models/protocol/lock_chain.bip.
+// Both are proved.
 #include <catch2/catch.hpp>
 
 #include <cstdio>
@@ -40,15 +41,36 @@ struct Ready {
   }
 };
 
-// One atom's protocol, as the model tells it.
-class Protocol {
+// A run of a model that takes the steps that it is told.
+class Follower {
  public:
-  explicit Protocol(const rt::Image& image) : core_(image) {
-    REQUIRE(core_.initialize());
+  explicit Follower(const rt::Image& image) : core_(image) { REQUIRE(core_.initialize()); }
+  void take(const std::string& name) {
+    if (!problem_.empty()) return;
+    for (std::uint64_t k = 0; k < core_.candidate_count(); ++k) {
+      const std::string path = core_.image().connectors[core_.candidate(k).connector].path();
+      if (path != "ROOT." + name) continue;
+      problem_ = core_.fire(k) ? "" : "a fault in " + path;
+      return;
+    }
+    problem_ = name + " is no step there";
+  }
+  [[nodiscard]] const std::string& problem() const { return problem_; }
+
+ private:
+  rt::Core core_;
+  std::string problem_;
+};
+
+// One atom's protocol, as the model tells it.
+class Protocol : public Follower {
+ public:
+  explicit Protocol(const rt::Image& image) : Follower(image) {
     // The initial state is offered, and known to all.
     take("offer");
     take("hear_offer");
   }
+  using Follower::take;
   void take(rt::NodeEvent::Kind kind) {
     switch (kind) {
       case rt::NodeEvent::Kind::Begun: take("decide"); return take("begin");
@@ -56,24 +78,65 @@ class Protocol {
       case rt::NodeEvent::Kind::Rested: return take("work");
       case rt::NodeEvent::Kind::Offered: return take("offer");
       case rt::NodeEvent::Kind::Received: return take("hear_offer");
+      case rt::NodeEvent::Kind::Locked:
+      case rt::NodeEvent::Kind::Arrived:
+      case rt::NodeEvent::Kind::Refused:
+      case rt::NodeEvent::Kind::Released:
+      case rt::NodeEvent::Kind::Woken:
+      case rt::NodeEvent::Kind::Heard: return;  // of locks
     }
   }
-  [[nodiscard]] const std::string& problem() const { return problem_; }
+};
+
+// The locks of a ring of components, each on a node of its own, as `Ordered` tells them: the first and the last one
+// have names of their own, and so has the interaction between them. The interactions of the ring come first.
+class LockChain : public Follower {
+ public:
+  using Kind = rt::NodeEvent::Kind;
+  LockChain(const rt::Image& image, u32 size) : Follower(image), size_(size) {}
+  using Follower::take;
+
+  void take(const rt::NodeEvent& event) {
+    const bool is_local = event.interaction != rt::kNone && event.interaction >= size_;
+    switch (event.kind) {
+      case Kind::Begun:
+      case Kind::Offered:
+      case Kind::Received: return;
+      case Kind::Taken:
+        if (is_local) return take(of_component(event.atom, "local"));
+        return take(is_first(event) ? of_first(event, "begin") : of_second(event, "take"));
+      case Kind::Rested: return take(of_component(event.atom, event.place == 0 ? "rest" : "rest_away"));
+      // The second one is locked until the step begins, which is one step of the model.
+      case Kind::Locked: return is_first(event) ? take(of_first(event, "lock")) : void();
+      case Kind::Arrived: return take("arrive[" + std::to_string(event.interaction) + "]");
+      case Kind::Refused: return take(of_second(event, "refuse"));
+      case Kind::Released: return take(of_first(event, "release"));
+      case Kind::Woken: return take(of_second(event, "wake"));
+      case Kind::Heard: return take("hear_wake[" + std::to_string(event.interaction) + "]");
+    }
+  }
 
  private:
-  void take(std::string_view name) {
-    if (!problem_.empty()) return;
-    for (std::uint64_t k = 0; k < core_.candidate_count(); ++k) {
-      const std::string path = core_.image().connectors[core_.candidate(k).connector].path();
-      if (path != "ROOT." + std::string(name)) continue;
-      problem_ = core_.fire(k) ? "" : "a fault in " + path;
-      return;
-    }
-    problem_ = std::string(name) + " is no step there";
+  [[nodiscard]] std::string of_component(u32 atom, const std::string& what) const {
+    if (atom == 0) return "first_" + what;
+    if (atom + 1 == size_) return "last_" + what;
+    return what + "[" + std::to_string(atom - 1) + "]";
+  }
+  // Is it about the component that the interaction locks first? That is the one with its number, but for the last
+  // interaction, which takes the last component and the first one.
+  [[nodiscard]] bool is_first(const rt::NodeEvent& event) const {
+    return event.atom == (event.interaction + 1 == size_ ? 0 : event.interaction);
+  }
+  [[nodiscard]] std::string of_first(const rt::NodeEvent& event, const std::string& what) const {
+    if (event.interaction + 1 == size_) return "around_" + what;
+    return of_component(event.interaction, what);
+  }
+  [[nodiscard]] std::string of_second(const rt::NodeEvent& event, const std::string& what) const {
+    if (event.interaction + 1 == size_) return "around_" + what;
+    return event.interaction + 2 == size_ ? "last_" + what : what + "[" + std::to_string(event.interaction) + "]";
   }
 
-  rt::Core core_;
-  std::string problem_;
+  u32 size_;
 };
 
 struct Followed {
@@ -117,6 +180,51 @@ Followed follow_messages(const Ready& model, const Ready& protocol, u32 nodes, s
   return result;
 }
 
+// A run of the ring whose steps and messages are followed in the model of locks. `change` may spoil who coordinates
+// what; of the event with the number `forged` the model is told twice.
+struct LockedRun {
+  rt::SimulatedResult run;
+  std::uint64_t events = 0;
+  std::string problem;
+};
+template <class Change>
+LockedRun follow_locks(const Ready& ring, const rt::Image& protocol, u32 size, std::uint64_t seed, const char* text,
+                       Change change, std::uint64_t forged = 0) {
+  rt::RunOptions options;
+  options.limit = 3000;
+  options.silent = true;
+  options.on_loss = rt::OnLoss::GoOn;
+  std::FILE* out = std::tmpfile();
+  rt::RunFile no_trace({}, stderr);
+  rt::Output output(options, seed, out, no_trace, ring.image());
+  rt::Core core(ring.image());
+  REQUIRE(core.initialize());
+  rt::Placement placement;
+  for (u32 atom = 0; atom < size; ++atom) {
+    placement.nodes.push_back(std::to_string(atom + 1));
+    placement.home.push_back(atom);
+  }
+  placement.split_above = 1;
+  rt::Distribution distribution = rt::distribute(core.tables(), core.priorities(), placement);
+  REQUIRE(distribution.sets.count == 1);
+  REQUIRE(distribution.is_split[0] != 0);
+  for (u32 row = 0; row < size; ++row)
+    REQUIRE(ring.image().connectors[core.tables().connector_of(row)].path() ==
+            "ROOT.both[" + std::to_string(row) + "]");
+  change(distribution);
+  rt::NetworkFaults faults;
+  REQUIRE(rt::read_faults(text, placement.nodes, faults).empty());
+  LockChain chain(protocol, size);
+  LockedRun result;
+  result.run = rt::run_simulated(core, distribution, faults, options, seed, output, 0, [&](const rt::NodeEvent& event) {
+    chain.take(event);
+    if (++result.events == forged) chain.take(event);
+  });
+  std::fclose(out);
+  result.problem = chain.problem();
+  return result;
+}
+
 }  // namespace
 
 TEST_CASE("messages of simulated runs are steps of the model of the protocol") {
@@ -147,4 +255,43 @@ TEST_CASE("a message that is heard twice is no step of the model of the protocol
     CHECK((run.problem.empty() || run.problem.find("is no step there") != std::string::npos));
   }
   CHECK_FALSE(follow_messages(table, protocol, 3, 1, "", 51).problem.empty());
+}
+
+TEST_CASE("locks of simulated runs are steps of the model of the protocol") {
+  const auto as_it_is = [](const rt::Distribution&) {};
+  std::uint64_t locks = 0, releases = 0, wakes = 0;
+  for (const u32 size : {4u, 5u, 8u}) {
+    const Ready ring("protocol/lock_chain.bip", "Ring(" + std::to_string(size) + ")");
+    const Ready ordered("protocol/lock_chain.bip", "Ordered(" + std::to_string(size - 2) + ")");
+    for (std::uint64_t seed = 1; seed <= 15; ++seed) {
+      const char* const faults = seed % 3 == 0   ? ""
+                                 : seed % 3 == 1 ? "lose 20%, double 20%, cut 1-2 3ms..60ms, slow 3 x5"
+                                                 : "crash 2 20ms, lose 10%";
+      const LockedRun followed = follow_locks(ring, ordered.image(), size, seed, faults, as_it_is);
+      CHECK(followed.problem == "");
+      CHECK(followed.run.steps > (seed % 3 == 2 ? 0u : 300u));
+      locks += followed.run.locks;
+      releases += followed.run.releases;
+      wakes += followed.run.wakes;
+    }
+  }
+  CHECK(locks > 1000);
+  CHECK(releases > 100);
+  CHECK(wakes > 100);
+}
+
+TEST_CASE("what is no lock is no step of the model of the protocol") {
+  const Ready ring("protocol/lock_chain.bip", "Ring(5)"), ordered("protocol/lock_chain.bip", "Ordered(3)");
+  const auto as_it_is = [](const rt::Distribution&) {};
+  REQUIRE(follow_locks(ring, ordered.image(), 5, 1, "", as_it_is).problem == "");
+  // Nothing may be said twice.
+  for (std::uint64_t forged = 50; forged < 80; ++forged) {
+    const LockedRun followed = follow_locks(ring, ordered.image(), 5, 1, "", as_it_is, forged);
+    CHECK((followed.problem.empty() || followed.problem.find("is no step there") != std::string::npos));
+  }
+  // A component that two nodes' interactions take is offered to one of them, which takes it without a lock.
+  const LockedRun offered = follow_locks(ring, ordered.image(), 5, 1, "", [](rt::Distribution& distribution) {
+    distribution.offered_at[distribution.sets.slot_of(2, 0)] = 1;
+  });
+  CHECK(offered.problem.find("is no step there") != std::string::npos);
 }
