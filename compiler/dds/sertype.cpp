@@ -11,6 +11,8 @@
 #include <cstdio>
 #include <cstring>
 
+#include "bip/assert.hpp"
+
 namespace bip::dds {
 namespace {
 
@@ -64,6 +66,7 @@ ddsi_serdata* from_pieces(const ddsi_sertype* type, ddsi_serdata_kind kind, ddsr
     const auto* const begin = static_cast<const std::uint8_t*>(pieces[k].iov_base);
     bytes.insert(bytes.end(), begin, begin + pieces[k].iov_len);
   }
+  BIP_ASSERT(bytes.size() >= size, "pieces of {} bytes for a value of {}", bytes.size(), size);
   bytes.resize(size);
   return &make_value(type, kind, std::move(bytes))->base;
 }
@@ -75,9 +78,13 @@ ddsi_serdata* from_sample(const ddsi_sertype* type, ddsi_serdata_kind kind, cons
 }
 
 void to_bytes(const ddsi_serdata* data, size_t at, size_t size, void* into) {
+  BIP_ASSERT(at + size <= value_of(data)->bytes.size(), "bytes {} to {} of {}", at, at + size,
+             value_of(data)->bytes.size());
   std::memcpy(into, value_of(data)->bytes.data() + at, size);
 }
 ddsi_serdata* to_bytes_shared(const ddsi_serdata* data, size_t at, size_t size, ddsrt_iovec_t* piece) {
+  BIP_ASSERT(at + size <= value_of(data)->bytes.size(), "bytes {} to {} of {}", at, at + size,
+             value_of(data)->bytes.size());
   piece->iov_base = const_cast<std::uint8_t*>(value_of(data)->bytes.data()) + at;
   piece->iov_len = size;
   return ddsi_serdata_ref(data);

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "bip/assert.hpp"
 #include "compiler/base/ascii.hpp"
 #include "compiler/driver/distributed_runs.hpp"
 
@@ -91,6 +92,8 @@ class PlacementReader {
       begin = end + 1;
     }
     if (c_.diags.has_errors()) return false;
+    BIP_ASSERT(placement_.addresses.size() == placement_.nodes.size() && placement_.home.size() == paths_.size(),
+               "{} addresses of {} nodes", placement_.addresses.size(), placement_.nodes.size());
     if (placement_.nodes.empty()) {
       c_.diags.report(Diag::kB5073, {}, fmt::format("`{}` declares no node", c_.sources.name(file_)));
       return false;

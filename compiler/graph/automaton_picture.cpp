@@ -13,6 +13,7 @@
 #include "compiler/graph/picture.hpp"
 #include "compiler/source/utf8.hpp"
 #include "compiler/system/system.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::graph {
 namespace {
@@ -129,6 +130,8 @@ class AutomatonDrawing {
       label.node = static_cast<Row>(nodes_.size());
       const double beside = label.is_bar() ? kBar : 4;
       nodes_.push_back({beside, beside + 6 + label.width(), std::max(label.height(), 16.0)});
+      BIP_ASSERT(!label.from.empty() && !label.to.empty(), "a transition of {} places to {}", label.from.size(),
+                 label.to.size());
       label.is_back = leads_back[static_cast<std::size_t>(&label - labels_.data())];
       for (const Row p : label.from) add_edge(label, p + 1, label.node);
       for (const Row p : label.to) add_edge(label, label.node, p + 1);
@@ -192,6 +195,7 @@ class AutomatonDrawing {
         sides[{node, end.y < next.y || (end.y == next.y && end.y < far.y)}].push_back({e, is_start, far.x});
       };
       const std::size_t n = points.size();
+      BIP_ASSERT(n >= 4 && n % 2 == 0, "edge {} has {} points", e, n);
       add(edges_[e].from, true, points[0], points[1], points[2]);
       add(edges_[e].to, false, points[n - 1], points[n - 2], points[n - 3]);
     }

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "runtime/include/bip/assert.hpp"
+
 namespace bip::graph {
 namespace {
 
@@ -75,7 +77,10 @@ class Bundler {
       row[net] = static_cast<u32>(kept.size());
       kept.push_back(box_.nets[net]);
       for (SceneEnd& end : kept.back().ends)
-        if (end.net != kNoRow) end.net = row[end.net];
+        if (end.net != kNoRow) {
+          BIP_ASSERT(row[end.net] != kNoRow, "net {} stays and binds net {}, which does not", net, end.net);
+          end.net = row[end.net];
+        }
     }
     for (const auto& [boxes, nets] : groups_) {
       SceneNet bundle;
@@ -120,11 +125,16 @@ class Bundler {
         row[child].push_back(is_gone ? kNoRow : static_cast<u32>(kept.size()));
         if (!is_gone) kept.push_back(std::move(ports[port]));
       }
+      BIP_ASSERT(scene_.boxes[child].kind != BoxKind::Compound || kept.size() == ports.size(),
+                 "the open box {} loses a port", child);
       ports = std::move(kept);
     }
     for (SceneNet& net : box_.nets)
       for (SceneEnd& end : net.ends)
-        if (end.net == kNoRow) end.port = row[end.box][end.port];
+        if (end.net == kNoRow) {
+          end.port = row[end.box][end.port];
+          BIP_ASSERT(end.port != kNoRow, "a port of box {} is joined and removed", end.box);
+        }
   }
 
   Scene& scene_;

@@ -5,6 +5,8 @@
 #include <map>
 #include <numeric>
 
+#include "runtime/include/bip/assert.hpp"
+
 namespace bip::graph {
 namespace {
 
@@ -37,6 +39,7 @@ class LinearOrder {
       keep(order);
     }
     if (count_ <= kMostMoved) move_each();
+    BIP_ASSERT(cost(best_) == lowest_, "the best order costs {}, not {}", cost(best_), lowest_);
     return best_;
   }
 

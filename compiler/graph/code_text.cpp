@@ -249,6 +249,7 @@ std::string define_of(const ConnectorType& type) {
       open.pop_back();
     }
   }
+  BIP_ASSERT(open.empty(), "{} groups of `define` lack children", open.size());
   return out;
 }
 

@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::uint32_t kSweeps = 16, kAlignments = 24;
 constexpr double kBeside = 18, kBetween = 26;
+constexpr double kRounding = 1e-3;  // of sums of coordinates
 
 class LayeredLayout {
  public:
@@ -81,6 +82,8 @@ class LayeredLayout {
 
   void split_edges() {
     for (Row e = 0; e < edges_.size(); ++e) {
+      BIP_ASSERT(items_[upper(e)].layer < items_[lower(e)].layer, "edge {} leads from layer {} to {}", e,
+                 items_[upper(e)].layer, items_[lower(e)].layer);
       std::vector<Row> chain{upper(e)};
       for (Row layer = items_[upper(e)].layer + 1; layer < items_[lower(e)].layer; ++layer) {
         chain.push_back(static_cast<Row>(items_.size()));
@@ -140,6 +143,7 @@ class LayeredLayout {
     }
     layers_ = best;
     number_places();
+    BIP_ASSERT(crossings() == fewest, "the best order has {} crossings, {} were counted", crossings(), fewest);
   }
   void sort_layer(std::size_t at, bool is_down) {
     std::vector<Row>& layer = layers_[at];
@@ -215,6 +219,9 @@ class LayeredLayout {
       for (std::size_t k = blocks[b].first; k < end; ++k)
         items_[layer[k]].x = blocks[b].sum / blocks[b].weight + offset[k];
     }
+    for (std::size_t k = 1; k < layer.size(); ++k)
+      BIP_ASSERT(items_[layer[k]].x - items_[layer[k - 1]].x > offset[k] - offset[k - 1] - kRounding,
+                 "items {} and {} of a layer overlap", k - 1, k);
   }
 
   LayerSize finish() {
@@ -233,6 +240,8 @@ class LayeredLayout {
     }
     for (Item& item : items_) item.x -= left;
     for (Row n = 0; n < nodes_.size(); ++n) {
+      BIP_ASSERT(items_[n].x - items_[n].left > -kRounding && items_[n].x + items_[n].right < right - left + kRounding,
+                 "node {} is at {} of {}", n, items_[n].x, right - left);
       nodes_[n].x = items_[n].x;
       nodes_[n].y = items_[n].y + (heights[items_[n].layer] - items_[n].height) / 2;
     }
@@ -299,6 +308,9 @@ std::vector<bool> edges_leading_back(std::size_t nodes,
 }
 
 LayerSize lay_out_layers(std::vector<LayerNode>& nodes, std::vector<LayerEdge>& edges) {
+  BIP_ASSERT(std::all_of(nodes.begin(), nodes.end(),
+                         [](const LayerNode& node) { return node.left >= 0 && node.right >= 0 && node.height >= 0; }),
+             "a node reaches no way, of {}", nodes.size());
   return LayeredLayout(nodes, edges).run();
 }
 

@@ -31,6 +31,8 @@ class SceneBuilder {
     net_of_connector_.resize(system_.connectors.size());
     for (std::size_t k = 0; k < system_.connectors.size(); ++k) make_connector(ConnectorId(k));
     for (const Priority& row : system_.priorities) add_note(row);
+    BIP_ASSERT(scene_.box_of_atom.size() == system_.atoms.size(), "{} of {} atoms have a box",
+               scene_.box_of_atom.size(), system_.atoms.size());
     return std::move(scene_);
   }
 
@@ -66,6 +68,7 @@ class SceneBuilder {
     count = 1;
     if (!path.ends_with(']')) return kNoRow;
     const auto found = arrays_.find(key);
+    BIP_ASSERT(found != arrays_.end(), "`{}` belongs to no array", path);
     if (found->second <= options_.fold || is_opened(path)) return kNoRow;
     count = found->second;
     const auto box = array_box_.find(key);
@@ -74,6 +77,7 @@ class SceneBuilder {
 
   u32 add_box(u32 parent, SceneBox box) {
     const u32 row = static_cast<u32>(scene_.boxes.size());
+    BIP_ASSERT(parent == kNoRow ? row == 0 : parent < row, "box {} is in box {}", row, parent);
     box.parent = parent;
     scene_.boxes.push_back(std::move(box));
     if (parent != kNoRow) scene_.boxes[parent].children.push_back(row);
@@ -178,6 +182,7 @@ class SceneBuilder {
   SceneEnd lead_out(SceneEnd end, const std::string& path, const std::string& name, u32 home) {
     while (scene_.boxes[end.box].parent != home) {
       const u32 outer = scene_.boxes[end.box].parent;
+      BIP_ASSERT(outer != kNoRow, "`{}` is not in box {}", path, home);
       const std::string key = key_in(outer, path);
       const std::size_t before = scene_.boxes[outer].ports.size();
       const u32 port = port_of(outer, key, name);
@@ -263,6 +268,8 @@ class SceneBuilder {
       }
     };
     for (const PortRef& ref : row.ports) climb(ref, climb);
+    BIP_ASSERT(home != kNoRow && scene_.boxes[home].kind == BoxKind::Compound, "connector `{}` is in no open box",
+               row.path);
     return home;
   }
 

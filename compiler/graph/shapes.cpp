@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "compiler/source/utf8.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::graph {
 namespace {
@@ -173,6 +174,8 @@ void Shapes::place(const std::string& elements, Point at) {
 }
 
 std::string svg_document(const Picture& picture, std::string_view title) {
+  BIP_ASSERT(std::isfinite(picture.width) && std::isfinite(picture.height) && picture.width >= 0 && picture.height >= 0,
+             "a picture of {} x {}", picture.width, picture.height);
   const std::string width = coordinate(std::ceil(picture.width)), height = coordinate(std::ceil(picture.height));
   std::string out;
   put(out,

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "compiler/graph/child_order.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::graph {
 namespace {
@@ -78,8 +79,11 @@ class ChannelLayout {
   void collect_stems() {
     for (u32 net = 0; net < box_.nets.size(); ++net)
       for (u32 end = 0; end < box_.nets[net].ends.size(); ++end)
-        if (const SceneEnd& row = box_.nets[net].ends[end]; row.net == kNoRow)
+        if (const SceneEnd& row = box_.nets[net].ends[end]; row.net == kNoRow) {
+          BIP_ASSERT(&boxes_[boxes_[row.box].parent] == &box_ && row.port < boxes_[row.box].ports.size(),
+                     "net {} ends at port {} of box {}, which is not beside it", net, row.port, row.box);
           stems_.push_back({net, end, row.box, row.port, 0});
+        }
   }
 
   // -- Rows --
@@ -104,6 +108,8 @@ class ChannelLayout {
       content_width_ = std::max(content_width_, x - (list.empty() ? 0 : kGap));
     }
     for (u32 r = 0; r < rows_.size(); ++r) place_row(r);
+    BIP_ASSERT(row_of_.size() == box_.children.size(), "{} of {} children are in rows", row_of_.size(),
+               box_.children.size());
   }
 
   /// Two kinds of children that only meet each other, clients and servers, face each other if both rows are long.
@@ -151,6 +157,8 @@ class ChannelLayout {
       placed_[child].is_flipped = is_upper(r);
       x += placed_[child].width + kGap + more;
     }
+    BIP_ASSERT(rows_[r].empty() || x - kGap - more <= kPad + content_width_, "row {} ends at {}, of {}", r,
+               x - kGap - more, content_width_);
   }
   [[nodiscard]] bool is_odd() const { return rows_.size() % 2 == 1; }
   [[nodiscard]] u32 channel_of(u32 row) const { return is_odd() ? (row + 1) / 2 : row / 2 + 1; }
@@ -258,6 +266,7 @@ class ChannelLayout {
         if (child == kNoRow) continue;
         const auto top = std::min_element(parts_[child].begin(), parts_[child].end(),
                                           [](const Part& a, const Part& b) { return a.channel < b.channel; });
+        BIP_ASSERT(top != parts_[child].end(), "net {} binds net {}, which reaches nothing", net, child);
         std::vector<double>& taken = used[top->channel];
         double x = std::round((top->low + top->high) / 2 / kGrid) * kGrid + kGrid / 4;
         while (std::find(taken.begin(), taken.end(), x) != taken.end()) x += kGrid;
@@ -363,6 +372,7 @@ class ChannelLayout {
       std::vector<std::vector<std::pair<double, double>>> low, high;
       for (const u32 net : nets) {
         Part& p = part(net, c);
+        BIP_ASSERT(p.low <= p.high, "net {} reaches from {} to {} in channel {}", net, p.low, p.high, c);
         p.is_upper = !p.has_lower && c > 0;
         u32 track = 0;
         for (const Joint& joint : joints_)
@@ -543,6 +553,19 @@ void size_closed(const SceneBox& box, PlacedBox& placed) {
   placed.height = (box.ports.empty() ? kGrid : kTabHeight + kGrid / 2) + 36;
 }
 
+/// Are the children in the box, and its ports on its edge?
+[[maybe_unused]] bool holds_children(const Scene& scene, const std::vector<PlacedBox>& placed, std::size_t box) {
+  const PlacedBox& outer = placed[box];
+  const auto is_inside = [&](u32 child) {
+    const PlacedBox& inner = placed[child];
+    return inner.x >= 0 && inner.y >= 0 && inner.x + inner.width <= outer.width &&
+           inner.y + inner.height <= outer.height;
+  };
+  const auto is_on_edge = [&](const PortSlot& slot) { return slot.x >= 0 && slot.x + slot.width <= outer.width; };
+  return std::all_of(scene.boxes[box].children.begin(), scene.boxes[box].children.end(), is_inside) &&
+         std::all_of(outer.slots.begin(), outer.slots.end(), is_on_edge);
+}
+
 }  // namespace
 
 std::vector<PlacedBox> lay_out(const Scene& scene) {
@@ -557,6 +580,7 @@ std::vector<PlacedBox> lay_out(const Scene& scene) {
     size_slots(scene.boxes[k], stems[k], placed[k]);
     if (scene.boxes[k].kind == BoxKind::Compound) ChannelLayout(scene, placed, static_cast<u32>(k)).run();
     else size_closed(scene.boxes[k], placed[k]);
+    BIP_ASSERT(holds_children(scene, placed, k), "something of box {} is outside of it", k);
   }
   return placed;
 }

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "bip/assert.hpp"
 #include "compiler/debug/event_values.hpp"
 #include "compiler/system/system.hpp"
 #include "compiler/system/uses_time.hpp"
@@ -172,6 +173,8 @@ std::string AttachedSession::read_state(const Json& answer) {
 // Takes over what the answer says of components, and returns what is new; in `set_clocks` the clocks that were set, not
 // after `until`: those of later steps are new in the next look.
 Json AttachedSession::changes(const Json& atoms, std::int64_t until, Json& set_clocks) {
+  BIP_ASSERT(places_.size() == atoms_.size() && data_.size() == atoms_.size() && clocks_.size() == atoms_.size(),
+             "a state of {} of {} components", places_.size(), atoms_.size());
   Json out = Json::array();
   for (const auto& [path, state] : atoms.items()) {
     const auto atom = atoms_.find(path);
@@ -291,6 +294,7 @@ bool AttachedSession::tick() {
 
 // Asks for the components that have moved.
 bool AttachedSession::look() {
+  BIP_ASSERT(!is_looking_, "{} requests wait, one of them for the state", asked_.size());
   is_looking_ = true;
   is_due_ = false;
   last_look_ = Clock::now();
@@ -310,6 +314,7 @@ bool AttachedSession::look() {
     is_looking_ = false;
     if (!flag_in(answer, "ok") || found(answer, "atoms") == nullptr) return;
     // Steps that were told of meanwhile are those of the next look.
+    BIP_ASSERT(count <= steps_.size(), "{} of {} steps are looked at", count, steps_.size());
     std::vector<Told> later(std::make_move_iterator(steps_.begin() + static_cast<std::ptrdiff_t>(count)),
                             std::make_move_iterator(steps_.end()));
     steps_.resize(count);
@@ -433,6 +438,8 @@ Json AttachedSession::begin_note() const {
 }
 
 std::string AttachedSession::run_note(std::size_t from, std::size_t to, std::size_t names_from) const {
+  BIP_ASSERT(from <= to && to <= rows_.size() && names_from <= names_.size(),
+             "rows {} to {} of {}, names from {} of {}", from, to, rows_.size(), names_from, names_.size());
   std::string out = fmt::format("{{\"note\":\"run\",\"from\":{},\"steps\":[", from);
   for (std::size_t k = from; k < to; ++k) out += (k > from ? "," : "") + rows_[k].step;
   out += "],\"candidates\":[";

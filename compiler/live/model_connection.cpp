@@ -14,6 +14,8 @@
 #include <chrono>
 #include <cstring>
 
+#include "bip/assert.hpp"
+
 namespace bip::live {
 
 namespace {
@@ -62,6 +64,7 @@ Result<std::unique_ptr<ModelConnection>> ModelConnection::open(const std::string
 ModelConnection::~ModelConnection() { ::close(descriptor_); }
 
 bool ModelConnection::send(const std::string& line) {
+  BIP_ASSERT(line.find('\n') == std::string::npos, "a request of {} bytes in several lines", line.size());
   if (waiting_.size() + line.size() > kMostWaiting) return false;
   waiting_ += line + '\n';
   return flush();
@@ -79,6 +82,7 @@ bool ModelConnection::flush() {
     }
     sent += static_cast<std::size_t>(count);
   }
+  BIP_ASSERT(sent <= waiting_.size(), "{} of {} bytes were sent", sent, waiting_.size());
   waiting_.erase(0, sent);
   return is_open;
 }

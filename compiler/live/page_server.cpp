@@ -20,6 +20,7 @@
 #include <memory>
 #include <optional>
 
+#include "bip/assert.hpp"
 #include "compiler/serve/access.hpp"
 
 namespace bip::live {
@@ -125,6 +126,7 @@ class PageServer {
   Connection* ended(std::uint64_t number) {
     Connection* const c = find(number);
     if (c == nullptr) return nullptr;
+    BIP_ASSERT(c->pending > 0, "connection {} ends an operation that it has not begun", number);
     --c->pending;
     if (!c->is_closed) return c;
     if (c->pending == 0) connections_.erase(number);
@@ -187,6 +189,8 @@ class PageServer {
 
   // One answer a connection.
   void respond(std::uint64_t number, Connection& c, http::status status, std::string body) {
+    BIP_ASSERT(c.stream && c.pending == 0, "connection {} is answered while {} operations are under way", number,
+               c.pending);
     c.response = {};
     c.response.version(11);
     c.response.result(status);
@@ -229,6 +233,7 @@ class PageServer {
   }
 
   void read(std::uint64_t number, Connection& c) {
+    BIP_ASSERT(c.pipe && c.is_page && !c.is_closed, "connection {} is no open page", number);
     c.received.clear();
     ++c.pending;
     c.pipe->async_read(c.received, [this, number](const Failure& failed, std::size_t) {
@@ -252,11 +257,14 @@ class PageServer {
     if (c->waiting.size() == 1) write(number, *c);
   }
   void write(std::uint64_t number, Connection& c) {
+    BIP_ASSERT(c.pipe && !c.waiting.empty(), "nothing waits for connection {}", number);
     ++c.pending;
     c.pipe->async_write(net::buffer(c.waiting.front()), [this, number](const Failure& failed, std::size_t) {
       Connection* const open = ended(number);
       if (open == nullptr) return;
       if (failed) return close(number);
+      BIP_ASSERT(open->waiting_bytes >= open->waiting.front().size(), "{} bytes wait, {} are written",
+                 open->waiting_bytes, open->waiting.front().size());
       open->waiting_bytes -= open->waiting.front().size();
       open->waiting.pop_front();
       if (!open->waiting.empty()) write(number, *open);

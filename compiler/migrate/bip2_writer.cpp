@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "runtime/include/bip/assert.hpp"
 #include "compiler/base/ascii.hpp"
 #include "compiler/migrate/translate_code.hpp"
 
@@ -61,6 +62,7 @@ std::string Bip2Writer::run(const std::string& cpp_stem) {
   headers(model_.headers);
   for (const Decl& d : model_.decls) decl(d);
   roots();
+  BIP_ASSERT(indent_ == 1, "the package ends at indentation {}", indent_);
   std::vector<Line> all;
   if (!cpp_.is_empty())
     all.push_back({0, "@cpp(include=\"" + cpp_stem + ".hpp\", src=\"" + cpp_stem + ".cpp\")", model_.range.begin,
@@ -82,6 +84,7 @@ void Bip2Writer::open(std::string text, SourceRange source) {
 }
 
 void Bip2Writer::close(SourceRange source) {
+  BIP_ASSERT(indent_ > 1, "`end` of nothing, at indentation {}", indent_);
   --indent_;
   line("end", {source.file, source.end - std::min(source.end, 3u), source.end});
 }
@@ -125,6 +128,8 @@ std::string Bip2Writer::with_comments(const std::vector<Line>& lines) const {
       before[following].push_back(c);
       continue;
     }
+    BIP_ASSERT(c == 0 || model_.comments[c - 1].range.end <= at.begin, "comment {} is not in the order of the source",
+               c);
     const std::size_t last = *(next - 1);
     const std::uint32_t end = lines[last].end;
     if (at.begin < end) {
@@ -377,6 +382,7 @@ void Bip2Writer::transition(const Decl& d, const Transition& t, const Variables&
   text += " from " + listed(names_, t.from) + " to " + listed(names_, t.to);
   std::string guard = guards(t.guards, variables, owner);
   for (const When& when : t.whens) {
+    BIP_ASSERT(when.ends.size() == (when.clock.empty() ? 1u : 2u), "`when` of {} ends", when.ends.size());
     std::string bound;
     if (when.clock.empty()) {
       bound = guards(when.ends, variables, owner);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 
+#include "runtime/include/bip/assert.hpp"
 #include "compiler/base/ascii.hpp"
 
 namespace bip::migrate {
@@ -95,6 +96,8 @@ VariableType CppFunctions::type(std::string_view bip1) {
     if (wish.empty() || is_digit(wish[0])) wish = "object_" + wish;
     found = types_.emplace(cpp, names_.fresh(wish + "_type")).first;
     type_order_.push_back(cpp);
+    BIP_ASSERT(type_order_.size() == types_.size(), "{} of {} types are in an order", type_order_.size(),
+               types_.size());
   }
   return {ValueKind::Object, found->second, cpp};
 }
@@ -218,6 +221,8 @@ std::optional<std::string> CppFunctions::add(const std::string& owner, const Bod
       rest.remove_prefix(dot + 1);
     }
   }
+  BIP_ASSERT(prototypes_.size() == definitions_.size() && cpp_declarations_.size() == definitions_.size(),
+             "{} prototypes of {} functions", prototypes_.size(), definitions_.size());
   const std::string name = names_.fresh(owner + "_code");
   prototypes_.push_back("extern function " + (result == nullptr ? "" : result->bip + " ") + name + "(" + bip_params +
                         ")");

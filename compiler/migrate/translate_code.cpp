@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "runtime/include/bip/assert.hpp"
+
 namespace bip::migrate {
 
 using namespace syntax::bip1;
@@ -59,6 +61,7 @@ std::optional<CodeTranslator::Value> CodeTranslator::any(const Expr& e) const {
       return inner;
     }
     case ExprKind::Unary: {
+      BIP_ASSERT(e.operands.size() == 1, "a sign of {} operands", e.operands.size());
       if (e.text == "!") {
         const std::optional<std::string> inner = value(e.operands[0], ValueKind::Bool);
         return inner ? std::optional(Value{"!" + *inner, ValueKind::Bool, ""}) : std::nullopt;
@@ -76,6 +79,7 @@ std::optional<CodeTranslator::Value> CodeTranslator::any(const Expr& e) const {
 }
 
 std::optional<CodeTranslator::Value> CodeTranslator::binary(const Expr& e) const {
+  BIP_ASSERT(e.operands.size() == 2, "an operator of {} operands", e.operands.size());
   const std::string sign = " " + e.text + " ";
   if (e.text == "&&" || e.text == "||") {
     const std::optional<std::string> left = value(e.operands[0], ValueKind::Bool);
@@ -129,6 +133,7 @@ std::optional<std::string> CodeTranslator::statement(const Stmt& s) const {
     if (!s.else_body.empty()) out += "else " + *else_body;
     return out + "fi ";
   }
+  BIP_ASSERT(s.exprs.size() == 1 && !s.target.empty(), "an assignment of {} values", s.exprs.size());
   const auto found = variables_.find(joined(s.target));
   if (found == variables_.end() || !found->second.is_writable) return std::nullopt;
   const VariableType& type = found->second.type;

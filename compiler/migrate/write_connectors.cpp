@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "runtime/include/bip/assert.hpp"
 #include "compiler/migrate/bip2_writer.hpp"
 
 namespace bip::migrate {
@@ -106,6 +107,7 @@ std::string Bip2Writer::define(const ConnectorBody& body, const std::vector<Path
       terms = std::move(rest);
     }
   }
+  BIP_ASSERT(!terms.empty(), "a connector of {} ports binds none", ports.size());
   std::string out;
   for (PortTerm& one : terms) {
     make_triggers(one, triggers);

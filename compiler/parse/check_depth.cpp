@@ -4,6 +4,7 @@
 #include "antlr4-runtime.h"
 #include "compiler/parse/parse.hpp"
 #include "compiler/parse/token_list.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::parse {
 
@@ -67,6 +68,8 @@ bool check_depth(const std::vector<TokenRow>& rows, FileId file, Diagnostics& di
         break;
       default: run = 0;
     }
+    BIP_ASSERT(static_cast<std::size_t>(brackets) == runs_outside.size() && runs >= 0,
+               "{} brackets are open, with {} runs", brackets, runs_outside.size());
     if (brackets + runs + run + ifs + fors > kMaxDepth) {
       diags.report(Diag::kB0008, SourceRange{file, row.begin, row.end}, kMaxDepth)
           .help("name a part of it in a variable or a function of its own");

@@ -109,6 +109,7 @@ Converter::Built Converter::build_spine(BipParser::ExprContext* ctx, Assigning a
 }
 
 void Converter::check_operator(const Expr& e, Assigning assigning, bool is_assign_sign) {
+  BIP_ASSERT(e.kind == ExprKind::Binary && e.operands.size() == 2, "an operator of {} operands", e.operands.size());
   const Expr& left = *e.operands[0];
   if (is_assign_sign && assigning != Assigning::Compares) {
     diags_.report(Diag::kB0011, e.op_range, "an expression").help("write `==` to compare", e.op_range, "==");

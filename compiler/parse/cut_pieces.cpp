@@ -3,6 +3,9 @@
 #include "compiler/parse/cut_pieces.hpp"
 
 #include <algorithm>
+#include <functional>
+
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::parse {
 namespace {
@@ -31,6 +34,8 @@ class Cutter {
       begin_line();
       pass_line();
     }
+    BIP_ASSERT(std::adjacent_find(cuts_.begin(), cuts_.end(), std::greater_equal<>()) == cuts_.end(),
+               "{} cuts are not in order", cuts_.size());
     return std::move(cuts_);
   }
 

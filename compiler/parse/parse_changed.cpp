@@ -202,6 +202,8 @@ class ChangedParser {
 
   void cut() {
     const std::vector<std::uint32_t> begins = cut_pieces(text_);
+    BIP_ASSERT(begins.front() == 0 && begins.back() <= text_.size(), "pieces from {} to {} of {} bytes", begins.front(),
+               begins.back(), text_.size());
     pieces_.resize(begins.size());
     for (std::size_t i = 0; i < begins.size(); ++i) {
       pieces_[i].begin = begins[i];
@@ -322,6 +324,9 @@ class ChangedParser {
       decls.insert(decls.end(), now.back().decls.begin(), now.back().decls.end());
       syntax.comments.insert(syntax.comments.end(), now.back().comments.begin(), now.back().comments.end());
     }
+    BIP_ASSERT(std::is_sorted(decls.begin(), decls.end(),
+                              [](const auto* a, const auto* b) { return a->range.begin < b->range.begin; }),
+               "{} declarations are not in the order of the text", decls.size());
     syntax::Package package = *now.front().head;
     package.decls = syntax.arena->list(decls);
     package.range = {file_, 0, static_cast<std::uint32_t>(text_.size())};
@@ -331,6 +336,7 @@ class ChangedParser {
   }
 
   void move_to(KeptPiece& piece, std::uint32_t begin) const {
+    BIP_ASSERT(text_.substr(begin, piece.text.size()) == piece.text, "another text is at {}", begin);
     const syntax::NodeMove by{.from = piece.address,
                               .size = piece.text.size(),
                               .to = text_.data() + begin,

@@ -2,6 +2,7 @@
 // below by the generated rules. These predict as they do inside a whole file, because prediction without context does
 // not depend on what surrounds a rule.
 #include "compiler/parse/read_in_pieces.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::parse {
 
@@ -40,7 +41,9 @@ Package PieceReader::read_head() {
 
 void PieceReader::read_decls(std::size_t end, std::vector<const Decl*>& to) {
   while (stream_.index() < end && next() != BipParser::END) {
+    [[maybe_unused]] const std::size_t before = stream_.index();
     if (const Decl* made = next() == BipParser::COMPOUND ? compound() : decl()) to.push_back(made);
+    BIP_ASSERT(stream_.index() > before, "a declaration at token {} has no tokens", before);
   }
 }
 

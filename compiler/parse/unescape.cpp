@@ -1,6 +1,7 @@
 // Decodes escapes of string literals. \uXXXX becomes UTF-8 (a surrogate is not a character, hence a bad escape); \ooo
 // is one byte.
 #include "compiler/parse/unescape.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::parse {
 namespace {
@@ -14,6 +15,7 @@ int digit(char c, int base) {
 }
 
 void append_utf8(std::uint32_t code, std::string& out) {
+  BIP_ASSERT(code < 0x10000 && (code < 0xD800 || code > 0xDFFF), "{} is no character of three bytes", code);
   const auto byte = [&](std::uint32_t b) { out += static_cast<char>(static_cast<unsigned char>(b)); };
   if (code < 0x80) return byte(code);
   if (code < 0x800) {
@@ -46,6 +48,7 @@ std::string_view string_body(std::string_view literal) {
     if (literal.size() >= 3 && literal.substr(literal.size() - 3) == kClose) literal.remove_suffix(3);
     return literal;
   }
+  BIP_ASSERT(literal.starts_with('"'), "a string of {} bytes without its quote", literal.size());
   literal.remove_prefix(1);
   // A quote that an odd number of backslashes precedes belongs to the string.
   if (!literal.empty() && literal.back() == '"') {

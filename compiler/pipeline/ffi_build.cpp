@@ -10,6 +10,7 @@
 #include <iterator>
 #include <optional>
 
+#include "bip/assert.hpp"
 #include "compiler/base/content_cache.hpp"
 #include "compiler/base/read_file.hpp"
 #include "compiler/base/content_hash.hpp"
@@ -283,14 +284,19 @@ bool load_ffi(Compilation& c, const CacheOptions& cache) {
   for (std::size_t row = 0; row < lowered.functions.size(); ++row) {
     lowered.functions[row] =
         reinterpret_cast<rt::FfiFunction>(::dlsym(library, fmt::format("bip_call_{}", row).c_str()));
+    BIP_ASSERT(lowered.functions[row] != nullptr, "the library has no call {} of {}", row, lowered.functions.size());
   }
   const auto* types = static_cast<const rt::FfiType*>(::dlsym(library, "bip_ffi_types"));
+  BIP_ASSERT(lowered.ffi_types.empty() || types != nullptr, "the library has none of {} types",
+             lowered.ffi_types.size());
   for (std::size_t row = 0; row < lowered.ffi_types.size(); ++row) {
     const char* name = lowered.ffi_types[row].name;
     lowered.ffi_types[row] = types[row];
     lowered.ffi_types[row].name = name;
   }
   const auto* classes = static_cast<const rt::EventClass*>(::dlsym(library, "bip_event_classes"));
+  BIP_ASSERT(lowered.event_classes.empty() || classes != nullptr, "the library has none of {} classes",
+             lowered.event_classes.size());
   for (std::size_t row = 0; row < lowered.event_classes.size(); ++row) lowered.event_classes[row] = classes[row];
   return true;
 }

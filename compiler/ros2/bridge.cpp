@@ -9,6 +9,7 @@
 #include <random>
 #include <utility>
 
+#include "bip/assert.hpp"
 #include "compiler/ros2/names.hpp"
 
 namespace bip::ros2 {
@@ -78,6 +79,7 @@ Bridge::Bridge(const Interfaces& interfaces, Bus& bus, BridgeOptions options,
     : interfaces_(interfaces), bus_(bus), options_(std::move(options)), say_(std::move(say)) {}
 
 std::string Bridge::open() {
+  BIP_ASSERT(ends_.empty() && posters_.empty(), "{} actions are open already", ends_.size());
   const Messages& messages = interfaces_.messages;
   const std::string in_front = options_.name_space.empty() ? "" : options_.name_space + "/";
   std::string wrong;
@@ -307,6 +309,8 @@ void Bridge::begin(const Json& hello) {
 }
 
 void Bridge::ask_poster(std::size_t k) {
+  BIP_ASSERT(posters_.size() == interfaces_.topics.size(), "{} posters of {} topics", posters_.size(),
+             interfaces_.topics.size());
   posters_[k].is_asked = true;
   ask({{"do", "poster"}, {"poster", interfaces_.topics[k].poster}}, {.kind = Asked::Poster, .poster = k});
 }
@@ -476,6 +480,8 @@ void Bridge::abort(Goal& goal, const std::string& report) {
 }
 
 void Bridge::end(Goal& goal, GoalState state) {
+  BIP_ASSERT(!is_over(goal.state) && is_over(state), "a goal of {} ends from {} to {}", service_of(goal), goal.state,
+             state);
   goal.state = state;
   goal.ended = Clock::now();
   answer_results(goal);
@@ -507,6 +513,7 @@ void Bridge::publish_poster(std::size_t k, const Json& answer) {
   Poster& poster = posters_[k];
   const Topic& topic = interfaces_.topics[k];
   poster.is_asked = false;
+  BIP_ASSERT(poster.is_known || unknown_posters_ > 0, "poster {} answers, and none is waited for", topic.poster);
   std::string wrong = text_of(answer, "error");
   if (!std::exchange(poster.is_known, true)) {
     if (!wrong.empty()) {

@@ -81,6 +81,7 @@ class Writer {
   explicit Writer(const Messages& messages) : messages_(messages), out_{0, kLittleEndian, 0, 0} {}
 
   void number(std::uint64_t value, std::size_t size) {
+    BIP_ASSERT(std::has_single_bit(size) && size <= 8, "a number of {} bytes", size);
     while ((out_.size() - kHead) % size != 0) out_.push_back(0);
     for (std::size_t k = 0; k < size; ++k) out_.push_back(static_cast<std::uint8_t>(value >> (8 * k)));
   }
@@ -205,6 +206,7 @@ class Reader {
   }
 
   std::uint64_t number(std::size_t size) {
+    BIP_ASSERT(std::has_single_bit(size) && size <= 8, "a number of {} bytes", size);
     while ((at_ - kHead) % size != 0) ++at_;
     if (at_ > bytes_.size() || bytes_.size() - at_ < size) fail("there are too few bytes");
     if (!wrong_.empty()) return 0;

@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "bip/assert.hpp"
+
 namespace bip::ros2 {
 namespace {
 
@@ -48,6 +50,7 @@ std::string sha256(std::string_view bytes) {
   padded.append((120 - padded.size() % 64) % 64, '\0');
   for (int shift = 56; shift >= 0; shift -= 8)
     padded += static_cast<char>((std::uint64_t{bytes.size()} * 8) >> shift & 0xff);
+  BIP_ASSERT(padded.size() % 64 == 0, "{} bytes are no blocks", padded.size());
   std::array<std::uint32_t, 8> hash{0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a,
                                     0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
   for (std::size_t at = 0; at < padded.size(); at += 64)

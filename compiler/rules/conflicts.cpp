@@ -50,6 +50,7 @@ class ViolationFacts {
       return of == Truth::Unknown ? of : truth_of(of == Truth::False);
     }
     if (c.kind != ConditionKind::Operator || (c.text != "&&" && c.text != "||")) return Truth::Unknown;
+    BIP_ASSERT(c.operands.size() == 2, "`{}` of {} operands", c.text, c.operands.size());
     // One operand may decide.
     const Truth strong = truth_of(c.text == "||");
     const Truth left = judge(c.operands[0]);
@@ -211,6 +212,7 @@ class ConflictFinder {
     std::vector<std::size_t> seen{first};
     std::vector<std::size_t> from{0};
     for (std::size_t i = 0; i < seen.size(); ++i) {
+      BIP_ASSERT(rows_[seen[i]].recovery.has_value(), "`when` in row {} asks for nothing", seen[i]);
       const genom::ServiceRef recovery = *rows_[seen[i]].recovery;
       // A control service is over at once.
       if (modules_[recovery.module].services[recovery.service].kind == genom::ServiceKind::Control) continue;
@@ -226,6 +228,7 @@ class ConflictFinder {
   }
   void circle(std::size_t first, const std::vector<std::size_t>& seen, const std::vector<std::size_t>& from,
               std::size_t last) {
+    BIP_ASSERT(seen.size() == from.size() && last < seen.size(), "{} rows seen from {}", seen.size(), from.size());
     std::vector<std::size_t> way;
     for (std::size_t i = last; i != 0; i = from[i]) way.insert(way.begin(), seen[i]);
     std::set<std::size_t> rules{rule_[first]};

@@ -49,6 +49,7 @@ class Reducer {
     for (genom::SilenceRow& s : c.silences) silence(s);
     for (genom::FailureRow& f : c.failures) failure(f);
     for (genom::TaskRef& t : c.watched_tasks) task(t);
+    BIP_ASSERT(out_.modules.size() == modules_.size(), "{} modules of {}", out_.modules.size(), modules_.size());
     for (const genom::Constraint& row : c.rows) out_.names.push_back(row.subject);
     return std::move(out_);
   }
@@ -75,6 +76,8 @@ class Reducer {
   }
 
   void service(ServiceRef& s) {
+    BIP_ASSERT(s.module < old_.size() && s.service < old_[s.module].services.size(), "service {} of module {}",
+               s.service, s.module);
     const ServiceRef was = s;
     if (const auto known = services_.find(was); known != services_.end()) {
       s = known->second;
@@ -116,6 +119,7 @@ class Reducer {
     if (s.kind == genom::ServiceKind::Control) {
       if (s.body.empty()) s.body.push_back({{"run", {}}, {}});
     } else if (f.kind == genom::FailureKind::Lost) {
+      BIP_ASSERT(!s.activity.states.empty(), "the activity `{}` has no state", s.name.text);
       genom::Codel& run = s.activity.states[0].codel;
       run.is_async = true;
       run.budget_us = kTick;

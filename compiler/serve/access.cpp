@@ -14,6 +14,8 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "bip/assert.hpp"
+
 namespace bip::serve {
 
 namespace {
@@ -76,6 +78,7 @@ std::string SocketPath::claim(const std::string& path) {
 }
 
 void SocketPath::note_bound() {
+  BIP_ASSERT(!path_.empty() && !is_bound_, "a socket without a path, or a second one");
   struct stat made {};
   is_bound_ = ::lstat(path_.c_str(), &made) == 0;
   device_ = made.st_dev;

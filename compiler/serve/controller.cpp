@@ -57,10 +57,13 @@ void Controller::note_state() {
     undo_bytes_ -= undo_.front().bytes();
     undo_.pop_front();
   }
+  BIP_ASSERT(!undo_.empty() && undo_.size() <= kMostUndone, "{} states are kept", undo_.size());
 }
 
 // The state before a step that was not taken.
 void Controller::drop_state() {
+  BIP_ASSERT(!undo_.empty() && undo_bytes_ >= undo_.back().bytes(), "{} states have {} bytes", undo_.size(),
+             undo_bytes_);
   undo_bytes_ -= undo_.back().bytes();
   undo_.pop_back();
 }
@@ -127,6 +130,7 @@ void Controller::note_outcome(Outcome outcome) {
 }
 
 void Controller::end(Outcome outcome) {
+  BIP_ASSERT(!has_ended_, "the run ends twice, now by {}", outcome);
   has_ended_ = true;
   watchdog_.stop_robot(outcome == Outcome::Fault      ? "the run has ended by an error"
                        : outcome == Outcome::Deadlock ? "the run has ended in a deadlock"

@@ -147,6 +147,8 @@ std::string Requests::ask(const std::string& text, const std::string& input, std
 }
 
 void Requests::enter(Mailbox& box, const ServiceText& service, Request request) {
+  BIP_ASSERT(request.number != 0 && request.number < next_ && box.find(request.service) == &service,
+             "request {} for `{}`", request.number, request.service);
   (service.overtakes ? box.overtaking : box.waiting).push_back(std::move(request));
   hand_over(box);
 }
@@ -164,6 +166,9 @@ void Requests::hand_over(Mailbox& box) {
   };
   if (!box.overtaking.empty() && box.held_urgent.empty()) post(box.urgent, box.overtaking, box.held_urgent);
   if (!box.waiting.empty() && box.held.empty() && box.held_urgent.empty()) post(box.request, box.waiting, box.held);
+  BIP_ASSERT(box.held.size() <= 1 && box.held_urgent.size() <= 1 && box.asked.size() <= 1,
+             "a mailbox holds {} and {} requests, and {} are decided", box.held.size(), box.held_urgent.size(),
+             box.asked.size());
 }
 
 std::string Requests::cancel(std::uint64_t number, std::uint64_t client) {
@@ -342,6 +347,7 @@ void Requests::hear_end(const Step& step, std::uint32_t port) {
   const auto found = activities_.find(activity);
   if (found == activities_.end()) return;
   Mailbox& box = mailboxes_[found->second];
+  BIP_ASSERT(box.running.contains(activity), "`{}` ends and does not run", activity);
   const EventValue* const value = value_at(step, port, "rep");
   const auto* const text = value == nullptr ? nullptr : std::get_if<std::string>(value);
   const std::size_t root = activity.starts_with("ROOT.") ? 5 : 0;

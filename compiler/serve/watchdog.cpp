@@ -10,6 +10,8 @@
 #include <cstdlib>
 #include <exception>
 
+#include "bip/assert.hpp"
+
 namespace bip::serve {
 
 namespace {
@@ -94,6 +96,7 @@ void Watchdog::stop_robot(std::string why) {
 
 // A thread whose stack is full needs another one for the handler.
 void Watchdog::enter_thread() {
+  BIP_ASSERT(signal_stack_ == nullptr, "the engine's thread is here already");
   if (options_.called_now != nullptr) called_.store(options_.called_now());
   if (options_.set_crash_hook == nullptr) return;
   constexpr std::size_t kSize = 1 << 16;
@@ -134,6 +137,7 @@ void Watchdog::do_asked_stops() {
     const std::lock_guard<std::mutex> hold(lock_);
     asked.swap(asked_stops_);
   }
+  BIP_ASSERT(asked.empty() || options_.safe_stop != nullptr, "{} stops are asked for, and nothing stops", asked.size());
   for (const std::string& why : asked) {
     options_.safe_stop(why.c_str());
     alarm(Alarm::Kind::Stopped, 0, why + ": `" + options_.safe_stop_name + "` was called");
@@ -151,6 +155,7 @@ void Watchdog::watch() {
 }
 
 void Watchdog::look() {
+  BIP_ASSERT(options_.stall > 0, "a watch for {} ns", options_.stall);
   const std::int64_t now = steady_ns(), busy = busy_for(now);
   // What sleeps has caught up.
   const std::int64_t behind = busy == 0 ? 0 : behind_.load(std::memory_order_relaxed);

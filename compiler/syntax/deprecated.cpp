@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "runtime/include/bip/assert.hpp"
+
 namespace bip::syntax {
 namespace {
 
@@ -60,6 +62,10 @@ std::vector<Edit> deprecated_spellings(const Syntax& syntax, std::string_view te
   }
   std::sort(finder.edits.begin(), finder.edits.end(),
             [](const Edit& a, const Edit& b) { return a.range.begin < b.range.begin; });
+  BIP_ASSERT(std::adjacent_find(finder.edits.begin(), finder.edits.end(),
+                                [](const Edit& a, const Edit& b) { return a.range.end > b.range.begin; }) ==
+                 finder.edits.end(),
+             "two of {} edits overlap", finder.edits.size());
   return std::move(finder.edits);
 }
 

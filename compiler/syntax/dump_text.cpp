@@ -1,4 +1,6 @@
 // Details on the line of a node: expressions with every operator in parentheses and in one spelling, paths, names.
+#include <iterator>
+
 #include "compiler/base/quote.hpp"
 #include "compiler/syntax/dump_syntax.hpp"
 
@@ -9,6 +11,7 @@ namespace {
 constexpr std::string_view kBinary[] = {BIP_BINARY_OPS(BIP_OP_SYMBOL)};
 constexpr std::string_view kUnary[] = {BIP_SIGN_OPS(BIP_OP_SYMBOL) "+"};
 #undef BIP_OP_SYMBOL
+static_assert(std::size(kUnary) == static_cast<std::size_t>(UnaryOp::Plus) + 1, "a sign for each unary operator");
 
 }  // namespace
 

@@ -85,6 +85,8 @@ void SyntaxPrinter::lead_in(std::uint32_t begin, std::uint32_t limit) {
 
 /// Ends the line, with the comments that follow on the same line of the source.
 void SyntaxPrinter::end_line(std::uint32_t source_end) {
+  BIP_ASSERT(source_end <= source_.size() && !out_.empty(), "a line ends at {} of {} bytes", source_end,
+             source_.size());
   last_end_ = std::max(last_end_, source_end);
   bool is_full = false;
   // Comments inside what was printed, for which there was no room earlier.

@@ -1,5 +1,6 @@
 // Prints actions: on the line of their transition if they are short and plain, otherwise one statement per line.
 #include "compiler/syntax/printer.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::syntax {
 namespace {
@@ -48,6 +49,7 @@ void SyntaxPrinter::stmt(const Stmt& s) {
 
 // Each `if` of the chain that had a `fi` of its own keeps it: the published tools know no other.
 void SyntaxPrinter::if_chain(const Stmt& s) {
+  BIP_ASSERT(s.kind == StmtKind::If, "no `if` at {}", s.range.begin);
   begin_line();
   const Stmt* at = &s;
   std::string ends = "fi";

@@ -2,6 +2,7 @@
 // leaves one place and they are grouped by place, otherwise as places with transitions `from … to …`, as in BIP2.
 #include "compiler/base/quote.hpp"
 #include "compiler/syntax/printer.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::syntax {
 
@@ -33,6 +34,7 @@ void SyntaxPrinter::initial_parts(const Initial& i) {
 
 void SyntaxPrinter::transition(const Transition& t, TransitionForm form) {
   const bool in_state = form == TransitionForm::InState;
+  BIP_ASSERT(!in_state || t.from.size() == 1, "a transition of a state leaves {} places", t.from.size());
   annotations(t.annotations, t.range.begin);
   lead_in(t.range.begin, t.action.present ? t.action.range.begin : t.range.end);
   begin_line();
@@ -106,6 +108,7 @@ void SyntaxPrinter::behavior(const Decl& d) {
     }
     --indent_;
   }
+  BIP_ASSERT(next == d.transitions.size(), "{} of {} transitions are in states", next, d.transitions.size());
   end_block(end_of_word("end", std::max(end, last_end_)));
 }
 

@@ -1,10 +1,13 @@
 // Prints bodies of compounds: components and connectors in source order; those declared on one line stay on one line.
 #include "compiler/syntax/printer.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::syntax {
 
 void SyntaxPrinter::item_group(std::span<const CompoundItem* const> group, Layout layout) {
+  BIP_ASSERT(!group.empty(), "a line without items");
   const CompoundItem& first = *group.front();
+  BIP_ASSERT(group.size() == 1 || first.type.is_written(), "{} items on a line without their type", group.size());
   const std::uint32_t end = group.back()->range.end;
   if (layout == Layout::OwnLine) {
     annotations(first.annotations, first.range.begin);

@@ -2,6 +2,7 @@
 // Recursion follows the depth of expressions, which the parser limits.
 #include "compiler/base/quote.hpp"
 #include "compiler/syntax/printer.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::syntax {
 
@@ -103,6 +104,7 @@ std::string SyntaxPrinter::text(const Expr* e, Parentheses parentheses) const {
       std::vector<const Expr*> spine;
       const Expr* at = e;
       while (at->kind == ExprKind::Binary && (at == e || !at->parenthesised)) {
+        BIP_ASSERT(at->operands.size() == 2, "an operator of {} operands", at->operands.size());
         spine.push_back(at);
         at = at->operands[0];
       }
@@ -135,6 +137,7 @@ std::string SyntaxPrinter::guard(const Expr* e) const {
 }
 
 std::string SyntaxPrinter::simple(const Stmt& s) const {
+  BIP_ASSERT(s.kind != StmtKind::If && s.value != nullptr, "a statement of several lines at {}", s.range.begin);
   if (s.kind == StmtKind::Call) return text(s.value);
   return text(s.target) + (s.clock_speed ? "'" : "") + (notation_ == Notation::Paper ? " <- " : " = ") + text(s.value);
 }

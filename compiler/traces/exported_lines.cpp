@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "bip/assert.hpp"
 #include "compiler/traces/compress_chunk.hpp"
 
 namespace bip::traces {
@@ -61,6 +62,7 @@ class Fields {
  public:
   explicit Fields(std::string_view bytes) : bytes_(bytes) {}
   std::uint64_t number(std::size_t size) {
+    BIP_ASSERT(size <= sizeof(std::uint64_t), "a number of {} bytes", size);
     std::uint64_t value = 0;
     const std::string_view part = take(size);
     for (std::size_t k = part.size(); k-- > 0;) value = value << 8 | static_cast<unsigned char>(part[k]);
@@ -86,6 +88,7 @@ class McapReader {
   explicit McapReader(Instants instants) : instants_(instants) {}
 
   Result<std::string> read(std::string_view bytes) {
+    BIP_ASSERT(is_mcap(bytes), "{} bytes without the mark of MCAP", bytes.size());
     bytes.remove_prefix(kMcapMagic.size());
     records(bytes);
     if (!problem_.empty()) return Failure{problem_};

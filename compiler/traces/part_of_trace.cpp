@@ -7,6 +7,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "bip/assert.hpp"
+
 namespace bip::traces {
 
 std::string wanted_lines(const std::string& text, const std::vector<bool>& wanted) {
@@ -46,6 +48,7 @@ bool is_wanted_event(std::string_view line, const std::vector<bool>& wanted, con
 
 std::string wanted_events(const std::string& text, const std::vector<bool>& wanted, const Selection& selection) {
   const std::size_t begin = text.find('\n') + 1, end = text.rfind("\n]}");
+  BIP_ASSERT(begin != 0 && end != std::string::npos && begin <= end + 1, "a Perfetto trace from {} to {}", begin, end);
   std::string out = text.substr(0, begin);
   std::set<std::uint64_t> left_out;
   bool is_first = true;

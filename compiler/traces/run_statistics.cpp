@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "bip/assert.hpp"
 #include "runtime/core/final_state.hpp"
 #include "runtime/core/text.hpp"
 
@@ -26,6 +27,8 @@ void RunStatistics::begin(const rt::Core& core) {
 }
 
 void RunStatistics::step(const rt::Core& core, const TracedStep& step) {
+  BIP_ASSERT(step.parts != nullptr && step.instant >= now_, "step {} is at {}, after {}", step.number, step.instant,
+             now_);
   ++steps_;
   now_ = step.instant;
   // Who moved is among the parts.
@@ -54,6 +57,7 @@ void RunStatistics::step(const rt::Core& core, const TracedStep& step) {
 }
 
 Json RunStatistics::json() const {
+  BIP_ASSERT(wanted_ <= steps_, "{} of {} steps are wanted", wanted_, steps_);
   Json out{{"steps", steps_}, {"wanted", wanted_}};
   if (is_timed_) out.update({{"from", from_}, {"to", to_}});
   std::vector<const std::pair<const std::string, Count>*> rows;

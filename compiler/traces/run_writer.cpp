@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "bip/assert.hpp"
 #include "compiler/graph/picture.hpp"
 #include "compiler/system/system.hpp"
 #include "runtime/core/final_state.hpp"
@@ -110,6 +111,7 @@ class VcdWriter final : public RunWriter {
     if (wanted == Wanted::Yes && event != events_.end()) changes += "1" + event->second + "\n";
     if (changes.empty()) return;
     const rt::i64 instant = is_timed_ ? step.instant : static_cast<rt::i64>(step.number + 1);
+    BIP_ASSERT(instant >= last_, "a wave at {} behind one at {}", instant, last_);
     if (instant != last_) out += fmt::format("#{}\n", instant);
     last_ = instant;
     out += changes;
@@ -210,6 +212,7 @@ class ChartWriter final : public RunWriter {
   }
   void end(std::string& out) override {
     constexpr int kLeft = 230, kColumn = 130, kRow = 26, kTop = 44;
+    BIP_ASSERT(rows_.size() == count_, "{} of {} steps are in the chart", rows_.size(), count_);
     int x = 0;
     for (auto& [atom, column] : columns_) column = kLeft + kColumn / 2 + kColumn * x++;
     const int width = kLeft + kColumn * x + 20, height = kTop + kRow * static_cast<int>(rows_.size()) + 16;
@@ -290,7 +293,7 @@ std::unique_ptr<RunWriter> make_run_writer(WrittenAs format, const System& syste
     case WrittenAs::Vcd: return std::make_unique<VcdWriter>(system, selection);
     case WrittenAs::Chart: return std::make_unique<ChartWriter>(system, selection);
   }
-  return nullptr;
+  BIP_UNREACHABLE("a format of runs");
 }
 
 }  // namespace bip::traces

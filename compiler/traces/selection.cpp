@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <string_view>
 
+#include "bip/assert.hpp"
+
 namespace bip::traces {
 
 namespace {
@@ -53,6 +55,7 @@ std::string Selection::unknown(const rt::Image& image) const {
 bool Selection::takes_component(const std::string& path) const { return is_in_any(path, components); }
 
 bool Selection::takes(const rt::Image& image, const TracedStep& step) const {
+  BIP_ASSERT(step.parts != nullptr, "step {} has no parts", step.number);
   if (step.number < first || step.number > last || step.instant < begin || step.instant > end) return false;
   if (!is_in_any(step.interaction, interactions)) return false;
   return components.empty() || std::any_of(step.parts->begin(), step.parts->end(), [&](const rt::MovePart& part) {

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "bip/assert.hpp"
 #include "compiler/graph/picture.hpp"
 #include "compiler/system/system.hpp"
 #include "compiler/view/page_files.hpp"
@@ -26,6 +27,7 @@ std::uint64_t depth_of(const System& system) {
   std::vector<std::uint64_t> depth(system.compounds.size(), 0);
   std::uint64_t deepest = 0;
   for (std::size_t k = 1; k < system.compounds.size(); ++k) {
+    BIP_ASSERT(system.compounds[CompoundId(k)].parent.value < k, "compound {} comes before the one around it", k);
     depth[k] = depth[system.compounds[CompoundId(k)].parent.value] + 1;
     deepest = std::max(deepest, depth[k]);
   }
@@ -83,6 +85,7 @@ std::string page(const System& system, const std::string& title, const graph::Pi
                     is_whole ? "everything" : fmt::format("{} level{}", depth, depth == 1 ? "" : "s"), picture);
     ++count;
   }
+  BIP_ASSERT(first < count, "picture {} of {} is shown first", first, count);
   data["level"] = first;
   for (std::size_t row = 0; row < system.atom_types.size(); ++row)
     templates += fmt::format("<template data-type=\"{}\">{}</template>\n", row,

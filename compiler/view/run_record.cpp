@@ -1,9 +1,11 @@
 // See run_record.hpp.
 #include "compiler/view/run_record.hpp"
 
+#include <algorithm>
 #include <set>
 #include <unordered_map>
 
+#include "bip/assert.hpp"
 #include "compiler/system/system.hpp"
 #include "runtime/core/deadlock_explanation.hpp"
 #include "runtime/core/final_state.hpp"
@@ -24,7 +26,10 @@ rt::u32 clock_count(const rt::Core& core, rt::u32 atom) {
 
 }  // namespace
 
-RunRecorder::RunRecorder(const System& system, rt::DebugSession& session) : system_(system), session_(session) {}
+RunRecorder::RunRecorder(const System& system, rt::DebugSession& session) : system_(system), session_(session) {
+  BIP_ASSERT(system.atoms.size() == session.core().image().atoms.size, "{} atoms of the system, {} of the session",
+             system.atoms.size(), session.core().image().atoms.size);
+}
 
 Json RunRecorder::state() {
   const rt::Core& core = session_.core();
@@ -82,6 +87,7 @@ std::uint32_t RunRecorder::shown_variables(rt::u32 atom) const {
 
 std::string RunRecorder::value(rt::u32 atom, std::uint32_t variable) const {
   const rt::Core& core = session_.core();
+  BIP_ASSERT(variable < shown_variables(atom), "variable {} of atom {} is not shown", variable, atom);
   std::string out;
   rt::append_value(out, core.image(), core.tables().atom_type(atom).variables[variable].type,
                    core.cell(core.image().atoms[atom].first_cell + variable));
@@ -109,6 +115,7 @@ Json RunRecorder::candidates() {
       rows.push_back(row_of(name));
     }
   }
+  BIP_ASSERT(rows.size() == std::min(count, kMostCandidates), "{} rows of {} candidates", rows.size(), count);
   Json out{{"rows", std::move(rows)}, {"count", count}};
   return out;
 }
@@ -209,6 +216,7 @@ class Rows {
 }  // namespace
 
 Json record_run(const System& system, rt::DebugSession& session, std::uint64_t steps, std::uint64_t seed) {
+  BIP_ASSERT(session.position() == 0, "the record of a run begins at {}", session.position());
   RunRecorder recorder(system, session);
   session.track(rt::Tracking::Every);
   Json out = recorder.state();
@@ -243,6 +251,8 @@ Json record_run(const System& system, rt::DebugSession& session, std::uint64_t s
     step_rows.push_back(rows.number_of(row));
     bytes += 8;
   }
+  BIP_ASSERT(step_rows.size() <= state_rows.size() && state_rows.size() <= step_rows.size() + 1,
+             "{} states of {} steps", state_rows.size(), step_rows.size());
   out["rows"] = rows.take();
   out["steps"] = std::move(step_rows);
   if (is_timed) out.update({{"instants", std::move(instants)}, {"sets", std::move(sets)}});

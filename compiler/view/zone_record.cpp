@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "bip/assert.hpp"
+
 namespace bip::view {
 namespace {
 
@@ -132,6 +134,8 @@ ZoneRecorder::Json ZoneRecorder::bound_of(std::string_view word) {
     bound.push_back(second.atom);
     bound.push_back(second.row);
   }
+  BIP_ASSERT(first.atom < marks_.size() && second.atom < marks_.size(), "a clock of atom {} or {}", first.atom,
+             second.atom);
   const bool is_most = word[sign] == '<';
   bound.push_back(is_most ? Json(nullptr) : Json(limit));
   bound.push_back(is_most ? Json(limit) : Json(nullptr));

@@ -13,6 +13,8 @@
 
 #include <zmq.h>
 
+#include "bip/assert.hpp"
+
 namespace bip::zmq_fabric {
 namespace {
 
@@ -75,6 +77,8 @@ class ZmqFabric final : public rt::Fabric {
   }
 
   [[nodiscard]] bool open(const rt::FabricPlan& plan) {
+    BIP_ASSERT(plan.self < plan.addresses.size() && plan.addresses.size() == plan.open_keys.size(),
+               "peer {} of {}, {} keys", plan.self, plan.addresses.size(), plan.open_keys.size());
     self_ = plan.self;
     for (std::uint32_t peer = 0; peer < plan.open_keys.size(); ++peer) {
       std::array<std::uint8_t, 32> key{};
@@ -92,6 +96,8 @@ class ZmqFabric final : public rt::Fabric {
   }
 
   void send(std::uint32_t peer, std::string_view bytes) override {
+    BIP_ASSERT(peer < self_ || (peer > self_ && listener_ != nullptr), "from {} to {}, who cannot connect", self_,
+               peer);
     if (peer < self_) {
       (void)zmq_send(connected_[peer].get(), bytes.data(), bytes.size(), ZMQ_DONTWAIT);
       return;
@@ -166,6 +172,7 @@ class ZmqFabric final : public rt::Fabric {
         !socket.set(ZMQ_RECONNECT_IVL, 20) || !socket.set(ZMQ_RECONNECT_IVL_MAX, 500) ||
         zmq_connect(socket.get(), plan.addresses[peer].c_str()) != 0)
       return false;
+    BIP_ASSERT(connected_.size() == peer, "peer {} has row {}", peer, connected_.size());
     connected_.push_back(std::move(socket));
     return true;
   }

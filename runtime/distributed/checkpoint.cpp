@@ -1,6 +1,7 @@
 // See checkpoint.hpp. Numbers are LEB128, as in frames (codec.hpp).
 #include "runtime/distributed/checkpoint.hpp"
 
+#include "bip/assert.hpp"
 #include "bip/ffi.hpp"
 
 #include "runtime/distributed/codec.hpp"
@@ -28,6 +29,8 @@ std::string object_without_checkpoint(const Image& image) {
 
 std::string print_checkpoint(const Tables& tables, const Checkpoint& checkpoint) {
   const Image& image = *tables.image;
+  BIP_ASSERT(checkpoint.history.size() == image.atoms.size && checkpoint.state.places.size() == image.atoms.size,
+             "a checkpoint of {} of {} atoms", checkpoint.history.size(), image.atoms.size);
   std::string bytes(kCheckpointMagic);
   ByteWriter writer(bytes);
   writer.text(image.name);

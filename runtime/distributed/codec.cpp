@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "bip/assert.hpp"
 #include "bip/ffi.hpp"
 
 namespace bip::rt {
@@ -84,6 +85,8 @@ void Codec::write(const Frame& frame, std::string& bytes) const {
   writer.number(frame.number);
   writer.number(frame.received);
   writer.number(frame.stamp);
+  BIP_ASSERT(frame.messages.empty() || (frame.number != 0 && frame.messages.size() <= Link::kMostMessages),
+             "frame {} has {} messages", frame.number, frame.messages.size());
   writer.number(frame.messages.size());
   for (const Message& message : frame.messages) {
     writer.number(message.index());
@@ -128,6 +131,7 @@ void Codec::write(ByteWriter& writer, const Offer& offer) const {
   writer.number(offer.offer.step);
   writer.number(offer.offer.order);
   const Span<u32> cells = distribution_.cells[offer.atom];
+  BIP_ASSERT(offer.cells.size() == cells.size, "an offer of {} of {} variables", offer.cells.size(), cells.size);
   for (u32 i = 0; i < cells.size; ++i) write_cell(writer, cells[i], offer.cells[i]);
 }
 
@@ -180,6 +184,7 @@ void Codec::write(ByteWriter& writer, const Begin& begin) const {
     writer.number(part.transition);
     writer.number(part.order);
     const Span<u32> cells = distribution_.cells[part.atom];
+    BIP_ASSERT(part.cells.size() == cells.size, "a part with {} of {} variables", part.cells.size(), cells.size);
     for (u32 i = 0; i < cells.size; ++i) write_cell(writer, cells[i], part.cells[i]);
   }
 }
@@ -208,6 +213,8 @@ void Codec::read(ByteReader& reader, u32 self, Begin& begin) const {
 }
 
 void Codec::write(ByteWriter& writer, const Lock& lock) const {
+  BIP_ASSERT(lock.own != 0 && lock.own <= lock.held.size(), "{} of {} atoms are the coordinator's", lock.own,
+             lock.held.size());
   writer.number(lock.interaction);
   writer.number(lock.own);
   writer.number(lock.held.size());

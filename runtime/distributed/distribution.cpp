@@ -5,6 +5,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "bip/assert.hpp"
 #include "runtime/core/fire/partial.hpp"
 #include "runtime/core/programs/batch_plan.hpp"
 #include "runtime/distributed/split_sets.hpp"
@@ -44,6 +45,7 @@ bool can_fire_at(const Tables& tables, u32 port, u32 place) {
 u32 atom_of_cell(const std::vector<Csr::Pair>& by_cell, u32 cell) {
   const auto after = std::upper_bound(by_cell.begin(), by_cell.end(), cell,
                                       [](u32 row, const Csr::Pair& pair) { return row < pair.from; });
+  BIP_ASSERT(after != by_cell.begin(), "cell {} is no atom's", cell);
   return std::prev(after)->to;
 }
 
@@ -79,6 +81,12 @@ Csr shown_cells(const Tables& tables) {
 // The same, of tables that were linked before.
 static ConflictSets conflict_sets(const Tables& tables, const PartialState& partial,
                                   const std::vector<NextMove>& next_moves) {
+  BIP_ASSERT(std::is_sorted(next_moves.begin(), next_moves.end(),
+                            [](const NextMove& a, const NextMove& b) {
+                              return std::tuple(a.atom, a.place, a.history, a.mode) <
+                                     std::tuple(b.atom, b.place, b.history, b.mode);
+                            }),
+             "{} next moves are not in order", next_moves.size());
   const u32 interaction_count = static_cast<u32>(tables.interactions.size());
   const u32 atom_count = tables.image->atoms.size;
   const Csr movers = partial.atoms_of_interaction.transposed(atom_count);
@@ -179,6 +187,7 @@ static ConflictSets conflict_sets(const Tables& tables, const PartialState& part
   for (u32 atom = 0; atom < atom_count; ++atom) {
     if (is_looked_at[atom] == 0) continue;
     const u32 set = number[sets.find(interaction_count + atom)];
+    BIP_ASSERT(set != kNone, "no interaction depends on atom {}, which is looked at", atom);
     std::fill(result.set_at.begin() + result.first_slot[atom], result.set_at.begin() + result.first_slot[atom + 1],
               set);
     atoms.push_back({set, atom});
@@ -316,6 +325,9 @@ Distribution distribute(const Tables& tables, const PriorityTables& rules, Place
   for (const u32 set : result.sets.set_at) result.offered_at.push_back(node_of(set));
   for (const ConflictSets::Situation& at : result.sets.situations) result.offered_in.push_back(node_of(at.set));
   split_sets(tables, rules, result);
+  BIP_ASSERT(
+      std::all_of(result.coordinator_of.begin(), result.coordinator_of.end(), [&](u32 at) { return at < nodes; }),
+      "an interaction has no coordinator among {} nodes", nodes);
   return result;
 }
 

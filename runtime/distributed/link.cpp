@@ -4,6 +4,8 @@
 #include <iterator>
 #include <utility>
 
+#include "bip/assert.hpp"
+
 namespace bip::rt {
 
 bool Link::next_frame(Frame& frame) {
@@ -20,7 +22,10 @@ bool Link::next_frame(Frame& frame) {
     frame.messages.assign(std::make_move_iterator(unsaid_.begin()), std::make_move_iterator(end));
     unsaid_.erase(unsaid_.begin(), end);
   }
+  BIP_ASSERT(unconfirmed_.empty() || unconfirmed_.back().number + 1 == frame.number, "frame {} follows {}",
+             frame.number, unconfirmed_.back().number);
   unconfirmed_.push_back(frame);
+  BIP_ASSERT(unconfirmed_.size() <= kWindow, "{} frames are not confirmed", unconfirmed_.size());
   return true;
 }
 
@@ -35,9 +40,12 @@ void Link::take(const Frame& frame, std::vector<Message>& messages) {
     early_.erase(next);
     ++received_;
   }
+  BIP_ASSERT(early_.empty() || (early_.begin()->first > received_ + 1 && early_.size() < kMostEarly),
+             "frame {} waits, and all up to {} came", early_.begin()->first, received_);
 }
 
 Frame Link::again(std::size_t k) const {
+  BIP_ASSERT(k < unconfirmed_.size(), "frame {} of {}", k, unconfirmed_.size());
   Frame frame = unconfirmed_[k];
   frame.received = received_;
   return frame;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "bip/assert.hpp"
+
 namespace bip::rt {
 
 Network::Network(const NetworkFaults& faults, u64 seed) : faults_(faults), prng_(seed) {
@@ -14,6 +16,7 @@ Network::Network(const NetworkFaults& faults, u64 seed) : faults_(faults), prng_
 }
 
 void Network::enter(i64 after, NetworkEvent event) {
+  BIP_ASSERT(after >= 0, "an event {} ns ago", -after);
   if (event.kind != NetworkEvent::Kind::Crash && event.kind != NetworkEvent::Kind::Loss) ++live_;
   std::size_t row = events_.size();
   if (free_.empty()) {
@@ -38,6 +41,7 @@ i64 Network::delay(u32 from, u32 to) {
 }
 
 void Network::send(const Frame& frame) {
+  BIP_ASSERT(frame.from != frame.to, "node {} sends to itself", frame.from);
   ++counts_.frames;
   const bool is_doubled = faults_.doubled_percent != 0 && prng_.below(100) < faults_.doubled_percent;
   counts_.doubled += is_doubled ? 1 : 0;
@@ -65,7 +69,9 @@ void Network::await_again(u32 node, u32 peer) {
 
 bool Network::next(NetworkEvent& event) {
   if (live_ == 0) return false;
+  BIP_ASSERT(live_ <= queue_.size(), "{} of {} events are no crashes", live_, queue_.size());
   const Entry entry = queue_.top();
+  BIP_ASSERT(entry.at >= now_, "an event at {} after one at {}", entry.at, now_);
   queue_.pop();
   now_ = entry.at;
   event = std::move(events_[entry.row]);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include "bip/assert.hpp"
 #include "runtime/core/fire/partial.hpp"
 
 namespace bip::rt {
@@ -193,12 +194,16 @@ class SetSplitter {
     for (const auto& [interaction, home, atom] : locks) {
       BIP_ASSERT(home >= distribution_.coordinator_of[interaction], "a lock of interaction {} before its coordinator",
                  interaction);
+      BIP_ASSERT(
+          std::binary_search(distribution_.needs[interaction].begin(), distribution_.needs[interaction].end(), atom),
+          "interaction {} locks atom {}, which it does not need", interaction, atom);
       pairs.push_back({interaction, atom});
     }
     distribution_.locks = Csr::build(tables_.interactions.size(), pairs);
   }
 
   void offer(const Occasion& occasion, u32 node) {
+    BIP_ASSERT(node < distribution_.placement.nodes.size(), "an occasion of atom {} at node {}", occasion.atom, node);
     if (occasion.is_looked_at) {
       std::fill(distribution_.offered_at.begin() + sets_.first_slot[occasion.atom],
                 distribution_.offered_at.begin() + sets_.first_slot[occasion.atom + 1], node);

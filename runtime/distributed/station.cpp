@@ -3,10 +3,13 @@
 
 #include <algorithm>
 
+#include "bip/assert.hpp"
+
 namespace bip::rt {
 
 Station::Station(Fabric& fabric, const Codec& codec, u32 self, u32 peers)
     : fabric_(fabric), codec_(codec), self_(self) {
+  BIP_ASSERT(self <= peers, "process {} of {}", self, peers);
   for (u32 peer = 0; peer < peers; ++peer) ends_.emplace_back(Link(self, peer));
 }
 
@@ -38,6 +41,7 @@ void Station::take(const Arrival& arrival, i64 now, std::vector<Heard>& heard) {
 }
 
 void Station::send_frame(End& end, Frame& frame) {
+  BIP_ASSERT(frame.to != self_ && &end == &ends_[frame.to], "a frame to {} of another link", frame.to);
   frame.stamp = clock_;
   bytes_.clear();
   codec_.write(frame, bytes_);
@@ -77,6 +81,8 @@ void Station::send_again(End& end, i64 now) {
 
 void Station::tick(i64 now) {
   for (End& end : ends_) {
+    BIP_ASSERT(end.again_at != 0 || end.link.unconfirmed().empty(), "{} frames are never sent again",
+               end.link.unconfirmed().size());
     if (end.answer_at != 0 && end.answer_at <= now) {
       if (end.link.next_frame(out_)) send_frame(end, out_);
       end.answer_at = 0;

@@ -31,7 +31,8 @@ class Station {
   static constexpr i64 kAgainAtMost = 2000000000;
   static constexpr u64 kMostUnanswered = 64;  // frames
 
-  /// `peers` processes, of which `self` is this one. All arguments must outlive the station.
+  /// Links to `peers` processes; `self` is one of them, or (the launcher's) behind them. All arguments must outlive the
+  /// station.
   Station(Fabric& fabric, const Codec& codec, u32 self, u32 peers);
 
   [[nodiscard]] Link& link(u32 peer) { return ends_[peer].link; }
