@@ -190,11 +190,39 @@ void add_lines(DiagnosticBuilder problem, const std::string& said) {
 
 void report_missing_file(Compilation& c, const std::string& name) { missing_file(c, name); }
 
-void report_cpp_failure(Compilation& c, const std::string& said) {
+std::string missing_c_function(const std::string& said) {
+  constexpr std::string_view kMark = "undefined reference to `";
+  const std::size_t at = said.find(kMark);
+  if (at == std::string::npos) return {};
+  const std::size_t begin = at + kMark.size();
+  const std::string symbol = said.substr(begin, said.find_first_of("'\n", begin) - begin);
+  return symbol.find_first_of("(:") == std::string::npos ? symbol : "";
+}
+
+std::string other_declaration(const std::string& warnings, const std::string& name) {
+  constexpr std::string_view kMark = ": warning: no previous declaration for ";
+  for (std::size_t at = warnings.find(kMark); at != std::string::npos; at = warnings.find(kMark, at + 1)) {
+    const std::size_t end = std::min(warnings.find(" [-W", at), warnings.find('\n', at));
+    const std::string what = warnings.substr(at + 11, end - at - 11);
+    const std::size_t found = what.find(" " + name + "(");
+    if (found == std::string::npos) continue;
+    // FILE:LINE:COLUMN
+    const std::size_t line_end = warnings.rfind(':', at - 1);
+    const std::size_t before = warnings.rfind('\n', at);
+    std::string place = warnings.substr(before == std::string::npos ? 0 : before + 1,
+                                        line_end - (before == std::string::npos ? 0 : before + 1));
+    place.erase(0, place.rfind('/') == std::string::npos ? 0 : place.rfind('/') + 1);
+    return place + ": " + what;
+  }
+  return {};
+}
+
+void report_cpp_failure(Compilation& c, const std::string& said, const std::string& near) {
   if (report_prototype(c, said)) return;
   const std::string error = first_error(said);
   auto problem = c.diags.report(Diag::kB5012, {}, "does not compile");
   problem.note("C++: " + place_of_error(said) + error);
+  if (!near.empty()) problem.note("C++: " + near);
   // Headers of the published engine that have no counterpart in include/published.
   for (const char* header :
        {"AtomItf.hpp", "BipError.hpp", "Component.hpp", "ComponentItf.hpp", "Compound.hpp", "Connector.hpp",

@@ -200,8 +200,24 @@ class LibraryBuild {
     const Result<int> status = run_program(command, said);
     if (status && *status == 0) return true;
     if (!status) c_.diags.report(Diag::kB5012, {}, "cannot be compiled: " + status.error());
-    else report_cpp_failure(c_, text_of(said));
+    else report_cpp_failure(c_, text_of(said), near_miss(text_of(said)));
     return false;
+  }
+  // A function with C linkage in a header, which a source defines with other parameters: for C++ that is another one.
+  std::string near_miss(const std::string& said) {
+    const std::string name = missing_c_function(said);
+    if (name.empty()) return {};
+    for (const std::string& unit : cpp_.sources) {
+      std::vector<std::string> command = compiler_;
+      for (const std::string& flag : flags_of(unit)) {
+        if (flag != "-w") command.push_back(flag);
+      }
+      command.insert(command.end(), {"-Wmissing-declarations", "-fsyntax-only", unit});
+      const std::string warnings = work_ + "/warnings";
+      if (!run_program(command, warnings)) continue;
+      if (std::string found = other_declaration(text_of(warnings), name); !found.empty()) return found;
+    }
+    return {};
   }
   std::string write_library(std::string_view bytes) {
     return write(library_, std::string(bytes)) ? library_ : std::string();
