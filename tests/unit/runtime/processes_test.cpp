@@ -5,11 +5,14 @@
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <mutex>
 #include <string>
 #include <string_view>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "bip/codel_processes.hpp"
@@ -49,7 +52,10 @@ enum Function : int {
   kStart,
   kLinger,
   kCrashBeside,
-  kNote
+  kNote,
+  kVanish,
+  kLeave,
+  kParent
 };
 constexpr FunctionRow kFunctions[] = {
     {"count", 0, [](Call& call) { call.answer = ++ids; }},
@@ -89,6 +95,9 @@ constexpr FunctionRow kFunctions[] = {
        (void)::raise(SIGSEGV);
      }},
     {"note", 0, [](Call& call) { bip::activity_notes().note(kOwners[call.owner].name, "\"output\":1"); }},
+    {"vanish", 0, [](Call&) { (void)::raise(SIGKILL); }},
+    {"leave", 0, [](Call&) { ::_exit(3); }},
+    {"parent", 0, [](Call& call) { append(call.out, ::getppid()); }},
 };
 constexpr StartRow kStarts[] = {{kStart, kTask}};
 constexpr PosterRow kPosters[] = {{.writer = 0,
@@ -120,6 +129,33 @@ pid_t pid_of(Level& level, int module) {
   return bytes && Taker(*bytes).take(pid) ? pid : 0;
 }
 bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
+
+// What `on_death` was called with, on whichever thread.
+class HeardDeaths {
+ public:
+  void clear() {
+    const std::lock_guard<std::mutex> hold(lock_);
+    texts_.clear();
+  }
+  void note(const char* text) {
+    const std::lock_guard<std::mutex> hold(lock_);
+    texts_.emplace_back(text);
+  }
+  std::size_t count() {
+    const std::lock_guard<std::mutex> hold(lock_);
+    return texts_.size();
+  }
+  /// The first one; empty if there is none for a minute.
+  std::string wait() {
+    for (int k = 0; k < 60000 && count() == 0; ++k) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    const std::lock_guard<std::mutex> hold(lock_);
+    return texts_.empty() ? "" : texts_[0];
+  }
+
+ private:
+  std::mutex lock_;
+  std::vector<std::string> texts_;
+};
 
 }  // namespace
 
@@ -185,21 +221,48 @@ TEST_CASE("a process that dies fails its activities, and starts again with fresh
   CHECK(contains(bip::service_notes().take("a.Go"), text));
 }
 
-TEST_CASE("a death between two calls is noticed") {
+TEST_CASE("a death between two calls is noticed, without a call") {
   Level level(plain());
-  static std::string why;
-  level.on_death = [](const char* text) { why = text; };
+  static HeardDeaths heard;
+  heard.clear();
+  level.on_death = [](const char* text) { heard.note(text); };
   level.accepted(kGo);
   const pid_t before = pid_of(level, 0);
   REQUIRE(before > 1);
   REQUIRE(::kill(before, SIGKILL) == 0);
-  // Until the process that started it has buried it, the call is the one that meets the death.
-  int answer = 0;
-  for (int k = 0; k < 100000 && (answer = step(level, kCount, kGo)) != bip::kCodelThrew; ++k) {
-  }
-  CHECK(answer == bip::kCodelThrew);
-  CHECK(contains(why, "the process of module a ended by SIGKILL"));
+  CHECK(heard.wait() == "the process of module a ended by SIGKILL");
+  // Its data is gone; nobody hears of it twice.
+  CHECK(step(level, kCount, kGo) == bip::kCodelThrew);
   CHECK(pid_of(level, 0) != before);
+  CHECK(heard.count() == 1);
+}
+
+TEST_CASE("what is alone in a process that dies without a trace has ended it") {
+  Level level(plain());
+  static HeardDeaths heard;
+  heard.clear();
+  level.on_death = [](const char* text) { heard.note(text); };
+  CHECK(step(level, kCount, kTask) == 1);
+  const auto [function, text] = GENERATE(std::pair(kVanish, "ended by SIGKILL"), std::pair(kLeave, "ended by exit(3)"));
+  CHECK(step(level, function, kTask) == bip::kCodelThrew);
+  CHECK(contains(heard.wait(), text));
+  CHECK(contains(heard.wait(), "of task a.T"));
+  CHECK(step(level, kCount, kTask) == 1);
+  CHECK(heard.count() == 1);
+}
+
+TEST_CASE("the process that starts the others is replaced, without a call") {
+  Level level(plain());
+  static HeardDeaths heard;
+  heard.clear();
+  level.on_death = [](const char* text) { heard.note(text); };
+  pid_t nursery = 0;
+  const auto bytes = level.call(kParent, 0, {});
+  REQUIRE((bytes && Taker(*bytes).take(nursery) && nursery > 1));
+  REQUIRE(::kill(nursery, SIGKILL) == 0);
+  CHECK(contains(heard.wait(), "ended by SIGKILL"));
+  CHECK(step(level, kCount, kTask) == 1);
+  CHECK(step(level, kCount, kOther) == 1);
 }
 
 TEST_CASE("a task goes on when something else has ended its process") {
