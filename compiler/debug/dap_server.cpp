@@ -579,7 +579,7 @@ void DapServer::append_atom(json& rows, std::uint32_t atom) const {
   };
   append("place", rt::places_of(core, atom));
   const rt::u32 clocks = type.time == nullptr ? 0 : type.time->clocks.size;
-  const rt::u32 count = clocks == 0 ? type.variables.size : type.time->clocks[0].variable;
+  const rt::u32 count = rt::visible_variables(type);
   for (rt::u32 k = 0; k < count; ++k) {
     std::string value;
     rt::append_value(value, core.image(), type.variables[k].type, core.cell(first + k));

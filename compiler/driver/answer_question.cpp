@@ -73,7 +73,7 @@ class ProofProgressLine {
 library::Verdict answer_question(const library::VerifyRequest& request, Compilation& c,
                                  const verify::Question& question, const std::string& note) {
   if (std::optional<library::Verdict> fault = library::decide_initial_fault(c, question)) return *fault;
-  if (library::calls_cpp(*c.system) && !c.options.refuses_cpp) {
+  if (library::has_undetermined_values(*c.system) && !c.options.refuses_cpp) {
     if (std::optional<library::Verdict> found = first_runs(request, c, question)) return *found;
   }
   const InterruptCancellation interrupt;

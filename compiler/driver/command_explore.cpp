@@ -119,8 +119,8 @@ int exit_code_of(const rt::ExploreReport& found) {
 // Refuses what could not be explored soundly. False: a diagnostic was reported.
 bool is_explorable(const ExploreArguments& a, Compilation& c) {
   const CodeTable& code = c.system->code;
-  if (!a.trusts_cpp && !(code.functions.empty() && code.ffi_types.empty())) {
-    c.diags.report(Diag::kB5041, {}, code.functions.empty() ? code.ffi_types[0].name : code.functions[0].name)
+  if (!a.trusts_cpp && code.has_cpp()) {
+    c.diags.report(Diag::kB5041, {}, code.first_cpp())
         .help(
             "`--trust-cpp` explores it all the same: functions are then taken to depend on nothing but their "
             "arguments");

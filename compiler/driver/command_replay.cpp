@@ -93,7 +93,9 @@ TraceEnd end_of(rt::FaultCode code) {
     case rt::FaultCode::Exception:
     case rt::FaultCode::BadClock:
     case rt::FaultCode::SourceFailed:
-    case rt::FaultCode::ReplayDiffers: break;
+    case rt::FaultCode::ReplayDiffers:
+    case rt::FaultCode::BadDraw:
+    case rt::FaultCode::UntriedDraw: break;
   }
   return TraceEnd::Error;
 }

@@ -53,12 +53,14 @@ std::string emit(const lower::LoweredSystem& lowered, const Options& options) {
   if (!lowered.steps.shapes.empty()) out.line("#include \"bip/step_loop.hpp\"");
   out.line();
   if (has_ffi) out.line(ffi_includes(code));
+  if (code.has_draws()) out.line("#include \"bip/draws.hpp\"");
   const std::vector<lower::EventClassUse> classes = lower::event_class_uses(*lowered.system);
   if (!classes.empty()) out.line("#include \"bip/event_source.hpp\"");
   out.line("namespace " + options.namespace_name + " {");
   if (has_ffi)
     out.line(ffi_text(code, options.const_names,
                       {.mark = options.mark_ffi, .names_crashes = options.with_main, .files = lowered.system->files}));
+  if (code.has_draws()) out.line(draws_text(code));
   if (!classes.empty()) out.line(event_class_text(*lowered.system, classes, options.mark_ffi));
   out.line("namespace {");
   out.line();

@@ -4,6 +4,7 @@
 #include "compiler/emit_cpp/ffi_event_classes.hpp"
 #include "compiler/emit_cpp/writer.hpp"
 #include "compiler/lower/unit_names.hpp"
+#include "compiler/model/draws.hpp"
 #include "compiler/system/system.hpp"
 #include "runtime/include/bip/assert.hpp"
 
@@ -73,7 +74,12 @@ FfiNames::FfiNames(const CodeTable& code) {
   lower::UniqueNames names;
   for (const char* taken : {"bip_context", "own_context", "names_crashes"}) names.reserve(taken);
   for (const FfiType& type : code.ffi_types) types_.push_back("ffi::" + names.make(type.name + "_type"));
+  lower::UniqueNames draws;
   for (const Function& function : code.functions) {
+    if (function.kind == FunctionKind::Draw) {
+      functions_.push_back("draws::" + draws.make(function.name));
+      continue;
+    }
     std::string name = "call_" + function.name;
     if (function.kind == FunctionKind::Operator) name = std::string("operator_") + operator_name(function.name);
     if (function.kind == FunctionKind::Cast) name = "to_" + function.name;
@@ -120,6 +126,7 @@ std::string ffi_text(const CodeTable& code, const ConstNames& const_names, const
   }
   if (options.mark) line("#line 1 \"bip-shim\"");
   for (std::size_t k = 0; k < code.functions.size(); ++k) {
+    if (code.functions[k].kind == FunctionKind::Draw) continue;
     BIP_ASSERT(names.function(k).starts_with("ffi::"), "function `{}` is out of its namespace", names.function(k));
     const Function& function = code.functions[k];
     const std::string result = function.has_result ? local(names.type(function.result)) : "void";
@@ -148,6 +155,26 @@ std::string ffi_text(const CodeTable& code, const ConstNames& const_names, const
   return out;
 }
 
+std::string draws_text(const CodeTable& code) {
+  const FfiNames names(code);
+  std::string out = "// The distributions that the model draws from.\nnamespace draws {\n";
+  for (std::size_t k = 0; k < code.functions.size(); ++k) {
+    const Function& function = code.functions[k];
+    const rt::ProbabilityDistribution* distribution = model::distribution_of(function);
+    if (distribution == nullptr) continue;
+    out += "inline " + names.type(function.result) + " " + names.function(k).substr(7) + "(";
+    std::string given;
+    for (std::size_t p = 0; p < function.params.size(); ++p) {
+      out += names.type(function.params[p].type) + (p == 0 ? "& a" : " a") + std::to_string(p) + ", ";
+      if (p != 0) given += ", a" + std::to_string(p);
+    }
+    out += "std::uint32_t site) {\n  return bip::rt::draw(bip::rt::" + std::string(distribution->function) +
+           ", a0, site" + given + ")." + (function.result == Type::Float ? "f" : "i") +
+           (function.result == Type::Bool ? " != 0" : "") + ";\n}\n";
+  }
+  return out + "}  // namespace draws\n";
+}
+
 std::string shim_text(const System& system, const ConstNames& const_names) {
   const CodeTable& code = system.code;
   const FfiNames names(code);
@@ -163,6 +190,7 @@ std::string shim_text(const System& system, const ConstNames& const_names) {
   line("extern \"C\" void bip_set_crash_hook(void (*hook)(const char*)) { bip::rt::crash::hook.store(hook); }");
   for (std::size_t k = 0; k < code.functions.size(); ++k) {
     const Function& function = code.functions[k];
+    if (function.kind == FunctionKind::Draw) continue;
     line("");
     line("extern \"C\" std::int32_t bip_call_" + std::to_string(k) +
          "(bip::rt::FfiContext* ffi_context, [[maybe_unused]] bip::rt::Cell* result, "

@@ -18,11 +18,9 @@ class FfiNames {
   explicit FfiNames(const CodeTable& code);
   /// "std::int32_t", "bool", "double", "ffi::List_type"; strings are rows.
   [[nodiscard]] std::string type(Type type) const;
-  /// "ffi::call_push_back"
+  /// "ffi::call_push_back", "draws::uniform"
   [[nodiscard]] const std::string& function(std::size_t row) const { return functions_[row]; }
-  [[nodiscard]] static bool is_needed(const CodeTable& code) {
-    return !code.functions.empty() || !code.ffi_types.empty();
-  }
+  [[nodiscard]] static bool is_needed(const CodeTable& code) { return code.has_cpp(); }
 
  private:
   std::vector<std::string> types_, functions_;
@@ -44,6 +42,9 @@ struct FfiTextOptions {
   std::vector<std::string> files{};  // rows of Loc::file
 };
 [[nodiscard]] std::string ffi_text(const CodeTable& code, const ConstNames& const_names, const FfiTextOptions& options);
+
+/// Namespace `draws`: the distributions that the code draws from, by FfiNames' names. Needs bip/draws.hpp.
+[[nodiscard]] std::string draws_text(const CodeTable& code);
 
 /// The source of the shared object: exports `bip_call_<row>`, and `bip_ffi_types` and `bip_event_classes` if there
 /// are any.

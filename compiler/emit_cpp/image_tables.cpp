@@ -143,8 +143,9 @@ void TableWriter::atom_type(const rt::AtomType& type) {
   const std::string invariants = table("Invariant", name + "_invariants", rows);
   const std::string time = atom_time(name, type.time);
   std::string rest = time.empty() ? invariants : invariants + ", " + time;
-  if (type.final_places.size != 0)
+  if (type.final_places.size != 0 || type.draws != rt::kNone)
     rest += (time.empty() ? ", nullptr, " : ", ") + list(name + "_final_places", type.final_places);
+  if (type.draws != rt::kNone) rest += ", " + row_text(type.draws);
   atom_rows_.push_back(braces({string_literal(name), cells, ports, places, initial, row_text(type.initial_action),
                                transitions, loc_text(type.loc), priorities, rest}));
 }
@@ -191,8 +192,9 @@ void TableWriter::image() {
     codes.push_back("/* " + std::to_string(codes.size()) + " */ {&" + unit.name + ", nullptr}");
   }
   for (const rt::Site& site : image_.sites) {
-    sites.push_back("{" + loc_text(site.loc) +
-                    (site.function == nullptr ? "}" : ", " + string_literal(site.function) + "}"));
+    sites.push_back(
+        "{" + loc_text(site.loc) +
+        (site.function == nullptr ? "}" : ", " + string_literal(site.function) + (site.is_draw ? ", true}" : "}")));
   }
   BIP_ASSERT(codes.size() == image_.codes.size, "{} codes, the image has {}", codes.size(), image_.codes.size);
   const FfiNames ffi(lowered_.system->code);

@@ -30,7 +30,7 @@ void PromelaCode::refuse(const std::string& what, const Loc& loc) {
 
 // A float that is stored and never compared: reading one is refused, so that what is left out changes nothing.
 bool PromelaCode::decides_nothing(const Stmt& store) {
-  if (is_ffi(store.type) || (store.type == Type::Float && !code_.functions.empty()))
+  if (is_ffi(store.type) || (store.type == Type::Float && code_.has_cpp()))
     refuse("data of type " + code_.type_name(store.type), store.loc);
   return store.type == Type::Float;
 }
@@ -60,7 +60,7 @@ std::string PromelaCode::text(ExprId expr, const Names& names) {
     case Op::ConstFloat:
     case Op::IntToFloat: refuse("data of type float", e.loc); return "0";
     case Op::Call:
-      refuse("a call of C++", e.loc);
+      refuse(code_.functions[e.index].kind == FunctionKind::Draw ? "a random number" : "a call of C++", e.loc);
       return "0";
       BIP_SIGN_OPS(BIP_OP_CASE)
       BIP_BINARY_OPS(BIP_OP_CASE)

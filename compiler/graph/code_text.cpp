@@ -84,7 +84,8 @@ class CodeTextWriter {
  private:
   std::string call(const Expr& e) {
     const Function& function = code_.functions[e.index];
-    const std::span<const ExprId> args = code_.args_of(e);
+    // The generator of a draw has no name in the model.
+    const std::span<const ExprId> args = code_.args_of(e).subspan(function.kind == FunctionKind::Draw ? 1 : 0);
     // Signs of FFI operators have no precedence of their own here: they get parentheses.
     const bool is_sign = function.kind == FunctionKind::Operator;
     std::string out = is_sign ? "(" : function.kind == FunctionKind::Cast ? "" : function.name + "(";

@@ -74,8 +74,8 @@ struct Compiler {
     add(kCodesName, lowered.codes.data());
     add(kDrawName, reinterpret_cast<const void*>(&draw));
     add(kOperandTableName, lowered.steps.table.numbers.data());
+    add(kFfiContextName, &lowered.ffi);
     if (lowered.image.ffi != nullptr) {
-      add(kFfiContextName, &lowered.ffi);
       add(kLoweredName, &lowered);
       add(kResultName, reinterpret_cast<const void*>(&result_cell));
     }

@@ -23,6 +23,7 @@
 #include "compiler/verify/net/unread_data.hpp"
 #include "runtime/engine/simulate.hpp"
 #include "runtime/explore/counterexample.hpp"
+#include "runtime/include/bip/draws.hpp"
 #include "runtime/trace/trace.hpp"
 
 namespace bip::compiler {
@@ -98,11 +99,16 @@ Counterexample replayed(const rt::Image& image, rt::MaximalProgress maximal, rt:
   out.end = name_of(end);
   rt::Core core(image, {.progress = maximal});
   core.time().wait_for_resume_at();
-  bool is_sound = core.initialize();
+  rt::DrawScript first = rt::DrawScript::without_choices();
+  bool is_sound = false;
+  if (const rt::FollowedScript follow(first); core.initialize()) is_sound = true;
   for (const rt::TimedStep& step : path.steps) {
-    if (!is_sound || !rt::let_time_pass(core, path, out.steps.size()) || step.choice >= core.candidate_count()) break;
-    const rt::EnabledSet::Position at = core.position(step.choice);
-    CounterexampleStep row{core.is_timed() ? core.now() : 0, step.choice, {}};
+    const std::uint64_t choice = rt::candidate_of(step.choice);
+    if (!is_sound || !rt::let_time_pass(core, path, out.steps.size()) || choice >= core.candidate_count()) break;
+    rt::DrawScript script(rt::drawn_by(step.choice));
+    const rt::FollowedScript follow(script);
+    const rt::EnabledSet::Position at = core.position(choice);
+    CounterexampleStep row{core.is_timed() ? core.now() : 0, choice, {}};
     rt::append_candidate(row.interaction, core, core.candidate(at));
     out.steps.push_back(std::move(row));
     is_sound = core.is_timed() ? core.time().take(at) : core.take(at);
@@ -220,8 +226,8 @@ Exploration Model::explore(const ExploreOptions& options) {
   wanted.threads = options.threads == 0 ? pipeline::processors() : std::min(options.threads, 256u);
   wanted.is_stopped = [&options] { return options.stop.stop_requested(); };
   Diagnostics refused;
-  if (!options.trusts_cpp && library::calls_cpp(*c.system)) {
-    refused.report(Diag::kB5041, {}, code.functions.empty() ? code.ffi_types[0].name : code.functions[0].name);
+  if (!options.trusts_cpp && code.has_cpp()) {
+    refused.report(Diag::kB5041, {}, code.first_cpp());
   } else if (const std::string problem = rt::reduction_problem(c.lowered->image, wanted); !problem.empty()) {
     refused.report(Diag::kB5040, {}, options.reduction == Reduction::PartialOrder ? "partial-order" : "symmetry",
                    problem);

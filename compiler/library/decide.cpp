@@ -134,10 +134,10 @@ std::vector<DataRef> data_of(const verify::Question& question) {
   return data;
 }
 
-bool calls_cpp(const System& system) { return !system.code.functions.empty() || !system.code.ffi_types.empty(); }
+bool has_undetermined_values(const System& system) { return system.code.has_cpp() || system.code.has_draws(); }
 
 std::string remove_unread_cpp(const VerifyRequest& request, Compilation& c, const std::vector<DataRef>& data) {
-  if (!calls_cpp(*c.system) || request.wants_certificate) return {};
+  if (!c.system->code.has_cpp() || request.wants_certificate) return {};
   std::optional<System> simple = verify::without_unread_cpp(*c.system, data);
   if (!simple) return {};
   c.lowered.reset();
@@ -159,7 +159,7 @@ Verdict plain_verdict(const verify::Question& question, int exit_code, const std
 }
 
 std::optional<Verdict> decide_initial_fault(const Compilation& c, const verify::Question& question) {
-  if (calls_cpp(*c.system) || question.what == verify::QuestionKind::NoErrors) return std::nullopt;
+  if (has_undetermined_values(*c.system) || question.what == verify::QuestionKind::NoErrors) return std::nullopt;
   const std::string fault = initial_fault(*c.system);
   if (fault.empty()) return std::nullopt;
   return plain_verdict(question, kModelErrors, "no-state", fmt::format("no run reaches a state: {}\n", fault));
@@ -188,7 +188,7 @@ Verdict decide(const VerifyRequest& request, Compilation& c, const verify::Quest
   ContentCache cache(KeptKind::Proof, cache_folder(kept).string(), kept.megabytes << 20);
   verify::ProofCache proofs(cache, cache_version());
   const verify::StateAccess access =
-      calls_cpp(*c.system) ? verify::StateAccess::CallsCpp : verify::StateAccess::Searchable;
+      has_undetermined_values(*c.system) ? verify::StateAccess::CallsCpp : verify::StateAccess::Searchable;
   verify::Portfolio portfolio(*c.system, c.lowered->image, access, prepare, report);
   if (request.reuses && cache.is_on()) portfolio.use_cache(&proofs);
   const verify::ProcessClock::time_point start = verify::ProcessClock::now();
@@ -198,8 +198,8 @@ Verdict decide(const VerifyRequest& request, Compilation& c, const verify::Quest
   if (!is_ready) return verdict;
   verdict.is_answered = true;
   auto* const broken_by = std::get_if<verify::Counterexample>(&decision.evidence);
-  const bool is_replayable =
-      broken_by != nullptr && question.what != verify::QuestionKind::NoLocalDeadlock && !calls_cpp(*c.system);
+  const bool is_replayable = broken_by != nullptr && question.what != verify::QuestionKind::NoLocalDeadlock &&
+                             !has_undetermined_values(*c.system);
   const std::size_t left_out =
       is_replayable && !request.all_steps ? shorten(*broken_by, c, question, token) : std::size_t{0};
   VerdictText said =

@@ -39,8 +39,9 @@ struct Verdict {
 /// The data that the question's property reads.
 [[nodiscard]] std::vector<DataRef> data_of(const verify::Question& question);
 
-/// What C++ remembers is outside of a state: then states can't be visited and steps can't be replayed.
-[[nodiscard]] bool calls_cpp(const System& system);
+/// Returns whether steps depend on what no state determines: results of C++, random numbers. Then states are not
+/// visited and steps are not replayed.
+[[nodiscard]] bool has_undetermined_values(const System& system);
 
 /// Models with C++, without a certificate: takes out what decides about no state, so that they can be searched; `data`
 /// is what all questions to come read. Returns a note for the answers, empty if the system is as before.

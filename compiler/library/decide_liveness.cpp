@@ -151,7 +151,7 @@ Verdict decide_liveness(const VerifyRequest& request, Compilation& c, const veri
   Verdict verdict;
   if (!has_an_engine(c)) return verdict;
   Executor executor(MachineCode::Fresh);
-  const bool has_graph = !calls_cpp(*c.system);
+  const bool has_graph = !has_undetermined_values(*c.system);
   if (has_graph && !executor.prepare(c, request.backend, Optimisation::Auto)) return verdict;
   verify::LivenessOptions options;
   options.fairness = request.fairness;

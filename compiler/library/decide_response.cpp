@@ -98,7 +98,7 @@ Verdict decide_response(const VerifyRequest& request, Compilation& c, const veri
   const verify::Formula& formula = question.formula;
   BIP_ASSERT(formula.bounded, "a property without a limit of time");
   if (!is_observable(request, c, formula)) return {};
-  if (calls_cpp(*c.system)) return unknown_because_of_cpp();
+  if (has_undetermined_values(*c.system)) return unknown_because_of_values(*c.system);
   const verify::CancellationToken cancellation = token.within(request.timeout);
   Executor executor(MachineCode::Fresh);
   if (!executor.prepare(c, request.backend, Optimisation::Auto)) return {};

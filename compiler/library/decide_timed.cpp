@@ -154,8 +154,9 @@ Verdict verdict_of(const nlohmann::ordered_json& json, std::string text, int exi
   return verdict;
 }
 
-Verdict unknown_because_of_cpp() {
-  const std::string reason = "zones cannot follow what the model's C++ computes";
+Verdict unknown_because_of_values(const System& system) {
+  const std::string reason = system.code.has_cpp() ? "zones cannot follow what the model's C++ computes"
+                                                   : "zones cannot follow the random numbers that the model draws";
   const nlohmann::ordered_json json{{"format", "bipc-verdict"},
                                     {"version", 1},
                                     {"verdict", "unknown"},
@@ -167,7 +168,7 @@ Verdict unknown_because_of_cpp() {
 Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify::Question& question,
                      const std::string& note, const verify::CancellationToken& token) {
   if (!is_answerable(c, question)) return {};
-  if (calls_cpp(*c.system)) return unknown_because_of_cpp();
+  if (has_undetermined_values(*c.system)) return unknown_because_of_values(*c.system);
   const verify::CancellationToken cancellation = token.within(request.timeout);
   nlohmann::ordered_json json{{"format", "bipc-verdict"}, {"version", 1}, {"verdict", "unknown"}};
   std::string stats;

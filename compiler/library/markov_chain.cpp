@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "runtime/include/bip/assert.hpp"
+#include "runtime/include/bip/draws.hpp"
 
 namespace bip::library {
 namespace {
@@ -39,7 +40,9 @@ class ChainBuilder {
   Result<MarkovChain> build(const std::vector<std::function<bool(const rt::Core&)>>& conditions,
                             std::vector<StateSet>& sets) {
     sets.assign(conditions.size(), {});
-    if (!core_.initialize()) return Failure{"the initial state is a run-time error: " + core_.fault().what};
+    rt::DrawScript script = rt::DrawScript::without_choices();
+    if (const rt::FollowedScript follow(script); !core_.initialize())
+      return Failure{"the initial state is a run-time error: " + core_.fault().what};
     (void)number_of(core_.snapshot());
     chain_.first.push_back(0);
     for (std::uint32_t state = 0; state < states_.size(); ++state) {
@@ -70,9 +73,15 @@ class ChainBuilder {
     std::map<std::uint32_t, double> steps;
     if (count == 0) steps[state] = 1;
     for (std::uint64_t k = 0; k < count; ++k) {
-      if (k != 0 && !core_.restore(states_[state])) return core_.fault().what;
-      if (!core_.fire(k)) return "a step ends in a run-time error: " + core_.fault().what;
-      steps[number_of(core_.snapshot())] += weights[k] / total;
+      rt::DrawScript script;
+      const rt::FollowedScript follow(script);
+      bool is_first = k == 0;
+      do {
+        if (!is_first && !core_.restore(states_[state])) return core_.fault().what;
+        is_first = false;
+        if (!core_.fire(k)) return "a step ends in a run-time error: " + core_.fault().what;
+        steps[number_of(core_.snapshot())] += weights[k] / total * script.probability();
+      } while (script.advance());
     }
     for (const auto& [to, share] : steps) {
       chain_.to.push_back(to);

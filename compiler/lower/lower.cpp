@@ -6,8 +6,10 @@
 
 #include "compiler/lower/check_image.hpp"
 #include "compiler/lower/pools.hpp"
+#include "compiler/model/draws.hpp"
 #include "compiler/system/system.hpp"
 #include "runtime/include/bip/assert.hpp"
+#include "runtime/include/bip/draws.hpp"
 
 namespace bip::lower {
 
@@ -34,7 +36,9 @@ void number_sites(Lowering& l) {
     const bool is_call = expr.op == Op::Call;
     if (is_call || ((expr.op == Op::Div || expr.op == Op::Mod) && expr.type == Type::Int)) {
       l.out.site_of_expr[row] = static_cast<std::uint32_t>(l.pools.sites.size());
-      l.pools.sites.push_back({loc_of(expr.loc), is_call ? l.system.code.functions[expr.index].name.c_str() : nullptr});
+      const Function* function = is_call ? &l.system.code.functions[expr.index] : nullptr;
+      l.pools.sites.push_back({loc_of(expr.loc), is_call ? function->name.c_str() : nullptr,
+                               is_call && function->kind == FunctionKind::Draw});
     }
     ++row;
   }
@@ -81,8 +85,7 @@ void point_image_to_pools(LoweredSystem& out, const LoweredSystem::Pools& pools)
   image.shown_ports = span_of(pools.shown_ports);
   image.ffi_types = span_of(out.ffi_types);
   image.event_classes = span_of(out.event_classes);
-  if (!out.functions.empty() || !out.ffi_types.empty() || !out.event_classes.empty() || brings_strings(image))
-    image.ffi = &out.ffi;
+  if (out.system->code.has_cpp() || !out.event_classes.empty() || brings_strings(image)) image.ffi = &out.ffi;
   image.priorities = span_of(pools.priorities);
   image.transition_weights = span_of(pools.transition_weights);
   image.connector_weights = span_of(pools.connector_weights);
@@ -106,7 +109,11 @@ std::unique_ptr<LoweredSystem> lower(const System& system, const std::string& na
   lower_types(l);
   lower_instances(l);
   out->codes.resize(out->units.size());
-  out->functions.resize(system.code.functions.size());
+  for (const Function& function : system.code.functions) {
+    const rt::ProbabilityDistribution* drawn = model::distribution_of(function);
+    out->functions.push_back(
+        drawn == nullptr ? nullptr : rt::draw_function(static_cast<std::size_t>(drawn - rt::kDistributions)));
+  }
   for (const FfiType& type : system.code.ffi_types)
     out->ffi_types.push_back({type.name.c_str(), nullptr, nullptr, nullptr, nullptr, nullptr});
   point_image_to_pools(*out, *out->pools);

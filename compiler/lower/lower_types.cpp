@@ -59,6 +59,7 @@ void lower_atom_type(Lowering& l, std::uint32_t row, const AtomType& type) {
   to.places = l.pools.list(places);
   to.initial = l.pools.list(type.initial);
   to.final_places = l.pools.list(type.final_places);
+  to.draws = type.draws == AtomType::kNoDraws ? rt::kNone : type.draws;
   to.initial_action = l.action(CodeOwner::Atom, row, type.name + "_initial", type.initial_action);
   std::vector<rt::Transition> transitions;
   for (const Transition& t : type.transitions) {

@@ -43,6 +43,7 @@ struct AtomBuilder {
     out.name = b.key(decl);
     out.loc = b.loc(decl.name.range);
     scope.owner = fmt::format("atom type `{}`", decl.name.text);
+    scope.drawing = &out;
   }
 
   void add_interaction(const syntax::Name& name, Type type, bool is_param, bool exported) {
@@ -474,7 +475,7 @@ struct AtomBuilder {
         value = b.model.code.exprs.push(
             {.op = Op::LoadSelf, .type = type, .index = init.param, .a = {}, .b = {}, .loc = init.loc});
       } else {
-        value = code.expr_as(init.value, type, fmt::format("`{}`", out.variables[init.variable].name));
+        value = code.initial_value(init.value, type, fmt::format("`{}`", out.variables[init.variable].name));
       }
       next = code.store_self(init.variable, type, value, init.loc, next);
     }

@@ -2,7 +2,9 @@
 //
 // The prototype is chosen by the arguments' types (ffi_declarations.hpp). A row of CodeTable::functions says how C++ is
 // called with exactly these types, so conversions along `refine` are left to C++, which knows the classes.
+#include "compiler/model/draws.hpp"
 #include "compiler/model/ffi_declarations.hpp"
+#include "compiler/model/packages.hpp"
 
 namespace bip::model {
 
@@ -15,6 +17,10 @@ void list_prototypes(const Model& model, DiagnosticBuilder d, const std::vector<
     d.label(prototypes[k]->range, fmt::format("`{}`", prototype_text(model, *prototypes[k])));
   }
   if (prototypes.size() > kShownPrototypes) d.note(fmt::format("and {} more", prototypes.size() - kShownPrototypes));
+}
+
+bool is_of_chance(const Model& model, const syntax::Decl& prototype) {
+  return package_of(model, prototype.range.file).name == kChancePackage;
 }
 
 }  // namespace
@@ -79,6 +85,14 @@ std::optional<Typed> CodeBuilder::ffi_call(const std::string& name, const std::v
     row.params.push_back({value.type, args[k].is_variable && !param.is_const && can_refer});
     ids.push_back(value.id);
   }
+  if (is_of_chance(model_, prototype)) {
+    Function drawn = row;
+    drawn.kind = FunctionKind::Draw;
+    drawn.is_const = false;
+    for (FunctionParam& param : drawn.params) param.by_reference = false;
+    drawn.params.insert(drawn.params.begin(), {Type::Float, true});
+    if (distribution_of(drawn) != nullptr) return draw(drawn, ids, at);
+  }
   const auto first = static_cast<std::int32_t>(code.args.size());
   code.args.insert(code.args.end(), ids.begin(), ids.end());
   const Type result = row.result;
@@ -86,6 +100,36 @@ std::optional<Typed> CodeBuilder::ffi_call(const std::string& name, const std::v
   return Typed{
       make({.op = Op::Call, .type = result, .index = function, .int_value = first, .a = {}, .b = {}, .loc = loc(at)}),
       result};
+}
+
+// The generator is a hidden variable of the atom, made for its first draw.
+std::optional<Typed> CodeBuilder::draw(const Function& prototype, const std::vector<ExprId>& args, SourceRange at) {
+  CodeTable& code = model_.code;
+  if (scope_.drawing == nullptr || !may_draw_ || const_calls_) {
+    diags_.report(Diag::kB1170, at, prototype.name).help("draw in an action into data, and read these here");
+    return std::nullopt;
+  }
+  AtomType& atom = *scope_.drawing;
+  if (atom.draws == AtomType::kNoDraws) {
+    atom.draws = static_cast<std::uint32_t>(atom.variables.size());
+    atom.variables.push_back({"random numbers", Type::Float, false, false, {}});
+  }
+  const ExprId generator =
+      make({.op = Op::LoadSelf, .type = Type::Float, .index = atom.draws, .a = {}, .b = {}, .loc = loc(at)});
+  const auto first = static_cast<std::int32_t>(code.args.size());
+  code.args.push_back(generator);
+  code.args.insert(code.args.end(), args.begin(), args.end());
+  const std::uint32_t function = function_row(code, prototype);
+  const ExprId id = make({.op = Op::Call,
+                          .type = prototype.result,
+                          .index = function,
+                          .int_value = first,
+                          .a = {},
+                          .b = {},
+                          .loc = loc(at)});
+  if (const char* problem = constant_argument_problem(code, code.exprs[id]))
+    diags_.report(Diag::kB1171, at, prototype.name, problem);
+  return Typed{id, prototype.result};
 }
 
 std::optional<Typed> CodeBuilder::ffi_function(const syntax::Expr* e, const std::string& name,

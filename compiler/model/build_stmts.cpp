@@ -17,11 +17,12 @@ StmtId CodeBuilder::store_self(std::uint32_t variable, Type type, ExprId value, 
 
 // Built back to front, so that each statement knows the next.
 StmtId CodeBuilder::block(std::span<const syntax::Stmt* const> stmts, StmtId tail) {
-  const bool before = in_block_;
-  in_block_ = true;
+  const bool before = in_block_, drew = may_draw_;
+  in_block_ = may_draw_ = true;
   StmtId next = tail;
   for (std::size_t i = stmts.size(); i-- > 0;) next = statement(stmts[i], next);
   in_block_ = before;
+  may_draw_ = drew;
   return next;
 }
 

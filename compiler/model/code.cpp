@@ -4,6 +4,8 @@
 // Interning scans the table: models have tens of string constants, not thousands.
 #include "compiler/model/code.hpp"
 
+#include <algorithm>
+
 #include "compiler/model/operators.hpp"
 #include "runtime/include/bip/assert.hpp"
 
@@ -21,6 +23,22 @@ const char* name_of(Type type) {
 
 std::string CodeTable::type_name(Type type) const {
   return is_ffi(type) && ffi_row(type) < ffi_types.size() ? ffi_types[ffi_row(type)].name : name_of(type);
+}
+
+bool CodeTable::has_cpp() const {
+  return !ffi_types.empty() || std::any_of(functions.begin(), functions.end(),
+                                           [](const Function& f) { return f.kind != FunctionKind::Draw; });
+}
+bool CodeTable::has_draws() const {
+  return std::any_of(functions.begin(), functions.end(),
+                     [](const Function& f) { return f.kind == FunctionKind::Draw; });
+}
+const std::string& CodeTable::first_cpp() const {
+  for (const Function& function : functions) {
+    if (function.kind != FunctionKind::Draw) return function.name;
+  }
+  BIP_ASSERT(!ffi_types.empty(), "no C++ in {} functions", functions.size());
+  return ffi_types[0].name;
 }
 
 const char* name_of(Op op) { return is_operator(op) ? info_of(op).text : "?"; }

@@ -69,13 +69,14 @@ struct FfiType {
   std::vector<Type> refines;  // what a value can stand for
   Loc loc{};
 };
-enum class FunctionKind : std::uint8_t { Function, Operator, Cast };
+enum class FunctionKind : std::uint8_t { Function, Operator, Cast, Draw };
 struct FunctionParam {
   Type type = Type::Int;      // of the argument, which may refine the prototype's
   bool by_reference = false;  // int, float, FFI type: C++ may change the variable that is given
   friend bool operator==(const FunctionParam&, const FunctionParam&) = default;
 };
-/// A C++ function, operator or conversion as one kind of call uses it.
+/// A C++ function, operator or conversion as one kind of call uses it; or a distribution of std.chance, of which the
+/// first parameter is the atom's generator, by reference (runtime/include/bip/draws.hpp).
 struct Function {
   FunctionKind kind = FunctionKind::Function;
   std::string name;       // "min"; of an operator its sign
@@ -106,6 +107,11 @@ struct CodeTable {
 
   /// The row of a string constant, added if new.
   std::uint32_t string(const std::string& text);
+  /// Returns whether there is C++ behind some function or type: distributions are none.
+  [[nodiscard]] bool has_cpp() const;
+  [[nodiscard]] bool has_draws() const;
+  /// The name of a function or type of C++. Requires has_cpp().
+  [[nodiscard]] const std::string& first_cpp() const;
   /// "int", or the name of an FFI type.
   [[nodiscard]] std::string type_name(Type type) const;
   /// The arguments of a call.

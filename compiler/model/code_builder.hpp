@@ -29,6 +29,7 @@ struct Binding {
 struct Scope {
   std::unordered_map<std::string, Binding> names;  // "x", "p.d", "t[0].tick.v": keys as path_key makes them
   std::string owner;                               // "atom type `Fork`", for messages
+  AtomType* drawing = nullptr;                     // whose actions these are: only those draw random numbers
 };
 
 /// The path without white space: parts joined by '.', indices as written.
@@ -63,6 +64,13 @@ class CodeBuilder {
   std::optional<Typed> expr(const syntax::Expr* e);
   /// The expression as `type` (an int is converted to float). `what` is what it is for: "the guard".
   ExprId expr_as(const syntax::Expr* e, Type type, const std::string& what);
+  /// The initial value of data: it is a part of the initial action, so it may be drawn.
+  ExprId initial_value(const syntax::Expr* e, Type type, const std::string& what) {
+    may_draw_ = true;
+    const ExprId id = expr_as(e, type, what);
+    may_draw_ = false;
+    return id;
+  }
   /// Null gives the invalid id, which is true.
   ExprId guard(const syntax::Expr* e) {
     const bool before = const_calls_;
@@ -108,6 +116,8 @@ class CodeBuilder {
   std::optional<Typed> ffi_operator(const syntax::Expr* e, std::string_view sign, std::vector<Argument> args,
                                     bool& handled);
   Typed cast(Typed v, Type to);
+  /// A call of a distribution whose prototype has been found.
+  std::optional<Typed> draw(const Function& prototype, const std::vector<ExprId>& args, SourceRange at);
   std::optional<Typed> type_error(const syntax::Expr* e, const syntax::Expr* at, const char* wants, Type got,
                                   std::string_view help = "");
   /// The prototype of an operator that takes a string, "" if neither operand is one.
@@ -129,6 +139,7 @@ class CodeBuilder {
   const CodeBuilder* caller_ = nullptr;
   std::size_t unfold_start_ = 0;  // rows of code when the outermost call began
   bool const_calls_ = false;
+  bool may_draw_ = false;      // actions of atoms
   bool in_block_ = false;      // statements: variables may change
   bool is_statement_ = false;  // the call that comes next is one
 };

@@ -33,7 +33,7 @@ struct PortType {
 
 // ---- atoms ---------------------------------------------------------------------------------------------------
 /// A variable of an atom: parameters first (read-only), then data in declaration order, then the hidden variables of
-/// time.
+/// time and of random numbers.
 struct DataVariable {
   std::string name;
   Type type = Type::Int;
@@ -117,6 +117,9 @@ struct AtomType {
   Resume initial_resume{};
   std::vector<std::uint32_t> final_places{};  // sorted; where the atom may be when a run has reached its end
 
+  static constexpr std::uint32_t kNoDraws = 0xffffffffu;
+  std::uint32_t draws = kNoDraws;  // the hidden variable that holds the generator: a float, read as bits
+
   /// Returns whether exactly one place is marked at any time: one initial place, one place on each side of each
   /// transition.
   [[nodiscard]] bool is_automaton() const {
@@ -126,7 +129,8 @@ struct AtomType {
   }
   /// The first hidden variable: none of the model's own.
   [[nodiscard]] std::size_t visible_variables() const {
-    return clocks.empty() ? variables.size() : clocks.front().variable;
+    const std::size_t before_clocks = clocks.empty() ? variables.size() : clocks.front().variable;
+    return draws < before_clocks ? draws : before_clocks;
   }
 };
 

@@ -298,6 +298,7 @@ bool load_ffi(Compilation& c, const CacheOptions& cache) {
   lower::LoweredSystem& lowered = *c.lowered;
   lowered.library = library;
   for (std::size_t row = 0; row < lowered.functions.size(); ++row) {
+    if (c.system->code.functions[row].kind == FunctionKind::Draw) continue;
     lowered.functions[row] =
         reinterpret_cast<rt::FfiFunction>(::dlsym(library, fmt::format("bip_call_{}", row).c_str()));
     BIP_ASSERT(lowered.functions[row] != nullptr, "the library has no call {} of {}", row, lowered.functions.size());

@@ -138,8 +138,7 @@ std::string state_of(const Controller& controller, const std::set<std::string>& 
     if (!wanted.empty() && !wanted.contains(atom.path())) continue;
     if (atoms.size() == kMaxAtoms) break;
     const rt::AtomType& type = image.atom_types[atom.type];
-    const std::uint32_t hidden =
-        type.time != nullptr && type.time->clocks.size != 0 ? type.time->clocks[0].variable : type.variables.size;
+    const std::uint32_t hidden = rt::visible_variables(type);
     Json data = Json::object();
     for (std::uint32_t k = 0; k < hidden; ++k) {
       const std::string path = atom.path() + "." + type.variables[k].name;

@@ -12,6 +12,7 @@
 #include "compiler/steps/deriver.hpp"
 #include "compiler/steps/inner_steps.hpp"
 #include "compiler/steps/operand_table.hpp"
+#include "compiler/system/system.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::steps {
@@ -192,7 +193,7 @@ void derive_steps(lower::LoweredSystem& lowered, Columns columns) {
   lowered.image.step_cells = 0;
   lowered.image.inner_steps = {};
   // Objects of C++ types are no data of ours.
-  if (lowered.image.ffi != nullptr) return;
+  if (lowered.image.ffi != nullptr || lowered.system->code.has_draws()) return;
   Deriver deriver(lowered);
   if (!deriver.link_priorities()) return;
   lower::Steps steps;

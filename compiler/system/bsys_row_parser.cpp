@@ -226,6 +226,11 @@ AtomType BsysRowParser::atom_type(List& list) {
     reader_.close(*row_list);
   }
   while (std::optional<List> row_list = reader_.sub(list, "clock")) row.clocks.push_back(clock(*row_list, row));
+  if (std::optional<List> draws = reader_.sub(list, "draws")) {
+    row.draws = reader_.ref(*draws, row.variables.size(), "slot",
+                            [&](std::uint32_t k) -> const std::string& { return row.variables[k].name; });
+    reader_.close(*draws);
+  }
   const CodeScope scope = scope_of(row);
   row.initial = sub_refs(list, "initial", row.places, "place");
   row.initial_action = body(list, "do", scope);

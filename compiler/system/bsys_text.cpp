@@ -53,6 +53,7 @@ CodeScope scope_of(const AtomType& type) {
   CodeScope scope;
   for (const DataVariable& variable : type.variables)
     scope.self.push_back({variable.name, variable.type, !variable.is_param});
+  scope.draws = type.draws;
   return scope;
 }
 

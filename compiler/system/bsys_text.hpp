@@ -37,6 +37,7 @@ struct ScopeVariable {
 struct CodeScope {
   std::vector<ScopeVariable> self;
   std::vector<ScopeVariable> bind;
+  std::uint32_t draws = AtomType::kNoDraws;  // of self: the generator
 };
 /// Ids that are out of range contribute no variable: `validate` reports them apart.
 [[nodiscard]] CodeScope scope_of(const AtomType& type);

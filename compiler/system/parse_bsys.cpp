@@ -110,6 +110,7 @@ class BsysParser : BsysRowParser {
     row.name = reader_.name(list);
     if (reader_.flag(list, "cast")) row.kind = FunctionKind::Cast;
     else if (reader_.flag(list, "operator")) row.kind = FunctionKind::Operator;
+    else if (reader_.flag(list, "draw")) row.kind = FunctionKind::Draw;
     row.is_const = reader_.flag(list, "const");
     row.has_result = false;
     if (std::optional<List> result = reader_.sub(list, "result")) {

@@ -112,7 +112,10 @@ class BsysPrinter {
   }
   void function(const Function& row, std::size_t k) {
     open("(function", k, row.name);
-    out_ += row.kind == FunctionKind::Cast ? " cast" : row.kind == FunctionKind::Operator ? " operator" : "";
+    out_ += row.kind == FunctionKind::Cast       ? " cast"
+            : row.kind == FunctionKind::Operator ? " operator"
+            : row.kind == FunctionKind::Draw     ? " draw"
+                                                 : "";
     if (row.is_const) out_ += " const";
     if (row.has_result) fmt::format_to(std::back_inserter(out_), " (result {})", type_text(row.result));
     for (const FunctionParam& param : row.params)
@@ -184,6 +187,11 @@ class BsysPrinter {
       fmt::format_to(std::back_inserter(out_), " {}ns", row.clocks[c].unit);
       ref(row.clocks[c].variable, row.variables[row.clocks[c].variable].name);
       close(row.clocks[c].loc);
+    }
+    if (row.draws != AtomType::kNoDraws) {
+      out_ += "  (draws";
+      ref(row.draws, row.variables[row.draws].name);
+      out_ += ")\n";
     }
     out_ += " ";
     refs(" (initial", row.initial, row.places);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <unordered_set>
 
+#include "compiler/model/draws.hpp"
 #include "compiler/system/bsys.hpp"
 #include "compiler/system/validate_problems.hpp"
 
@@ -27,6 +28,8 @@ void check_functions(const System& system, Problems& problems) {
     const std::size_t count = row.params.size();
     problems.expect(row.kind != FunctionKind::Cast || (count == 1 && row.has_result),
                     "a conversion has not one parameter and a result");
+    problems.expect(row.kind != FunctionKind::Draw || model::distribution_of(row) != nullptr,
+                    "a draw has the name and the types of no distribution");
     problems.expect(row.kind != FunctionKind::Operator || count == 1 || count == 2,
                     "an operator has one or two parameters");
     for (const FunctionParam& param : row.params) {
@@ -79,6 +82,14 @@ void check_time(const AtomType& type, Problems& problems) {
                         type.variables[next + 2].type == Type::Float,
                     "a clock's variables are not float, bool, float");
     next += kClockVariables;
+  }
+  if (type.draws != AtomType::kNoDraws) {
+    const bool is_hidden = type.draws < type.variables.size() && type.draws >= type.visible_variables();
+    if (problems.expect(is_hidden, "a generator's variable is none of the hidden ones"))
+      problems.expect(type.variables[type.draws].type == Type::Float, "a generator's variable is no float");
+    for (const Clock& clock : type.clocks)
+      problems.expect(type.draws < clock.variable || type.draws >= clock.variable + kClockVariables,
+                      "a generator's variable is a clock's");
   }
   for (std::size_t k = type.visible_variables(); k < type.variables.size(); ++k)
     problems.expect(!type.variables[k].is_param && !type.variables[k].exported,

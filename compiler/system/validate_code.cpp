@@ -135,6 +135,11 @@ class CodeChecker {
     const Function& function = code_.functions[e.index];
     const std::span<const ExprId> args = code_.args_of(e);
     problems_.expect(e.type == function.result, "a call has not its function's type");
+    if (function.kind == FunctionKind::Draw && !args.empty()) {
+      const Expr& generator = code_.exprs[args[0]];
+      problems_.expect(generator.op == Op::LoadSelf && generator.index == scope.draws,
+                       "a draw is not from the generator of the atom");
+    }
     for (std::size_t k = 0; k < args.size(); ++k) {
       const Expr& arg = code_.exprs[args[k]];
       problems_.expect(arg.type == function.params[k].type, "an argument has not its parameter's type");

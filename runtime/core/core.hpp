@@ -25,6 +25,8 @@ class Core {
 
   /// To the initial state. False: a fault.
   [[nodiscard]] bool initialize() { return parts_.initialize(); }
+  /// Before `initialize`, in a run: where the generators of atoms that draw start.
+  void seed_draws(u64 seed) { parts_.seed_draws(seed); }
 
   // ---- candidates, in canonical order
   [[nodiscard]] std::uint64_t candidate_count() const { return parts_.enabled.total(); }

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "bip/assert.hpp"
+#include "bip/draws.hpp"
 
 namespace bip::rt {
 
@@ -51,6 +52,7 @@ bool CoreParts::initialize() {
       cells[i] = Cell{0};
       if (type.variables[i].is_param) cells[i] = image.args[args++];
     }
+    if (type.draws != kNone && has_draw_seed) cells[type.draws].bits = draw_start(draw_seed, atom);
     if (!memory.ffi_data.empty()) memory.ffi_data.reset(type.variables, memory.cells.data(), state.first_cell);
     BIP_ASSERT(linked.mark_words != 0 || type.initial.size == 1, "atom {} begins at {} places", atom,
                type.initial.size);

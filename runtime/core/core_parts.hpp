@@ -43,6 +43,11 @@ struct CoreParts {
 
   /// To the initial state. False: a fault.
   bool initialize();
+  /// The generators of atoms that draw start anew with the next initial state. Before it is called they are of no run.
+  void seed_draws(u64 seed) {
+    draw_seed = seed;
+    has_draw_seed = true;
+  }
   [[nodiscard]] State snapshot() const;
   /// To a state of the same image. Cost: a comparison of the states, plus what differs. False: a fault.
   bool restore(const State& state);
@@ -68,6 +73,8 @@ struct CoreParts {
   StateMemory memory;
   EnabledSet enabled;
   bool keeps_list = false;
+  u64 draw_seed = 0;
+  bool has_draw_seed = false;
 
   FaultReporter faults{*this};
   FiringHistory history;

@@ -108,7 +108,7 @@ std::string data_of(const CoreParts& core, u32 atom) {
   const u32 base = core.image().atoms[atom].first_cell;
   std::string out;
   const u32 clocks = type.time == nullptr ? 0 : type.time->clocks.size;
-  for (u32 i = 0; i < (clocks == 0 ? type.variables.size : type.time->clocks[0].variable); ++i) {
+  for (u32 i = 0; i < visible_variables(type); ++i) {
     if (i != 0) out += ", ";
     out += type.variables[i].name;
     out += " = ";

@@ -47,6 +47,7 @@ std::string DebugSession::back_refusal() const {
 
 Halt DebugSession::start() {
   if (core_.image().ffi != nullptr) std::srand(static_cast<unsigned>(options_.seed));
+  core_.seed_draws(options_.seed);
   is_faulty_ = !core_.initialize();
   is_fault_a_move_ = false;
   if (is_faulty_) return Halt::Fault;
@@ -546,9 +547,8 @@ void DebugSession::note_atom(u32 atom) {
   Before before{atom, places_of(core_, atom), {}, {}};
   const AtomType& type = core_.tables().atom_type(atom);
   const u32 first = core_.image().atoms[atom].first_cell;
-  // Hidden variables of clocks come last.
-  const u32 shown =
-      type.time != nullptr && type.time->clocks.size != 0 ? type.time->clocks[0].variable : type.variables.size;
+  // Hidden variables come last.
+  const u32 shown = visible_variables(type);
   for (u32 k = 0; k < shown; ++k) {
     before.cells.push_back(core_.cell(first + k));
     before.values.emplace_back();

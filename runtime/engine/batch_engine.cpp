@@ -29,6 +29,7 @@ BatchEngine::BatchEngine(Core& core, Scheduler& scheduler, const RunOptions& opt
   if (!output.writes_steps() || output.records_only()) return;
   follower_ = std::make_unique<Core>(core.image());
   BIP_ASSERT(plan_.part.size() == core.tables().interactions.size(), "{} interactions have parts", plan_.part.size());
+  if (core.parts().has_draw_seed) follower_->seed_draws(core.parts().draw_seed);
   (void)follower_->initialize();
 }
 

@@ -54,6 +54,7 @@ struct Execution::Impl {
     std::sort(by_path.begin(), by_path.end(),
               [&](rt::u32 a, rt::u32 b) { return image.atoms[a].path() < image.atoms[b].path(); });
     if (image.ffi != nullptr) std::srand(static_cast<unsigned>(options.seed));
+    core.seed_draws(options.seed);
     outcome = core.initialize() ? Outcome::Stepped : Outcome::Fault;
     if (outcome == Outcome::Stepped) scheduler.start(core);
     feed.open_inbox();

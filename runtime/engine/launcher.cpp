@@ -352,7 +352,7 @@ class Launcher {
     has_fault_ = true;
     fault_step_ = numbers[0];
     fault_order_ = numbers[1];
-    fault_ = {static_cast<FaultCode>(std::min<u64>(numbers[2], static_cast<u64>(FaultCode::ReplayDiffers))),
+    fault_ = {static_cast<FaultCode>(std::min<u64>(numbers[2], static_cast<u64>(FaultCode::UntriedDraw))),
               row(3) < core_.image().atoms.size ? row(3) : kNone,
               row(4) < core_.image().connectors.size ? row(4) : kNone,
               row(5),

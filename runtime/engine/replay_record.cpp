@@ -67,6 +67,7 @@ Followed follow(const Image& image, std::string_view bytes, RunOptions options, 
   output.begin();
   Core core(image, {.progress = result.begin.maximal_progress ? MaximalProgress::On : MaximalProgress::Off});
   if (image.ffi != nullptr) std::srand(static_cast<unsigned>(result.begin.seed));
+  core.seed_draws(result.begin.seed);
   bool sound = core.initialize();
   if (sound && !options.resume_path.empty()) {
     Checkpoint checkpoint;

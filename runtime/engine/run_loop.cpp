@@ -102,6 +102,7 @@ void RunLoop::initialize() {
   BIP_ASSERT(phase_ == Phase::EventsOpened, "phase {}", static_cast<int>(phase_));
   // Models that draw numbers by rand() run alike wherever they run.
   if (image_.ffi != nullptr) std::srand(static_cast<unsigned>(seed_));
+  core_.seed_draws(seed_);
   is_sound_ = core_.initialize();
   if (is_sound_ && core_.is_timed()) timed_.start(core_);
   else if (is_sound_) scheduler_.start(core_);

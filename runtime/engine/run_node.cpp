@@ -109,6 +109,7 @@ int run_node(const Image& image, const RunOptions& given) {
   const CoreOptions how{.progress = options.maximal_progress ? MaximalProgress::On : MaximalProgress::Off};
   Core core(image, how);
   if (image.ffi != nullptr) std::srand(static_cast<unsigned>(options.seed));
+  core.seed_draws(options.seed);
   // The launcher meets a fault of the initial state as well, and begins no run.
   if (!core.initialize()) return 1;
   const Distribution distribution = distribute(core.tables(), core.priorities(), *options.placement);

@@ -48,11 +48,16 @@ class Simulator {
         seen_(options.observers.size()) {
     is_seeding_cpp_ = image.ffi != nullptr;
     if (is_seeding_cpp_) std::srand(static_cast<unsigned>(options.seed));
+    has_draws_ = has_draws(image);
+    core_.seed_draws(options.seed);
     is_sound_ = core_.initialize();
-    if (!is_sound_) return;
-    scheduler_.start(core_);
-    initial_ = core_.snapshot();
-    order_ = core_.enabled().list_order();
+    if (is_sound_) {
+      scheduler_.start(core_);
+      initial_ = core_.snapshot();
+      order_ = core_.enabled().list_order();
+    } else if (!has_draws_) {  // what a model draws may differ in the next run
+      return;
+    }
     if (image.ffi != nullptr) image.ffi->pin();
     counts_ = std::any_of(options.observers.begin(), options.observers.end(),
                           [](const Observer& o) { return o.kind == ObserverKind::Count; });
@@ -91,10 +96,18 @@ class Simulator {
   bool begin(std::uint64_t seed) {
     steps_ = 0;
     if (is_seeding_cpp_) std::srand(static_cast<unsigned>(seed));
+    if (has_draws_) {
+      core_.seed_draws(seed);
+      is_sound_ = core_.initialize();
+    }
     if (!is_sound_) return false;
-    if (!core_.restore(initial_)) return false;
-    core_.set_list_order(order_);
     scheduler_ = TimedScheduler(options_.policy, options_.asap, seed);
+    if (has_draws_) {
+      scheduler_.start(core_);
+    } else {
+      if (!core_.restore(initial_)) return false;
+      core_.set_list_order(order_);
+    }
     answers_.assign(options_.queries.size(), Answer::Open);
     since_ = now();
     for (std::size_t k = 0; k < seen_.size(); ++k) {
@@ -252,7 +265,7 @@ class Simulator {
   std::vector<Participant> participants_;
   std::uint64_t steps_ = 0;
   double since_ = 0;  // the instant of the state that was looked at last
-  bool is_sound_ = false, is_compiled_ = false, is_seeding_cpp_ = false, counts_ = false;
+  bool has_draws_ = false, is_sound_ = false, is_compiled_ = false, is_seeding_cpp_ = false, counts_ = false;
 };
 
 }  // namespace

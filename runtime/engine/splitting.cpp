@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "bip/assert.hpp"
+#include "bip/draws.hpp"
 #include "runtime/core/start_thread.hpp"
 #include "runtime/core/text.hpp"
 #include "runtime/engine/collect_strings.hpp"
@@ -31,6 +32,7 @@ std::uint64_t mixed(std::uint64_t a, std::uint64_t b) {
 struct Entrance {
   State state;
   std::uint64_t steps = 0;
+  bool is_initial = false;
 };
 enum class RunEnd : std::uint8_t { Climbed, Reached, Missed, Open, Fault, Stopped };
 
@@ -39,10 +41,13 @@ class Splitter {
  public:
   Splitter(const Image& image, const SplittingOptions& options)
       : options_(options), core_(image, {.progress = options.progress}), feed_(core_) {
+    has_draws_ = has_draws(image);
+    core_.seed_draws(0);
     is_sound_ = core_.initialize();
     if (!is_sound_) return;
     scheduler_.start(core_);
     initial_.state = core_.snapshot();
+    initial_.is_initial = true;
     start_ = options.importance(core_);
   }
   [[nodiscard]] bool is_sound() const { return is_sound_; }
@@ -114,10 +119,24 @@ class Splitter {
     const std::uint64_t seed = choices.next();
     return run(from[choices.below(from.size())], seed, level);
   }
+  // To the entrance. What atoms draw from there on is independent of other runs from it.
+  bool begin(const Entrance& from, std::uint64_t seed) {
+    if (has_draws_ && from.is_initial) {
+      core_.seed_draws(seed);
+      return core_.initialize();
+    }
+    if (!core_.restore(from.state)) return false;
+    for (u32 atom = 0; has_draws_ && atom < core_.image().atoms.size; ++atom) {
+      const u32 variable = core_.tables().atom_type(atom).draws;
+      if (variable != kNone) core_.write_cell(core_.image().atoms[atom].first_cell + variable, draw_start(seed, atom));
+    }
+    return true;
+  }
   // Until the level is climbed, if there is one, or the run is answered or ends.
   RunEnd run(const Entrance& from, std::uint64_t seed, const double* level) {
     last_.steps = from.steps;
-    if (!core_.restore(from.state)) return RunEnd::Fault;
+    last_.is_initial = false;
+    if (!begin(from, seed)) return RunEnd::Fault;
     scheduler_ = TimedScheduler(Policy::Uniform, options_.asap, seed);
     highest_ = options_.importance(core_);
     while (true) {
@@ -153,7 +172,7 @@ class Splitter {
   Entrance initial_, last_;
   double highest_ = 0, start_ = 0;
   std::uint64_t steps_ = 0, open_ = 0;
-  bool is_sound_ = false;
+  bool is_sound_ = false, has_draws_ = false;
 };
 
 }  // namespace

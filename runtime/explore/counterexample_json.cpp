@@ -41,7 +41,7 @@ void append_state(std::string& out, const Core& core, u32 atom) {
   out += ']';
   const u32 clocks = type.time == nullptr ? 0 : type.time->clocks.size;
   // Clocks are behind the data.
-  const u32 variables = clocks == 0 ? type.variables.size : type.time->clocks[0].variable;
+  const u32 variables = visible_variables(type);
   if (variables != 0) {
     out += ",\"data\":{";
     for (u32 k = 0; k < variables; ++k) {

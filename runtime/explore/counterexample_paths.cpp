@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "bip/assert.hpp"
+#include "bip/draws.hpp"
 
 #include "runtime/core/final_state.hpp"
 #include "runtime/explore/exploration.hpp"
@@ -86,26 +87,37 @@ bool Exploration::walk(Goal goal, const std::vector<std::unique_ptr<StateStore>>
   for (std::size_t level = 1; level < near.size(); ++level) {
     const u64 count = core.candidate_count();
     u64 k = 0;
-    for (; k < count; ++k) {
-      if (core.fire(k) && expander.pack(core, packed.data())) {
-        if (symmetry_ != nullptr) symmetry_->normalize(packed.data(), space_.layout, scratch);
-        if (near[level]->contains(packed.data())) break;
-      }
-      if (!core.restore(state)) return false;
+    u64 drawn = 0;
+    bool is_found = false;
+    for (; k < count && !is_found; ++k) {
+      DrawScript script;
+      const FollowedScript follow(script);
+      do {
+        if (core.fire(k) && expander.pack(core, packed.data())) {
+          if (symmetry_ != nullptr) symmetry_->normalize(packed.data(), space_.layout, scratch);
+          is_found = near[level]->contains(packed.data());
+          drawn = script.number();
+        }
+        if (!is_found && !core.restore(state)) return false;
+      } while (!is_found && script.advance());
     }
-    if (k == count) return false;
-    path.push_back(k);
+    if (!is_found) return false;
+    path.push_back(choice_of(k - 1, drawn));
     state = core.snapshot();
   }
   if (goal == Goal::Deadlock) return is_deadlock(core);
   if (goal == Goal::Match) return options_.predicate(core);
   const u64 count = core.candidate_count();
   for (u64 k = 0; k < count; ++k) {
-    if (!core.fire(k)) {
-      path.push_back(k);
-      return true;
-    }
-    if (!core.restore(state)) return false;
+    DrawScript script;
+    const FollowedScript follow(script);
+    do {
+      if (!core.fire(k)) {
+        path.push_back(choice_of(k, script.number()));
+        return true;
+      }
+      if (!core.restore(state)) return false;
+    } while (script.advance());
   }
   return false;
 }

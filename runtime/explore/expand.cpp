@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "bip/assert.hpp"
+#include "bip/draws.hpp"
 
 #include "runtime/core/final_state.hpp"
 #include "runtime/explore/expander.hpp"
@@ -95,22 +96,28 @@ Expander::Result Expander::expand_by_core(const u64* state, Outbox& out) {
       continue;
     }
     const u32 label = space_.labels == nullptr ? kNone : space_.labels->of(*core_, core_->candidate(k));
-    if (!core_->fire(k)) {
-      result.has_error = true;
-    } else {
-      std::copy(state, state + space_.layout.words(), next_.begin());
-      for (const u32 atom : space_.shapes.atoms_of(interaction)) {
-        const u32 number = space_.locals->number(atom, *core_);
-        if (!space_.layout.fits(atom, number)) {
-          is_too_narrow_ = true;
-          return result;
+    DrawScript script;
+    const FollowedScript follow(script);
+    bool goes_on = false;
+    do {
+      if (!core_->fire(k)) {
+        result.has_error = true;
+      } else {
+        std::copy(state, state + space_.layout.words(), next_.begin());
+        for (const u32 atom : space_.shapes.atoms_of(interaction)) {
+          const u32 number = space_.locals->number(atom, *core_);
+          if (!space_.layout.fits(atom, number)) {
+            is_too_narrow_ = true;
+            return result;
+          }
+          space_.layout.set(next_.data(), atom, number);
         }
-        space_.layout.set(next_.data(), atom, number);
+        ++result.steps;
+        put(next_.data(), label, out);
       }
-      ++result.steps;
-      put(next_.data(), label, out);
-    }
-    if (k + 1 < count && !enter(*core_, state)) return result;
+      goes_on = script.advance();
+      if ((goes_on || k + 1 < count) && !enter(*core_, state)) return result;
+    } while (goes_on);
   }
   return result;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "bip/assert.hpp"
+#include "bip/draws.hpp"
 #include "runtime/core/final_state.hpp"
 #include "runtime/explore/word_set.hpp"
 
@@ -261,17 +262,21 @@ u32 Expander::learn(u32 interaction, const u64* state) {
   } else {
     const auto [first, end] = candidates_of(interaction);
     for (u64 k = first; k < end; ++k) {
-      if (k != first && !enter_plain(state)) break;
-      entered_.clear();
-      const u32 label = space_.labels == nullptr ? kNone : space_.labels->of(*plain_, plain_->candidate(k));
-      if (!plain_->fire(k)) {
-        effects_.push_back({0, 0, kNone, true});
-        // Whether the fault is the interaction's own or that of a neighbour that looks at the new state is not known.
-        is_kept = false;
-      } else if (!read_effect(*plain_, interaction, label, state)) {
-        return kUnknown;
-      }
-      ++outcome.count;
+      DrawScript script;
+      const FollowedScript follow(script);
+      do {
+        if (outcome.count != 0 && !enter_plain(state)) break;
+        entered_.clear();
+        const u32 label = space_.labels == nullptr ? kNone : space_.labels->of(*plain_, plain_->candidate(k));
+        if (!plain_->fire(k)) {
+          effects_.push_back({0, 0, kNone, true});
+          // Whether the fault is the interaction's own or that of a neighbour that looks at the new state is not known.
+          is_kept = false;
+        } else if (!read_effect(*plain_, interaction, label, state)) {
+          return kUnknown;
+        }
+        ++outcome.count;
+      } while (script.advance());
     }
   }
   u32 row = kNothing;

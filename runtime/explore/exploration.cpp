@@ -5,6 +5,7 @@
 
 #include "bip/assert.hpp"
 #include "runtime/core/final_state.hpp"
+#include "runtime/explore/follow_path.hpp"
 
 namespace bip::rt {
 
@@ -49,7 +50,7 @@ void Exploration::make_owners() {
 void Exploration::begin() {
   report_.has_final_states = has_final_states(image_);
   Core core(image_, {.progress = options_.progress});
-  if (!core.initialize()) {
+  if (!begins(core)) {
     report_.errors = 1;
     report_.has_error = true;
     return;

@@ -46,6 +46,11 @@ enum class ExploreEnd : std::uint8_t { Complete, States, Memory, Time, Stopped }
 
 /// A path from the initial state: numbers of candidates, each among those of its state.
 using Path = std::vector<u64>;
+/// In a model that draws random numbers, a number of a path also says which values are drawn (DrawScript): from bit 32
+/// on.
+[[nodiscard]] constexpr u64 candidate_of(u64 choice) { return choice & 0xffffffffu; }
+[[nodiscard]] constexpr u64 drawn_by(u64 choice) { return choice >> 32; }
+[[nodiscard]] constexpr u64 choice_of(u64 candidate, u64 drawn) { return candidate | drawn << 32; }
 
 struct ExploreReport {
   ExploreEnd end = ExploreEnd::Complete;

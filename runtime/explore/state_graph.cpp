@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "bip/assert.hpp"
+#include "runtime/explore/follow_path.hpp"
 
 namespace bip::rt {
 
@@ -21,7 +22,7 @@ StateGraph::StateGraph(const Image& image, GraphOptions options) : image_(image)
 
 bool StateGraph::initialize() {
   Core core(image_, {.progress = options_.progress});
-  if (!core.initialize()) return false;
+  if (!begins(core)) return false;
   space_.image = &image_;
   space_.progress = options_.progress;
   space_.shapes = shapes_of(core, options_.progress);

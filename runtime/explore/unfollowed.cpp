@@ -17,6 +17,7 @@ std::string what_zones_cannot_follow(const Image& image) {
     return std::string("the model has variables of the C++ type `") + image.ffi_types[0].name + "`";
   for (const Atom& atom : image.atoms) {
     const AtomType& type = image.atom_types[atom.type];
+    if (type.draws != kNone) return "`" + atom.path() + "` draws random numbers";
     if (type.time == nullptr) continue;
     for (u32 row = 0; row < type.transitions.size; ++row) {
       const Transition& transition = type.transitions[row];

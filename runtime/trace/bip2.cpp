@@ -236,7 +236,9 @@ void Bip2Writer::fault(std::string& out, const Core& core) {
     case FaultCode::LateStep:
     case FaultCode::EventRefused:
     case FaultCode::SourceFailed:
-    case FaultCode::ReplayDiffers: return;
+    case FaultCode::ReplayDiffers:
+    case FaultCode::BadDraw:
+    case FaultCode::UntriedDraw: return;
   }
   out += kPrefix;
   out += "ERROR: " + text + "!\n";

@@ -138,6 +138,7 @@ std::string bind_ffi(lower::LoweredSystem& lowered) {
   const CodeTable& code = lowered.system->code;
   for (std::size_t row = 0; row < code.functions.size(); ++row) {
     const Function& f = code.functions[row];
+    if (f.kind == FunctionKind::Draw) continue;
     std::string name = f.name;
     if (f.is_const && f.kind == FunctionKind::Function && adapters().contains("const_" + name)) name = "const_" + name;
     if (name == "sort_of") name += " " + code.type_name(f.params[0].type);

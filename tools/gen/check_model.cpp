@@ -94,7 +94,7 @@ std::string first_difference(const std::string& a, const std::string& b) {
 }
 
 SupportedModel supported_model(std::uint64_t seed) {
-  SupportedModel result{generate(seed, Features::Timed), false};
+  SupportedModel result{generate(seed, Features::Drawn), false};
   if (compile_texts(print_packages(result.model)).problem.find("[B1900]") == std::string::npos) return result;
   return {generate(seed, Features::Plain), true};
 }

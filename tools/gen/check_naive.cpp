@@ -9,7 +9,7 @@ std::string check_naive(const Description& model, const rt::Image& image, std::u
                         OracleCounts& counts) {
   if (rt::has_time(image)) return check_naive_time(model, image, seed, steps, counts);
   using Trouble = NaiveEngine::Trouble;
-  NaiveEngine naive(model, 300);
+  NaiveEngine naive(model, 300, seed, atom_numbers(image));
   if (naive.too_large()) {
     ++counts.too_large;
     return "";
@@ -17,6 +17,7 @@ std::string check_naive(const Description& model, const rt::Image& image, std::u
   rt::Core core(image);
   Comparison compare(image, core, naive);
   Prng random(seed);
+  core.seed_draws(seed);
   bool sound = core.initialize();
   for (std::uint64_t step = 0;; ++step) {
     std::string at = "oracle, state #" + std::to_string(step) + ": ";

@@ -13,7 +13,13 @@ constexpr std::int64_t kForever = NaiveEngine::kForever;
 class TimedComparison {
  public:
   TimedComparison(const Description& model, const rt::Image& image, std::uint64_t seed)
-      : image_(image), naive_(model, 300), core_(image), compare_(image, core_, naive_), random_(seed) {}
+      : image_(image),
+        naive_(model, 300, seed, atom_numbers(image)),
+        core_(image),
+        compare_(image, core_, naive_),
+        random_(seed) {
+    core_.seed_draws(seed);
+  }
   [[nodiscard]] bool too_large() const { return naive_.too_large(); }
 
   std::string run(std::uint64_t steps, OracleCounts& counts) {

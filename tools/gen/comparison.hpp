@@ -40,6 +40,13 @@ inline bool is_equal(const rt::Image& image, rt::Cell cell, const Value& value) 
   return false;
 }
 
+/// The number of each atom in the image, by its path.
+inline std::map<std::string, std::uint64_t> atom_numbers(const rt::Image& image) {
+  std::map<std::string, std::uint64_t> numbers;
+  for (std::uint32_t a = 0; a < image.atoms.size; ++a) numbers[image.atoms[a].path()] = a;
+  return numbers;
+}
+
 class Comparison {
  public:
   Comparison(const rt::Image& image, rt::Core& core, NaiveEngine& naive) : image_(image), core_(core), naive_(naive) {

@@ -10,6 +10,19 @@
 namespace bip::gen {
 namespace {
 
+// What random models use of it.
+constexpr const char* kChance = R"(package std.chance
+  extern function int uniform(const int low, const int high)
+  extern function float uniform(const float low, const float high)
+  extern function float normal(const float mean, const float deviation)
+  extern function float exponential(const float mean)
+  extern function bool flip(const float probability)
+  extern function int table(const int a, const float wa, const int b, const float wb)
+  extern function int table(const int a, const float wa, const int b, const float wb, const int c, const float wc)
+  extern function int table(const int a, const float wa, const int b, const float wb, const int c, const float wc, const int d, const float wd)
+end
+)";
+
 std::string errors_of(const Diagnostics& diags, const SourceMap& sources) {
   RenderOptions options;
   options.format = DiagnosticFormat::Short;
@@ -35,7 +48,15 @@ Compiled compile_texts(const std::vector<std::string>& texts) {
   SourceMap sources;
   Diagnostics diags;
   std::vector<syntax::Syntax> packages;
-  packages.reserve(texts.size());
+  packages.reserve(texts.size() + 1);
+  if (texts.front().find("  use std.chance\n") != std::string::npos) {
+    std::optional<syntax::Syntax> chance = parse::parse_file(sources, sources.add("chance.bip", kChance), diags);
+    if (!chance) {
+      c.problem = "parse: " + errors_of(diags, sources);
+      return c;
+    }
+    packages.push_back(std::move(*chance));
+  }
   for (const std::string& text : texts) {
     const FileId file = sources.add("random" + std::to_string(packages.size()) + ".bip", text);
     std::optional<syntax::Syntax> syntax = parse::parse_file(sources, file, diags);

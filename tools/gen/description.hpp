@@ -16,8 +16,8 @@ enum class Ty : std::uint8_t { Int, Bool, Float, String, Pair, Wide };
 
 /// Constant: `text` names it and args[0] is its value. Call: args of row `row` of ffi_functions(). Inline: `text`
 /// names a function of the model and args follow; its last one is the function's body, whose parameters are names in
-/// scope "$".
-enum class ExprKind : std::uint8_t { Literal, Name, Unary, Binary, Constant, Call, Inline };
+/// scope "$". Draw: from the distribution `text` of std.chance.
+enum class ExprKind : std::uint8_t { Literal, Name, Unary, Binary, Constant, Call, Inline, Draw };
 struct Expr {
   ExprKind kind = ExprKind::Literal;
   Ty type = Ty::Int;
@@ -199,6 +199,7 @@ struct Description {
   std::string package;
   Split split = Split::One;
   bool qualified = false;  // names of other packages are written with them
+  bool draws = false;      // uses std.chance
   std::vector<Var> constants;
   std::vector<InlineFunction> functions;
   std::vector<PortType> port_types;
@@ -215,9 +216,9 @@ const T* find_named(const std::vector<T>& items, const std::string& name) {
   return nullptr;
 }
 
-/// A random model of the seed. Timed: many of them have time, too. Plain: without merged ports, priorities of atoms and
-/// invariants.
-enum class Features : std::uint8_t { All, Timed, Plain };
+/// A random model of the seed. Timed: many of them have time, too. Drawn: as Timed, and some draw random numbers.
+/// Plain: without merged ports, priorities of atoms and invariants.
+enum class Features : std::uint8_t { All, Timed, Drawn, Plain };
 [[nodiscard]] Description generate(std::uint64_t seed, Features features = Features::All);
 
 /// Every interaction that `define` gives, as sorted sets of parameters, each once; by the definition in

@@ -80,7 +80,10 @@ Description generate(std::uint64_t seed, Features features) {
   if (of_ends.percent(25)) make_finals(of_ends, model);
   // As for `regular`.
   Prng of_time(seed ^ 0x74696d65u);
-  if (features == Features::Timed && of_time.percent(30)) make_time(of_time, model);
+  const bool may_have_time = features == Features::Timed || features == Features::Drawn;
+  if (may_have_time && of_time.percent(30)) make_time(of_time, model);
+  Prng of_draws(seed ^ 0x6472617773u);
+  if (features == Features::Drawn && of_draws.percent(20)) make_draws(of_draws, model);
   return model;
 }
 

@@ -110,6 +110,8 @@ void make_compound(Prng& random, const Style& style, Description& model, std::ma
                    const std::string& name, CompoundLevel level);
 /// Gives a finished model time: clocks, bounds, urgency, invariants, `resume`, `@async`, ports for events.
 void make_time(Prng& random, Description& model);
+/// Adds draws of random numbers to a finished model.
+void make_draws(Prng& random, Description& model);
 /// Adds priority rules without cycles.
 void make_priorities(Prng& random, const Style& style, const Description& model, CompoundType& compound);
 

@@ -24,7 +24,9 @@ Lookup lookup_in(Values& vars) {
 
 }  // namespace
 
-NaiveEngine::NaiveEngine(const Description& model, std::size_t limit) : model_(model), world_(build_world(model)) {
+NaiveEngine::NaiveEngine(const Description& model, std::size_t limit, std::uint64_t seed,
+                         const std::map<std::string, std::uint64_t>& numbers)
+    : model_(model), world_(build_world(model)) {
   for (std::size_t c = 0; c < world_.connectors.size(); ++c) {
     std::vector<Node> nodes = structural_interactions(world_, static_cast<int>(c), limit);
     if (nodes.size() > limit) too_large_ = true;
@@ -35,7 +37,11 @@ NaiveEngine::NaiveEngine(const Description& model, std::size_t limit) : model_(m
     }
   }
   states_.resize(world_.atoms.size());
-  for (std::size_t a = 0; a < states_.size(); ++a) initialise(a);
+  for (std::size_t a = 0; a < states_.size(); ++a) {
+    const auto number = numbers.find(world_.atoms[a].path);
+    states_[a].generator = first_of_generator(seed, number == numbers.end() ? 0 : number->second);
+    initialise(a);
+  }
 }
 
 bool NaiveEngine::is_final() const {
@@ -53,7 +59,7 @@ void NaiveEngine::initialise(std::size_t atom) {
   AtomState& state = states_[atom];
   state.vars = world_.atoms[atom].args;
   for (const Var& var : type.data) state.vars[var.name] = zero_of(var.type);
-  Place code;
+  Place code{.generator = &state.generator};
   for (const Var& var : type.data) {
     if (!var.init) continue;
     Value& target = state.vars[var.name];

@@ -26,7 +26,9 @@ class NaiveEngine {
   /// evaluates it, which it need not.
   enum class Trouble : std::uint8_t { None, Possible, Sure };
 
-  NaiveEngine(const Description& model, std::size_t limit);
+  /// numbers: by the path of an atom, its number in the image, which its generator depends on.
+  NaiveEngine(const Description& model, std::size_t limit, std::uint64_t seed,
+              const std::map<std::string, std::uint64_t>& numbers);
 
   /// More interactions than the limit: not for this oracle.
   [[nodiscard]] bool too_large() const { return too_large_; }
@@ -48,6 +50,7 @@ class NaiveEngine {
     Values vars;  // parameters too
     std::map<std::string, const Transition*> enabled;
     std::map<std::string, ClockValue> clocks;
+    std::uint64_t generator = 0;
     std::int64_t busy_until = 0;
     const Transition* at_work = nullptr;                           // its action has not taken effect
     std::int64_t returns = 0;                                      // when it does

@@ -64,7 +64,7 @@ void NaiveEngine::begin_resume(std::size_t atom, const Transition& t) {
 void NaiveEngine::finish(std::size_t atom, const Transition& t) {
   AtomState& state = states_[atom];
   const AtomType& type = *world_.atoms[atom].type;
-  Place code;
+  Place code{.generator = &state.generator};
   execute(
       t.action, [&state](const std::string&, const std::string& name) -> Value& { return state.vars.at(name); }, code);
   if (!code.fault) set_clocks(state, t);

@@ -171,6 +171,7 @@ Value evaluate(const Expr& expr, const Lookup& lookup, Place& at) {
     case ExprKind::Name: return lookup(expr.scope, expr.name);
     case ExprKind::Constant: return converted(evaluate(expr.args[0], lookup, at), expr.type);
     case ExprKind::Call: return call_value(expr, lookup, at);
+    case ExprKind::Draw: return draw_value(expr, lookup, at);
     case ExprKind::Inline: return inline_value(expr, lookup, at);
     case ExprKind::Binary: return binary_value(expr, lookup, at);
     case ExprKind::Unary: break;

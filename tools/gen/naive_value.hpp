@@ -28,9 +28,14 @@ using Lookup = std::function<Value&(const std::string& scope, const std::string&
 /// Where code stands, and what came of it.
 struct Place {
   bool is_const = false;  // guards, `up`, invariants: nothing may change, `const_f` is called where there is one
-  bool fault = false;     // division by zero, INT_MIN / -1, an exception; what is computed after that means nothing
+  std::uint64_t* generator = nullptr;  // of the atom whose action it is
+  bool fault = false;  // division by zero, INT_MIN / -1, an exception; what is computed after that means nothing
 };
 [[nodiscard]] Value evaluate(const Expr& expr, const Lookup& lookup, Place& at);
+/// Where the generator of an atom starts, by its number in the image.
+[[nodiscard]] std::uint64_t first_of_generator(std::uint64_t seed, std::uint64_t atom);
+/// A draw. Requires a generator.
+[[nodiscard]] Value draw_value(const Expr& expr, const Lookup& lookup, Place& at);
 /// Runs the statements up to the first fault.
 void execute(const Body& body, const Lookup& lookup, Place& at);
 

@@ -65,6 +65,10 @@ std::string text_of(const Expr& expr, const NameText& names, Spelling spelling) 
       break;
     }
     case ExprKind::Constant: text = names("", "$" + expr.text); break;
+    case ExprKind::Draw:
+      for (const Expr& arg : expr.args) text += (text.empty() ? "" : ", ") + text_of(arg, names, spelling);
+      text = expr.text + "(" + text + ")";
+      break;
     case ExprKind::Inline:
     case ExprKind::Call:
       if (!is_operator(expr)) {

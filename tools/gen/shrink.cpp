@@ -150,7 +150,8 @@ class Editor {
   }
   /// An operand of the same type instead, or a literal.
   void each(Expr& e) {
-    const std::size_t count = e.args.size() - (e.kind == ExprKind::Inline ? 1 : 0);
+    // What a distribution is given stays what it can have.
+    const std::size_t count = e.kind == ExprKind::Draw ? 0 : e.args.size() - (e.kind == ExprKind::Inline ? 1 : 0);
     for (std::size_t k = 0; k < count; ++k) {
       if (e.args[k].type != e.type || !still_fails_here()) continue;
       Expr operand = e.args[k];

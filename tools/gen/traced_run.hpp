@@ -76,6 +76,7 @@ inline std::string silent_run(const rt::Image& image, const RunSpec& spec) {
   std::string text;
   rt::Core core(image);
   rt::Scheduler scheduler(rt::Policy::Uniform, spec.seed);
+  core.seed_draws(spec.seed);
   bool sound = core.initialize();
   if (sound) scheduler.start(core);
   // Watched ones in between: both ways keep the other's books.
@@ -107,6 +108,7 @@ inline std::string silent_run(const rt::Image& image, const RunSpec& spec) {
     text += " " + std::to_string(core.candidate(k).interaction);
   // From the same state without a history: everything must follow from it.
   rt::Core fresh(image);
+  fresh.seed_draws(spec.seed);
   if (!fresh.initialize() || !fresh.restore(state) || fresh.candidate_count() != core.candidate_count())
     text += "\nthe state alone says otherwise";
   return text + "\n";
@@ -170,6 +172,7 @@ inline std::string traced_run(const rt::Image& image, const RunSpec& spec) {
   options.limit = spec.steps;
   // A state with thousands of interactions has as many lines in the bip2 trace: a few steps of it say enough.
   rt::Core first(image, {.progress = spec.maximal_progress ? rt::MaximalProgress::On : rt::MaximalProgress::Off});
+  first.seed_draws(spec.seed);
   if (first.initialize() && first.candidate_count() > 1000) options.limit = std::min<std::uint64_t>(spec.steps, 2);
   options.policy = spec.policy;
   options.format = spec.format;

@@ -4,6 +4,7 @@
 #include "compiler/verify/invariants/affine_bounds.hpp"
 #include "compiler/verify/invariants/houdini.hpp"
 #include "compiler/verify/invariants/refine_invariants.hpp"
+#include "compiler/system/system.hpp"
 #include "compiler/verify/symbolic/mode_signals.hpp"
 #include "compiler/verify/symbolic/replay_steps.hpp"
 #include "runtime/include/bip/assert.hpp"
@@ -174,9 +175,10 @@ class Induction {
   // The circuit over-approximates what floats and C++ do: only what the engine can take is a counterexample.
   void confirm_counterexample(const Ic3Answer& answer) {
     if (!context_.parts.has_code()) {
-      return give_up(context_.parts.is_searchable()
-                         ? "a way to it exists, but no code to replay it"
-                         : "a way to such a state exists if C++ gives the right values: it cannot be replayed");
+      return give_up(context_.parts.is_searchable() ? "a way to it exists, but no code to replay it"
+                     : context_.parts.system().code.has_cpp()
+                         ? "a way to such a state exists if C++ gives the right values: it cannot be replayed"
+                         : "a way to such a state exists if the right numbers are drawn: it cannot be replayed");
     }
     const SearchGoal goal = goal_of(context_.question);
     const bool asks_errors = context_.question.what == QuestionKind::NoErrors;

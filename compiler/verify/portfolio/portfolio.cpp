@@ -125,7 +125,9 @@ class PortfolioRun {
     if (cancellation_.is_cancelled()) decision_.reason = "interrupted";
     else if (decision_.reason.empty() && context_.question.what != QuestionKind::NoLocalDeadlock)
       decision_.reason = cancellation_.is_over() ? "the time is over" : "no engine has an answer";
-    if (!context_.parts.is_searchable()) add_reason("the model calls C++, whose state cannot be searched");
+    if (!context_.parts.is_searchable())
+      add_reason(context_.parts.system().code.has_cpp() ? "the model calls C++, whose state cannot be searched"
+                                                        : "the model draws random numbers, which are not searched");
   }
   // All states are fine: lemmas of a proof, or, for a certificate, the states themselves.
   void improve_exhaustive_evidence() {

@@ -94,7 +94,8 @@ class WordProblemMaker {
 
   Result<WordProblem> make() {
     if (const std::string timed = system::first_timed(system_); !timed.empty()) fail(timed);
-    if (!system_.code.functions.empty() || !system_.code.ffi_types.empty()) fail("the model calls C++");
+    if (system_.code.has_cpp()) fail("the model calls C++");
+    if (system_.code.has_draws()) fail("the model draws random numbers");
     if (net_.too_large_atom != kNoRow)
       fail(fmt::format("`{}` has too many local states", system_.atoms[AtomId(net_.too_large_atom)].path));
     if (reason_.empty()) components();

@@ -68,7 +68,44 @@ Word SymbolicCode::load(const Expr& e, SymbolicPoint& at) {
   return e.op == Op::LoadSelf ? at.variables.self(e.index) : at.variables.bind(e.index);
 }
 
+// Any value that the distribution may have: exact for ints and bools, but for weights of 0 that are no constants. The
+// generator is a float, which is not followed.
+Word SymbolicCode::drawn(const Expr& e, SymbolicPoint& at) {
+  const Function& function = code_.functions[e.index];
+  const std::span<const ExprId> args = code_.args_of(e).subspan(1);
+  std::vector<Word> words;
+  for (const ExprId arg : args) words.push_back(evaluate(arg, at));
+  if (function.name == "uniform" && e.type == Type::Int) {
+    const Word &low = words[0], &high = words[1];
+    at.fault = aig_.make_or(at.fault, aig_.make_and(at.condition, less(aig_, high, low)));
+    const Word value = any(Type::Int);
+    const Signal is_within = aig_.make_and(negated(less(aig_, value, low)), negated(less(aig_, high, value)));
+    return make_ite(aig_, is_within, value, low);
+  }
+  const auto is_constant = [&](ExprId arg) { return code_.exprs[arg].op == Op::ConstFloat; };
+  const auto is_number = [&](std::size_t k) { return e.type != Type::Int || k % 2 == 1; };
+  bool is_known = true;
+  for (std::size_t k = 0; k < args.size(); ++k) is_known &= !is_number(k) || is_constant(args[k]);
+  // Constants were checked when the model was built; other floats are not followed.
+  if (!is_known) {
+    note(e.loc, "what `" + function.name + "` is given");
+    at.fault = aig_.make_or(at.fault, aig_.make_and(at.condition, aig_.make_input()));
+  }
+  if (e.type == Type::Float) return {};
+  if (e.type == Type::Bool) {
+    const double share = is_known ? code_.exprs[args[0]].float_value : 0.5;
+    return share == 0 ? word_of_bool(kFalse) : share == 1 ? word_of_bool(kTrue) : any(Type::Bool);
+  }
+  Word value;
+  for (std::size_t k = 0; k < args.size(); k += 2) {
+    if (is_known && code_.exprs[args[k + 1]].float_value == 0) continue;
+    value = value.empty() ? words[k] : make_ite(aig_, aig_.make_input(), words[k], value);
+  }
+  return value;
+}
+
 Word SymbolicCode::call(const Expr& e, SymbolicPoint& at) {
+  if (code_.functions[e.index].kind == FunctionKind::Draw) return drawn(e, at);
   note(e.loc, "a call of `" + code_.functions[e.index].name + '`');
   pass_arguments(e, at);
   return any(e.type);

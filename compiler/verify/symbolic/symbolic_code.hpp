@@ -58,6 +58,7 @@ class SymbolicCode : public AbstractInterpreter<SymbolicCode, Word, SymbolicPoin
   friend AbstractInterpreter;
   [[nodiscard]] Word constant(const Expr& e);
   [[nodiscard]] Word load(const Expr& e, SymbolicPoint& at);
+  Word drawn(const Expr& e, SymbolicPoint& at);
   [[nodiscard]] Word call(const Expr& e, SymbolicPoint& at);
   void forget(const Expr& load, SymbolicPoint& at);
   [[nodiscard]] Word unary(const Expr& e, const Word& a, SymbolicPoint& at);

@@ -118,7 +118,8 @@ std::string unfollowed_of(const System& system, const AtomType& type) {
 }  // namespace
 
 std::string obstacle_to_time_divergent_limit(const System& system) {
-  if (!system.code.functions.empty() || !system.code.ffi_types.empty()) return "the model calls C++";
+  if (system.code.has_cpp()) return "the model calls C++";
+  if (system.code.has_draws()) return "the model draws random numbers";
   std::vector<std::uint8_t> is_used(system.atom_types.size(), 0);
   for (const Atom& atom : system.atoms) is_used[atom.type.value] = 1;
   for (std::size_t k = 0; k < is_used.size(); ++k) {

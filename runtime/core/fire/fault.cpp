@@ -26,6 +26,8 @@ const char* name_of(FaultCode code) {
     case FaultCode::EventRefused: return "R0023";
     case FaultCode::SourceFailed: return "R0024";
     case FaultCode::ReplayDiffers: return "R0025";
+    case FaultCode::BadDraw: return "R0070";
+    case FaultCode::UntriedDraw: return "R0071";
   }
   return "";
 }
@@ -50,7 +52,9 @@ int published_exit_code(FaultCode code) {
     case FaultCode::Exception:
     case FaultCode::BadClock:
     case FaultCode::SourceFailed:
-    case FaultCode::ReplayDiffers: break;
+    case FaultCode::ReplayDiffers:
+    case FaultCode::BadDraw:
+    case FaultCode::UntriedDraw: break;
   }
   return 1;
 }
@@ -75,7 +79,7 @@ std::string fault_text(const Core& core, std::uint64_t seed, std::uint64_t step,
   out += "]: " + fault.what + "   (step ";
   append_number(out, step);
   // Errors of time itself say when.
-  if (core.is_timed() && fault.code < FaultCode::TimeLock) {
+  if (core.is_timed() && (fault.code < FaultCode::TimeLock || fault.code >= FaultCode::BadDraw)) {
     out += ", at ";
     append_time(out, core.now());
   }

@@ -26,7 +26,9 @@ enum class FaultCode : std::uint8_t {
   LateStep,             // R0022 real time: a step that starts when its guard no longer allows it
   EventRefused,         // R0023 an event from outside came to a port that says `error` and could not take it
   SourceFailed,         // R0024 a C++ class behind a port for events threw
-  ReplayDiffers         // R0025 a run that is replayed is no longer what was recorded
+  ReplayDiffers,        // R0025 a run that is replayed is no longer what was recorded
+  BadDraw,              // R0070 arguments that are none of the distribution's
+  UntriedDraw           // R0071 a search cannot take all values of a draw
 };
 [[nodiscard]] const char* name_of(FaultCode code);  // "R0001"
 /// The exit number of the published engine for the fault; 1 for those it does not know.

@@ -2,6 +2,7 @@
 #include "runtime/core/fire/fault_reporter.hpp"
 
 #include "bip/assert.hpp"
+#include "bip/draws.hpp"
 #include "bip/ffi.hpp"
 #include "runtime/core/core_parts.hpp"
 #include "runtime/core/text.hpp"
@@ -57,7 +58,9 @@ bool FaultReporter::fail(FaultCode code, u32 atom, const Transition* transition,
     case FaultCode::LateStep:
     case FaultCode::EventRefused:
     case FaultCode::SourceFailed:
-    case FaultCode::ReplayDiffers: BIP_UNREACHABLE("not a fault of a transition");
+    case FaultCode::ReplayDiffers:
+    case FaultCode::BadDraw:
+    case FaultCode::UntriedDraw: BIP_UNREACHABLE("not a fault of a transition");
   }
   return false;
 }
@@ -73,7 +76,10 @@ bool FaultReporter::fail_code(std::int32_t status, u32 atom, u32 connector, cons
   const char* function = site < core_.image().sites.size ? core_.image().sites[site].function : nullptr;
   if (site < core_.image().sites.size) core_.fault.loc = core_.image().sites[site].loc;
   core_.fault.what = overflow ? "the smallest int divided by -1" : "division by zero";
-  if (function != nullptr) {
+  if (function != nullptr && core_.image().sites[site].is_draw) {
+    core_.fault.code = draw_problem().is_of_search ? FaultCode::UntriedDraw : FaultCode::BadDraw;
+    core_.fault.what = draw_problem().text;
+  } else if (function != nullptr) {
     core_.fault.code = FaultCode::Exception;
     core_.fault.what = "exception in " + quoted(function);
     const std::string message = core_.image().ffi != nullptr ? core_.image().ffi->message() : "";

@@ -50,10 +50,11 @@ constexpr std::int32_t fault_status(std::uint32_t site, FaultKind kind) {
 struct SourceLine {  // file: row of Image::files; line 0: none
   std::uint32_t file = 0, line = 0, column = 0;
 };
-/// A division or modulo in the source, or the call of a C++ function, whose fault is an exception.
+/// A division or modulo in the source, a draw, or the call of a C++ function, whose fault is an exception.
 struct Site {
   SourceLine loc;
   const char* function = nullptr;
+  bool is_draw = false;  // a distribution of std.chance, not C++
 };
 /// What the runtime does with objects of a C++ type. Nothing throws.
 struct FfiType {
@@ -120,6 +121,7 @@ struct AtomType {
   Span<Invariant> invariants = {};
   const AtomTime* time = nullptr;         // null: it has nothing to do with time
   Span<std::uint32_t> final_places = {};  // where the atom may be when a run has reached its end
+  std::uint32_t draws = kNone;            // the variable that holds the generator of its random numbers
 };
 /// Preorder; node 0 is the root group. children are rows of the same array.
 struct DefineNode {
@@ -332,6 +334,14 @@ struct Image {
 /// Returns whether the policy `uniform` draws some candidates more often than others.
 constexpr bool is_weighted(const Image& image) {
   return image.transition_weights.size != 0 || image.connector_weights.size != 0;
+}
+
+/// Returns whether some atom draws random numbers.
+inline bool has_draws(const Image& image) {
+  for (const AtomType& type : image.atom_types) {
+    if (type.draws != kNone) return true;
+  }
+  return false;
 }
 
 /// Requires is_ffi(type). Returns the row that describes the C++ type.

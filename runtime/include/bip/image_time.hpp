@@ -61,6 +61,13 @@ struct AtomTime {
   Span<EventPort> events;
 };
 
+/// Returns how many variables of the type are the model's own: those of clocks and of the generator come after them.
+constexpr std::uint32_t visible_variables(const AtomType& type) {
+  const bool has_clocks = type.time != nullptr && type.time->clocks.size != 0;
+  const std::uint32_t before_clocks = has_clocks ? type.time->clocks[0].variable : type.variables.size;
+  return type.draws < before_clocks ? type.draws : before_clocks;
+}
+
 /// What an object of a C++ class may ask of the engine, from any thread.
 struct SourceContext {
   const char* port;  // "ROOT.panel.press"

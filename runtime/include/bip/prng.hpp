@@ -9,6 +9,21 @@
 
 namespace bip::rt {
 
+/// Uniform in [0, n), n > 0, exactly: the multiply-shift with rejection, over the full 64 bits of generator.next().
+template <class Generator>
+std::uint64_t below(Generator& generator, std::uint64_t n) {
+  BIP_ASSERT(n != 0, "a number below 0");
+  __extension__ using Wide = unsigned __int128;
+  Wide product = static_cast<Wide>(generator.next()) * n;
+  if (static_cast<std::uint64_t>(product) < n) {
+    const std::uint64_t threshold = (0 - n) % n;
+    while (static_cast<std::uint64_t>(product) < threshold) {
+      product = static_cast<Wide>(generator.next()) * n;
+    }
+  }
+  return static_cast<std::uint64_t>(product >> 64);
+}
+
 class Prng {
  public:
   explicit Prng(std::uint64_t seed = 0) {
@@ -33,19 +48,8 @@ class Prng {
     return result;
   }
 
-  /// Uniform in [0, n), n > 0, exactly: the multiply-shift with rejection, over the full 64 bits.
-  std::uint64_t below(std::uint64_t n) {
-    BIP_ASSERT(n != 0, "a number below 0");
-    __extension__ using Wide = unsigned __int128;
-    Wide product = static_cast<Wide>(next()) * n;
-    if (static_cast<std::uint64_t>(product) < n) {
-      const std::uint64_t threshold = (0 - n) % n;
-      while (static_cast<std::uint64_t>(product) < threshold) {
-        product = static_cast<Wide>(next()) * n;
-      }
-    }
-    return static_cast<std::uint64_t>(product >> 64);
-  }
+  /// Uniform in [0, n), n > 0, exactly.
+  std::uint64_t below(std::uint64_t n) { return rt::below(*this, n); }
 
   /// Uniform in [0, 1): a multiple of 2^-53.
   double share() { return static_cast<double>(next() >> 11) * 0x1p-53; }

@@ -3,8 +3,10 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "compiler/interp/interp.hpp"
 #include "compiler/library/answer_query.hpp"
@@ -50,6 +52,13 @@ const Asked kAsked[] = {
     {"retry.bip", "Root()", "P=? [ G{1} sender@SENDS ]", 0.1},
     {"queue.bip", "Root()", "P=? [ shop.line.length > 0 U shop.line.length == 6 ]", 0.5 / (std::pow(1.5, 6) - 1)},
     {"token_loss.bip", "Root()", "P=? [ F ring.head@DONE ]", std::pow(0.98, 10)},
+    {"craps.bip", "Root()", "P=? [ F player.outcome == 1 ]", 244.0 / 495},
+    {"craps.bip", "Root()", "P=? [ F<=1 player.outcome == 2 ]", 1.0 / 9},
+};
+// Of models with time, which have no chain.
+const Asked kAskedInTime[] = {
+    {"mm1.bip", "Root()", "P=? [ shop.line.length < 2 U shop.line.length == 0 ]", 2.0 / 3},
+    {"mm1.bip", "Queue(1.0, 1.0, 1)", "P=? [ line.length < 2 U line.length == 0 ]", 0.5},
 };
 
 Interval exactly(const Chance& model, const Query& query) {
@@ -99,6 +108,7 @@ TEST_CASE("expected steps") {
   };
   CHECK(expected("dice.bip", "Root()", "E=? [ time until die.side > 0 ]") == Approx(11.0 / 3).epsilon(1e-9));
   CHECK(expected("retry.bip", "Root()", "E=? [ time until sender@DONE ]") == Approx(10.0 / 9).epsilon(1e-9));
+  CHECK(expected("craps.bip", "Root()", "E=? [ time until player.outcome != 0 ]") == Approx(557.0 / 165).epsilon(1e-9));
   // A fair game from 3 of 10 ends after 3 * 7 rounds.
   CHECK(expected("ruin.bip", "Game(3, 10, 1.0, 1.0)",
                  "E=? [ time until gambler.fortune == 0 || gambler.fortune == 10 ]") == Approx(21).epsilon(1e-9));
@@ -107,7 +117,9 @@ TEST_CASE("expected steps") {
 
 TEST_CASE("estimates hold closed forms as often as their intervals say") {
   constexpr std::uint64_t kEstimates = 1000, kRuns = 200;
-  for (const Asked& asked : kAsked) {
+  std::vector<Asked> all_asked(std::begin(kAsked), std::end(kAsked));
+  all_asked.insert(all_asked.end(), std::begin(kAskedInTime), std::end(kAskedInTime));
+  for (const Asked& asked : all_asked) {
     INFO(asked.model << ": " << asked.query);
     const Chance model(asked.model, asked.root);
     rt::SimulateOptions options{.runs = kEstimates * kRuns, .seed = 1, .threads = 2};
@@ -130,6 +142,21 @@ TEST_CASE("estimates hold closed forms as often as their intervals say") {
     const double runs = kEstimates * kRuns, deviation = std::sqrt(asked.value * (1 - asked.value) / runs);
     CHECK(std::fabs(static_cast<double>(all) / runs - asked.value) < 4 * deviation);
   }
+}
+
+TEST_CASE("a queue is empty again after the time that theory says") {
+  const Chance model("mm1.bip", "Root()");
+  constexpr std::uint64_t kRuns = 60'000;
+  rt::SimulateOptions options{.runs = kRuns, .seed = 1, .threads = 2};
+  options.limit = 1'000'000;
+  options.observers.push_back(*read_observer("time until shop.line.length == 0", *model.c.system));
+  const auto empty = read_observer("last shop.line.length", *model.c.system)->value;
+  options.stop = [&](const rt::Core& core) { return empty(core) == 0; };
+  const rt::SimulateReport report = rt::simulate(model.image(), options);
+  double sum = 0;
+  for (const double value : report.values[0]) sum += value;
+  // Mean 1 / (1 - 1/2) seconds, variance (1 + rho) / (1 - rho)^3 with rho = 1/2.
+  CHECK(std::fabs(sum / kRuns - 2) < 4 * std::sqrt(12.0 / kRuns));
 }
 
 TEST_CASE("sequential tests err as seldom as they say") {

@@ -58,10 +58,25 @@ const ClosedForm kForms[] = {
     {"an exponential duration",
      "clock x unit second export port S p() place P, Q initial to P final Q on p from P to Q provided (x >= 1)",
      "p(a.p)", "duration of a@P", 2},
+    // Delays that are drawn: around 2 s; exponential with mean 2 s; and data.
+    {"a truncated normal delay",
+     "clock x data float d = normal(2.0, 0.5, 1.0, 3.0) export port S p() place P, Q initial to P final Q "
+     "on p from P to Q provided (x == d) eager",
+     "p(a.p)", "time until a@Q", 2},
+    {"an exponential delay",
+     "clock x data float d = exponential(2.0) export port S p() place P, Q initial to P final Q "
+     "on p from P to Q provided (x == d) eager",
+     "p(a.p)", "time until a@Q", 2},
+    {"numbers of a table",
+     "data int n = 0, k = 0 export port S p() place P initial to P "
+     "on p from P to P provided (k < 10) do { k = k + 1; n = n + table(1, 0.5, 2, 0.3, 10, 0.2); }",
+     "p(a.p)", "last a.n", 31},
 };
 
 std::string text_of(const ClosedForm& form) {
-  return std::string("package m\n  port type S()\n  connector type One(S p) define p end\n  atom type A()\n    ") +
+  return std::string(
+             "package m\n  use std.chance\n  port type S()\n  connector type One(S p) define p end\n  atom type A()\n  "
+             "  ") +
          form.atom + "\n  end\n  compound type Root()\n    component A a()\n    connector One " + form.bindings +
          "\n  end\nend\n";
 }
