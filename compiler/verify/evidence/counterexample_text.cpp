@@ -58,7 +58,9 @@ std::string error_text(const rt::Core& core, std::size_t steps) {
 }  // namespace
 
 std::string broken_state(const rt::Core& core, const Property& property, std::size_t steps) {
-  return "violated[V0002]: `" + property.text + "`   (" + where(core, steps) + '\n' +
+  const char* const fault =
+      has_fault(property, core) ? "  a division in the property fails here: by 0, or of the least int by -1\n" : "";
+  return "violated[V0002]: `" + property.text + "`   (" + where(core, steps) + '\n' + fault +
          atoms_text(core, atoms_of(property));
 }
 

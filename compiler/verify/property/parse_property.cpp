@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "compiler/base/ascii.hpp"
+#include "compiler/model/fold.hpp"
 #include "compiler/model/operators.hpp"
 #include "compiler/system/system.hpp"
 #include "compiler/system/uses_time.hpp"
@@ -29,14 +30,13 @@ struct BinaryOperator {
   Op op;
   int level;
 };
-// Returns all binary operators but divisions, longer signs first.
+// Returns all binary operators, longer signs first.
 const std::vector<BinaryOperator>& binary_operators() {
   static const std::vector<BinaryOperator> kBinaryOperators = [] {
     std::vector<BinaryOperator> rows;
     for (std::size_t row = 0; row < kOperators.size(); ++row) {
       const Op op = static_cast<Op>(row);
-      if (operand_count(op) == 2 && !is_division(op))
-        rows.push_back({symbol_of(op), op, static_cast<int>(precedence_of(op))});
+      if (operand_count(op) == 2) rows.push_back({symbol_of(op), op, static_cast<int>(precedence_of(op))});
     }
     std::stable_sort(rows.begin(), rows.end(),
                      [](const BinaryOperator& a, const BinaryOperator& b) { return a.sign.size() > b.sign.size(); });
@@ -106,6 +106,7 @@ class PropertyParser {
     property_.root = parse_expression(1, 0);
     skip_blanks();
     if (problem_.empty() && at_ != text_.size()) set_problem("this does not belong to the expression");
+    property_.fault = fault_of(property_.root);
     if (!problem_.empty()) return Failure{problem_};
     return std::move(property_);
   }
@@ -144,9 +145,13 @@ class PropertyParser {
       property_.root = root.a;
       // Its operator is the last row.
       property_.nodes.pop_back();
+      guard_divisions();
+      if (!problem_.empty()) return Failure{problem_};
       parsed.state = std::move(property_);
       return parsed;
     }
+    refuse_divisions("in a property of runs");
+    if (!problem_.empty()) return Failure{problem_};
     Result<Formula> formula = make_formula(property_, is_temporal_, within_);
     if (!formula) return Failure{formula.error()};
     parsed.is_formula = true;
@@ -164,6 +169,7 @@ class PropertyParser {
     parse_whole("this does not belong to the property");
     if (problem_.empty() && type(property_.root) != Type::Bool)
       set_problem("a property is true or false, this is " + std::string(name_of(type(property_.root))));
+    guard_divisions();
     if (!problem_.empty()) return Failure{problem_};
     return std::move(property_);
   }
@@ -171,11 +177,82 @@ class PropertyParser {
     parse_whole("this does not belong to the expression");
     if (problem_.empty() && !is_numeric(type(property_.root)) && type(property_.root) != Type::Bool)
       set_problem("a number or a condition was expected, this is " + std::string(name_of(type(property_.root))));
+    refuse_divisions("here");
     if (!problem_.empty()) return Failure{problem_};
     return std::move(property_);
   }
 
  private:
+  // ---- divisions
+  std::uint32_t make_constant(std::int32_t value) { return add({.type = Type::Int, .int_value = value}); }
+  std::uint32_t make_condition(Op op, std::uint32_t a, std::uint32_t b) {
+    return add({.kind = PropertyKind::Operator, .op = op, .a = a, .b = b});
+  }
+  // Disjunction of two rows, of which either may be missing: false.
+  std::uint32_t make_either(std::uint32_t a, std::uint32_t b) {
+    if (a == Property::kNoRow || b == Property::kNoRow) return a == Property::kNoRow ? b : a;
+    return make_condition(Op::Or, a, b);
+  }
+  // The number that a row is, if it is written as one.
+  [[nodiscard]] std::optional<std::int32_t> constant_of(std::uint32_t row) const {
+    const PropertyNode& node = property_.nodes[row];
+    if (node.type != Type::Int) return std::nullopt;
+    if (node.kind == PropertyKind::Constant) return node.int_value;
+    if (node.kind != PropertyKind::Operator || node.op != Op::Neg) return std::nullopt;
+    const std::optional<std::int32_t> operand = constant_of(node.a);
+    return operand ? std::optional(fold_int(Op::Neg, *operand)) : std::nullopt;
+  }
+  // When does this division itself fault? A row, or kNoRow: never.
+  std::uint32_t fault_of_division(std::uint32_t a, std::uint32_t b) {
+    const std::optional<std::int32_t> divisor = constant_of(b), divided = constant_of(a);
+    std::uint32_t fault = Property::kNoRow;
+    if (!divisor || *divisor == 0) fault = make_condition(Op::Eq, b, make_constant(0));
+    const bool may_overflow = (!divisor || *divisor == -1) && (!divided || *divided == INT32_MIN);
+    if (!may_overflow) return fault;
+    const std::uint32_t is_least = make_condition(Op::Eq, a, make_constant(INT32_MIN));
+    const std::uint32_t is_minus_one = make_condition(Op::Eq, b, make_constant(-1));
+    return make_either(fault, make_condition(Op::And, is_least, is_minus_one));
+  }
+  // When does a division in this expression fault, of those that C evaluates? A row, or kNoRow: never. The parser has
+  // limited the depth; rows of operands are shared.
+  std::uint32_t fault_of(std::uint32_t row) {
+    if (!problem_.empty()) return Property::kNoRow;
+    const PropertyNode node = property_.nodes[row];
+    if (node.kind != PropertyKind::Operator) return Property::kNoRow;
+    const std::uint32_t a = fault_of(node.a);
+    if (operand_count(node.op) == 1) return a;
+    std::uint32_t b = fault_of(node.b);
+    if (b != Property::kNoRow && node.op == Op::And) b = make_condition(Op::And, node.a, b);
+    if (b != Property::kNoRow && node.op == Op::Or) {
+      const std::uint32_t goes_on = add({.kind = PropertyKind::Operator, .op = Op::Not, .a = node.a, .b = node.a});
+      b = make_condition(Op::And, goes_on, b);
+    }
+    const std::uint32_t own =
+        is_division(node.op) && node.type == Type::Int ? fault_of_division(node.a, node.b) : Property::kNoRow;
+    return make_either(make_either(a, b), own);
+  }
+  // A state in which a division faults violates the property. After this no value of such a division matters.
+  void guard_divisions() {
+    if (!problem_.empty()) return;
+    const std::uint32_t whole = property_.root;
+    const std::uint32_t fault = fault_of(whole);
+    if (fault == Property::kNoRow) return;
+    property_.fault = fault;
+    if (property_.is_never) {
+      property_.root = make_condition(Op::Or, fault, whole);
+      return;
+    }
+    const std::uint32_t is_sound = add({.kind = PropertyKind::Operator, .op = Op::Not, .a = fault, .b = fault});
+    property_.root = make_condition(Op::And, is_sound, whole);
+  }
+  // Where no state can be blamed for a fault.
+  void refuse_divisions(const std::string& where) {
+    if (!problem_.empty() || !division_at_) return;
+    at_ = *division_at_;
+    problem_.clear();
+    set_problem("this division may fail: " + where + " the divisor is a number other than 0 and -1");
+  }
+
   void parse_whole(const char* about_the_rest) {
     property_.root = parse_expression(1, 0);
     skip_blanks();
@@ -365,6 +442,7 @@ class PropertyParser {
       return inside;
     }
     if (take_sign("!")) return make_unary(Op::Not, parse_operand(depth + 1), start);
+    if (take_sign("~")) return make_unary(Op::BitNot, parse_operand(depth + 1), start);
     if (take_sign("-")) return make_unary(Op::Neg, parse_operand(depth + 1), start);
     if (take_sign("\"")) return parse_string();
     if (is_at_number()) return parse_number();
@@ -381,10 +459,12 @@ class PropertyParser {
     return parse_reference(name, start);
   }
   std::uint32_t make_unary(Op op, std::uint32_t a, std::size_t start) {
-    const bool fits = op == Op::Not ? type(a) == Type::Bool : type(a) == Type::Int || type(a) == Type::Float;
+    const bool fits = takes(info_of(op).operands, type(a));
     if (!fits && problem_.empty()) {
       at_ = start;
-      set_problem(op == Op::Not ? "`!` needs a truth value" : "`-` needs a number");
+      set_problem(op == Op::Not      ? "`!` needs a truth value"
+                  : op == Op::BitNot ? "`~` needs an int"
+                                     : "`-` needs a number");
     }
     return add({.kind = PropertyKind::Operator, .type = type(a), .op = op, .a = a, .b = a});
   }
@@ -421,6 +501,10 @@ class PropertyParser {
     if (!fits) {
       at_ = start;
       set_problem("`" + std::string(binary.sign) + "` does not take " + name_of(type(a)) + " and " + name_of(type(b)));
+    }
+    if (is_division(binary.op) && result == Type::Int && problem_.empty()) {
+      const std::optional<std::int32_t> divisor = constant_of(b);
+      if (!divisor || *divisor == 0 || *divisor == -1) division_at_ = start;
     }
     return add({.kind = PropertyKind::Operator, .type = result, .op = binary.op, .a = a, .b = b});
   }
@@ -639,6 +723,7 @@ class PropertyParser {
   std::size_t within_at_ = 0;
   std::string problem_;
   std::size_t at_ = 0;
+  std::optional<std::size_t> division_at_;  // the last one that may fault
 };
 
 }  // namespace

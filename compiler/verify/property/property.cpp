@@ -46,6 +46,8 @@ Number evaluate(const Property& property, std::uint32_t row, const rt::Core& cor
   const Number a = evaluate(property, node.a, core), b = is_unary(node) ? a : evaluate(property, node.b, core);
   const bool floats = property.nodes[node.a].type == Type::Float || property.nodes[node.b].type == Type::Float;
   const auto i32 = [](const Number& n) { return static_cast<std::int32_t>(n.i); };
+  // What the rest of the property says of this state is then of no matter.
+  if (!floats && is_division(node.op) && division_faults(i32(a), i32(b))) return of(0);
   if (is_unary(node)) return floats ? Number{0, -a.f} : of(fold_int(node.op, i32(a)));
   if (!floats) return of(fold_int(node.op, i32(a), i32(b)));
   if (is_comparison(node.op)) return of(fold_comparison(node.op, a.f, b.f) ? 1 : 0);
@@ -71,6 +73,10 @@ Word signal_of(const Property& property, std::uint32_t row, TransitionSystem& m,
   const Word b = is_unary(node) ? a : signal_of(property, node.b, m, image, port_base);
   // Floats are not followed: any value.
   if (a.empty() || b.empty()) return node.type == Type::Bool ? word_of_bool(c.make_input()) : Word{};
+  if (is_division(node.op)) {
+    const Division division = divide(c, a, b);
+    return node.op == Op::Div ? division.quotient : division.remainder;
+  }
   return is_unary(node) ? apply(c, node.op, a) : apply(c, node.op, a, b);
 }
 
@@ -101,7 +107,7 @@ std::string node_text(const Property& property, std::uint32_t row, const System&
     case PropertyKind::Temporal: BIP_UNREACHABLE("a property of runs");
     case PropertyKind::Operator: break;
   }
-  std::string text = '(' + std::string(name_of(node.op)) + ' ' + node_text(property, node.a, system);
+  std::string text = '(' + std::string(info_of(node.op).word) + ' ' + node_text(property, node.a, system);
   if (!is_unary(node)) text += ' ' + node_text(property, node.b, system);
   return text + ')';
 }
@@ -115,12 +121,17 @@ double value_in(const Property& expression, const rt::Core& core) {
   return expression.nodes[expression.root].type == Type::Float ? value.f : static_cast<double>(value.i);
 }
 
+bool has_fault(const Property& property, const rt::Core& core) {
+  return property.fault != Property::kNoRow && evaluate(property, property.fault, core).i != 0;
+}
+
 bool is_true(const Property& expression, const rt::Core& core) {
-  return evaluate(expression, expression.root, core).i != 0;
+  return !has_fault(expression, core) && evaluate(expression, expression.root, core).i != 0;
 }
 
 std::string value_text(const Property& expression, const rt::Core& core) {
   const PropertyNode& root = expression.nodes[expression.root];
+  if (has_fault(expression, core)) return "a division by zero, or of the least int by -1";
   const Number value = evaluate(expression, expression.root, core);
   if (root.type == Type::Bool) return value.i != 0 ? "true" : "false";
   rt::Cell cell{};

@@ -5,8 +5,9 @@
 //              strings, true, false
 //
 // `can c` is true if connector c has an enabled interaction that nothing hides, `can a.p` if port p of a is enabled.
-// Paths are those of traces, without ROOT. There is no division: a property must not fail itself. Properties of runs:
-// formula.hpp.
+// Paths are those of traces, without ROOT. A division of ints by 0, or of the least int by -1, fails as in models: a
+// state in which the property fails violates it. The parser says so in the expression itself, so that no engine and no
+// checker has to know. Properties of runs: formula.hpp.
 #pragma once
 #include <string>
 #include <vector>
@@ -56,9 +57,11 @@ struct PropertyNode {
   std::uint32_t row = 0;    // place, variable or port
 };
 struct Property {
+  static constexpr std::uint32_t kNoRow = 0xffffffffu;
   std::vector<PropertyNode> nodes;  // operands before operators
   std::uint32_t root = 0;
-  bool is_never = false;  // states where the expression is true violate it; else those where it is false
+  std::uint32_t fault = kNoRow;  // where it holds, a division fails; kNoRow: none can
+  bool is_never = false;         // states where the expression is true violate it; else those where it is false
   std::string text;
 };
 
@@ -76,6 +79,8 @@ struct Property {
 /// Does the core's stable state violate the property? Cost: linear in the expression, `can CONNECTOR` in the
 /// candidates.
 [[nodiscard]] bool is_broken(const Property& property, const rt::Core& core);
+/// Does the property fail itself in the core's stable state: a division by 0, or of the least int by -1?
+[[nodiscard]] bool has_fault(const Property& property, const rt::Core& core);
 /// Adds the states that violate the property to the circuit and returns their signal. Floats are not followed: a
 /// comparison of them is a free input, so the signal over-approximates.
 [[nodiscard]] Signal broken_signal(const Property& property, TransitionSystem& machine, const rt::Image& image);
