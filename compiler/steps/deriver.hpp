@@ -103,6 +103,7 @@ class Deriver {
   bool add_ready(const std::vector<u32>& ports, Instance& out, u32& last_changed);
   [[nodiscard]] std::vector<bool> find_sure(u32 fired) const;
   [[nodiscard]] bool is_sure(const rt::InteractionInfo& info) const;
+  [[nodiscard]] u32 trigger_count(u32 interaction, const rt::InteractionInfo& info) const;
   [[nodiscard]] u32 transition_of(u32 instance) const;
   [[nodiscard]] bool have_distinct_atoms();
 

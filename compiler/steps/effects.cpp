@@ -109,8 +109,9 @@ bool Deriver::add_effects(u32 fired, Instance& out) {
 
 bool Deriver::add_interaction(Effect effect, u32 fired, Instance& out) {
   const rt::InteractionInfo info = tables_.interactions[effect.interaction];
-  const bool exact =
-      info.kind == InteractionKind::Flat || info.kind == InteractionKind::Port;  // its value is never above 0
+  // Its value is never above 0: a rendezvous counts what it lacks, a broadcast its only trigger.
+  const bool exact = info.kind == InteractionKind::Flat || info.kind == InteractionKind::Port ||
+                     (info.kind == InteractionKind::Star && trigger_count(effect.interaction, info) == 1);
   StepOp& op = out.add(StepOpKind::Interaction);
   op.delta = effect.delta;
   out.ref(effect.interaction);
@@ -142,6 +143,16 @@ bool Deriver::add_interaction(Effect effect, u32 fired, Instance& out) {
   }
   made.is_sure = effect.delta == 0 && is_sure(info);
   return true;
+}
+
+// Ports whose flips move the counter of a broadcast: its triggers.
+u32 Deriver::trigger_count(u32 interaction, const rt::InteractionInfo& info) const {
+  u32 triggers = 0;
+  for (u32 k = 0; k < info.count; ++k) {
+    const rt::Span<u32> above = tables_.port_out[tables_.flat_ports[info.first + k]];
+    triggers += std::find(above.begin(), above.end(), interaction) != above.end() ? 1 : 0;
+  }
+  return triggers;
 }
 
 // A rendezvous of atoms that have one place each, and offer the ports there.
