@@ -223,6 +223,8 @@ int run_command_line(int argc, char** argv, const char* commit) {
   if (first == "replay" && arguments.replay.published_trace.empty() && arguments.replay.recorded_trace.empty()) {
     return usage_error("a trace is needed: --published or --recorded", help_of(app, argc, argv));
   }
+  if (const std::string option = nameless_file(*app.get_subcommands().front()); !option.empty())
+    return usage_error(fmt::format("the value of {} is empty, a path was expected", option), help_of(app, argc, argv));
   const std::string conflict = file_conflict(*app.get_subcommands().front());
   if (!conflict.empty()) return usage_error(conflict);
   return end_by_signal(dispatch(app, arguments));

@@ -128,6 +128,17 @@ bool names_file(const CLI::Option& option) {
                                  : is_in(option.get_type_name(), kFileTypes);
 }
 
+std::string nameless_file(const CLI::App& command) {
+  for (const FileOption& row : kFileOptions) {
+    if (command.get_name() != row.command || row.role == FileRole::Other) continue;
+    const CLI::Option* option = command.get_option_no_throw(row.option);
+    if (option == nullptr) continue;
+    const std::vector<std::string>& paths = option->results();
+    if (std::find(paths.begin(), paths.end(), "") != paths.end()) return shown(row);
+  }
+  return {};
+}
+
 std::string file_conflict(const CLI::App& command) {
   std::vector<NamedFile> files;
   for (const FileOption& row : kFileOptions) {

@@ -23,6 +23,9 @@ struct FileOption {
 /// Returns whether the help calls the value of the option a file or a folder; it must then have a row.
 [[nodiscard]] bool names_file(const CLI::Option& option);
 
+/// Returns the first option of the parsed command line whose file has no name, as it is shown; empty: there is none.
+[[nodiscard]] std::string nameless_file(const CLI::App& command);
+
 /// Compares the files that the parsed command line names. Returns a sentence about an output that is also an input or
 /// another output, by whatever links; empty: there is none. Devices and pipes may be both.
 [[nodiscard]] std::string file_conflict(const CLI::App& command);

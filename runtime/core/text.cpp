@@ -13,6 +13,29 @@ void append_number(std::string& out, std::uint64_t value) {
   out.append(buffer, static_cast<std::size_t>(std::to_chars(buffer, buffer + sizeof buffer, value).ptr - buffer));
 }
 
+std::string printable(std::string_view text) {
+  std::string out;
+  out.reserve(text.size());
+  for (std::size_t k = 0; k < text.size();) {
+    const auto at = [&](std::size_t i) { return k + i < text.size() ? static_cast<unsigned char>(text[k + i]) : 0u; };
+    const unsigned first = at(0), second = at(1), third = at(2);
+    // C1 and U+061C have two bytes in UTF-8; U+200E, U+200F, U+202A to U+202E and U+2066 to U+2069 three.
+    const bool is_c1 = first == 0xc2 && second >= 0x80 && second <= 0x9f;
+    const bool is_letter_mark = first == 0xd8 && second == 0x9c;
+    const bool is_general = first == 0xe2 && second == 0x80 && (third == 0x8e || third == 0x8f);
+    const bool is_embedding = first == 0xe2 && second == 0x80 && third >= 0xaa && third <= 0xae;
+    const bool is_isolate = first == 0xe2 && second == 0x81 && third >= 0xa6 && third <= 0xa9;
+    std::size_t length = 1;
+    if (is_c1 || is_letter_mark) length = 2;
+    if (is_general || is_embedding || is_isolate) length = 3;
+    if (first == '\n') out += "\\n";
+    else if (length > 1 || first < 0x20 || first == 0x7f) out += "\xEF\xBF\xBD";
+    else out += text[k];
+    k += length;
+  }
+  return out;
+}
+
 void append_double(std::string& out, double value) {
   // IEEE 754 leaves the sign of a computed NaN open, and compilers use that: it must not show.
   if (value != value) {

@@ -15,6 +15,9 @@ void append_number(std::string& out, std::uint64_t value);
 void append_quoted(std::string& out, const char* text);
 /// `1`, `true`, `2.5`, `"text"`.
 void append_value(std::string& out, const Image& image, CellType type, Cell value);
+/// One line of a message, from texts of others (names of files): characters that a terminal would obey, and
+/// bidirectional controls, as U+FFFD, ends of lines as `\n`.
+[[nodiscard]] std::string printable(std::string_view text);
 /// `dine.bip:21`; nothing if there is no location.
 void append_line(std::string& out, const Image& image, SourceLine loc);
 /// A name with the index where `#` is (rows.hpp).

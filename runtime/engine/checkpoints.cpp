@@ -1,5 +1,6 @@
 // See checkpoints.hpp. The flag that the signal handler sets is global: a handler can reach nothing else.
 #include "runtime/engine/checkpoints.hpp"
+#include "runtime/core/text.hpp"
 
 #include <algorithm>
 #include <cerrno>
@@ -52,7 +53,7 @@ void Checkpoints::write(const Core& core, Checkpoint checkpoint) {
   const std::string unfinished = path + ".new";
   if (!write_whole_file(unfinished, print_checkpoint(core.tables(), checkpoint)) ||
       std::rename(unfinished.c_str(), path.c_str()) != 0) {
-    std::fprintf(stderr, "warning: no checkpoint: %s: %s\n", path.c_str(), std::strerror(errno));
+    std::fprintf(stderr, "warning: no checkpoint: %s: %s\n", printable(path).c_str(), std::strerror(errno));
     return;
   }
   steps_ = checkpoint.steps;

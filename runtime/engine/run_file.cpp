@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "bip/assert.hpp"
+#include "runtime/core/text.hpp"
 
 namespace bip::rt {
 
@@ -12,7 +13,7 @@ bool RunFile::open() {
   if (path_.empty()) return true;
   file_ = std::fopen(path_.c_str(), "wbe");
   if (file_ == nullptr) {
-    std::fprintf(err_, "error: cannot write `%s`: %s\n", path_.c_str(), std::strerror(errno));
+    std::fprintf(err_, "error: cannot write `%s`: %s\n", printable(path_).c_str(), std::strerror(errno));
     return false;
   }
   // Writers have their own, larger buffers.
@@ -29,7 +30,7 @@ bool RunFile::close() {
   if (file_ == nullptr) return true;
   if (std::fclose(std::exchange(file_, nullptr)) != 0 && error_ == 0) error_ = errno;
   if (error_ == 0) return true;
-  std::fprintf(err_, "error: cannot write `%s`: %s\n", path_.c_str(), std::strerror(error_));
+  std::fprintf(err_, "error: cannot write `%s`: %s\n", printable(path_).c_str(), std::strerror(error_));
   return false;
 }
 

@@ -9,6 +9,7 @@
 
 #include "bip/process.hpp"
 #include "bip/run.hpp"
+#include "runtime/core/text.hpp"
 #include "runtime/engine/policies.hpp"
 #include "runtime/trace/trace_formats.hpp"
 
@@ -81,6 +82,12 @@ std::string choices_text(std::span<const Row> rows) {
   std::string text = std::string(rows[0].name) + " (default)";
   for (std::size_t k = 1; k < rows.size(); ++k) text += std::string(k + 1 < rows.size() ? ", " : " or ") + rows[k].name;
   return text;
+}
+
+// A path is no empty word.
+bool parse_path(const char* text, std::string& path) {
+  path = text;
+  return !path.empty();
 }
 
 bool parse_engine(const char* text, Engine& engine) {
@@ -159,13 +166,13 @@ int run_arguments(const Image& image, int argc, char** argv) {
       else if (name == "--threads") good = parse_small(value, 256, options.threads);
       else if (name == "--real-time-priority") good = parse_small(value, 99, options.real_time_priority);
       else if (name == "--speed") good = parse_speed(value, options.speed);
-      else if (name == "--trace") options.trace_path = value;
-      else if (name == "--events") options.events_path = value;
-      else if (name == "--record") options.record_path = value;
-      else if (name == "--replay") options.replay_path = value;
+      else if (name == "--trace") good = parse_path(value, options.trace_path);
+      else if (name == "--events") good = parse_path(value, options.events_path);
+      else if (name == "--record") good = parse_path(value, options.record_path);
+      else if (name == "--replay") good = parse_path(value, options.replay_path);
       else good = parse_format(value, options.format);
     } else {
-      std::fprintf(stderr, "%s: unknown option `%s`, see --help\n", program, argv[i]);
+      std::fprintf(stderr, "%s: unknown option `%s`, see --help\n", program, printable(argv[i]).c_str());
       return 2;
     }
     if (!good) {
