@@ -61,11 +61,26 @@ class BlockedSignals {
   sigset_t before_{};
 };
 
+// The environment of a program whose temporary files belong beside `output`, in a folder that is removed: a compiler
+// that a signal ends between the making of such a file and the note of it leaves it there.
+std::vector<std::string> environment_beside(const std::string& output) {
+  std::vector<std::string> variables;
+  for (char** variable = environ; *variable != nullptr; ++variable) {
+    if (output.empty() || std::strncmp(*variable, "TMPDIR=", 7) != 0) variables.emplace_back(*variable);
+  }
+  if (!output.empty()) variables.push_back("TMPDIR=" + fs::path(output).parent_path().string());
+  return variables;
+}
+
 // Starts the program in a process group of its own. Returns the error's number.
 int start_program(const std::vector<std::string>& command, const std::string& output, pid_t& child) {
   std::vector<char*> arguments;
   for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
+  std::vector<std::string> environment = environment_beside(output);
+  std::vector<char*> variables;
+  for (std::string& variable : environment) variables.push_back(variable.data());
+  variables.push_back(nullptr);
   posix_spawn_file_actions_t actions;
   posix_spawnattr_t attributes;
   ::posix_spawn_file_actions_init(&actions);
@@ -81,7 +96,8 @@ int start_program(const std::vector<std::string>& command, const std::string& ou
   const BlockedSignals blocked;
   ::posix_spawnattr_setsigmask(&attributes, &blocked.before());
   ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK);
-  const int error = ::posix_spawnp(&child, arguments.front(), &actions, &attributes, arguments.data(), environ);
+  const int error =
+      ::posix_spawnp(&child, arguments.front(), &actions, &attributes, arguments.data(), variables.data());
   if (error == 0) running_group.store(child);
   ::posix_spawn_file_actions_destroy(&actions);
   ::posix_spawnattr_destroy(&attributes);

@@ -17,9 +17,9 @@ namespace bip::pipeline {
 /// Returns the path of the program that a command of this name starts; empty if there is none on PATH.
 [[nodiscard]] std::string find_program(const std::string& name);
 
-/// Runs a program with its output on our standard error, or in the file `output`. The exit code; 128 + signal if a
-/// signal ended it; a Failure if it could not be started. SIGINT, SIGTERM and SIGHUP end the program with all that it
-/// started, and not us, so that the caller can tidy up.
+/// Runs a program with its output on our standard error, or in the file `output`, beside which its temporary files lie
+/// then. The exit code; 128 + signal if a signal ended it; a Failure if it could not be started. SIGINT, SIGTERM and
+/// SIGHUP end the program with all that it started, and not us, so that the caller can tidy up.
 [[nodiscard]] Result<int> run_program(const std::vector<std::string>& command, const std::string& output = {});
 
 /// The signal that came while a program ran, or 0. A command that was asked to end so ends by this signal.

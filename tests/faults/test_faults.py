@@ -241,7 +241,11 @@ class Reference:
 
 def side_by_side(jobs):
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        for job in [pool.submit(job) for job in jobs]: job.result()
+        for job in [pool.submit(job) for job in jobs]:
+            try:
+                job.result()
+            except subprocess.TimeoutExpired as hung:
+                fail("hangs", f"{hung.cmd}: nothing after {hung.timeout} s")
 
 
 def compile_tool(name, *flags):
@@ -508,9 +512,11 @@ def killed(reference, how, after):
     child.stdin.flush()
     time.sleep(after)
     child.send_signal(how)
-    began = time.monotonic()
-    child.communicate(timeout=TIMEOUT)
-    good(what + " ends", how == signal.SIGKILL or time.monotonic() - began < 20, f"{time.monotonic() - began:.0f} s later")
+    try:
+        child.communicate(timeout=TIMEOUT)
+    except subprocess.TimeoutExpired:
+        child.kill()
+        return fail(what, f"it has not ended {TIMEOUT} s later")
     good(what + " code", child.returncode in {0, 4, -how, 128 + how}, str(child.returncode))
     if how != signal.SIGKILL: good(what + " tidy", not list(place.tmp.iterdir()), str(place.litter()))
     place.renew()
