@@ -237,7 +237,9 @@ void add_compile(CLI::App& app, CompileOptions& options) {
          "root component, for example 'Ring(10)' (default: the only parameterless compound that nothing instantiates)")
       ->type_name("TYPE(ARGS)");
   add_number(app, "--max-instances", options.max_instances,
-             "refuse a system of more than N atoms, or as many compounds, connectors or priorities (default: 2000000)");
+             "refuse a system of more than N atoms, or as many compounds, connectors or priorities (default: what "
+             "three quarters of "
+             "the free memory hold, at least 2000000)");
   add_choice(app, "--emit", options.emit, kEmits, "tokens|syntax|model|system|llvm|asm|cpp|dot|json",
              "print the product of this stage of the compiler and stop");
   add_choice(app, "--print-after", options.print_after, kPrintAfter, "parse|build-model|instantiate",

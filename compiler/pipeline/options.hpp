@@ -42,7 +42,7 @@ struct CompileOptions {
   bool time_passes = false;
   CacheOptions cache;
   bool verify_each = false;
-  std::uint64_t max_instances = 0;  // of atoms, of connectors ...; 0: the default limit
+  std::uint64_t max_instances = 0;  // of atoms, of connectors ...; 0: what free memory holds
   bool refuses_cpp = false;         // the model's C++ is neither compiled nor loaded
 };
 

@@ -14,6 +14,7 @@
 #include "compiler/pipeline/check_properties.hpp"
 #include "compiler/pipeline/check_rest.hpp"
 #include "compiler/pipeline/load_packages.hpp"
+#include "compiler/pipeline/machine.hpp"
 #include "compiler/pipeline/roots.hpp"
 #include "compiler/model/validate_model.hpp"
 #include "compiler/syntax/print.hpp"
@@ -72,9 +73,12 @@ bool build_model(Compilation& c) {
 }
 
 system::UnfoldingLimits unfolding_limits(const CompileOptions& options) {
+  // What an atom or a connector takes until the model runs, with room to spare.
+  constexpr std::uint64_t kBytesPerInstance = 1000;
   system::UnfoldingLimits limits;
-  if (options.max_instances != 0)
-    limits.instances = std::min<std::uint64_t>(options.max_instances, system::kMostInstances);
+  std::uint64_t wanted = options.max_instances;
+  if (wanted == 0) wanted = std::max<std::uint64_t>(limits.instances, available_memory() / 4 * 3 / kBytesPerInstance);
+  limits.instances = std::min<std::uint64_t>(wanted, system::kMostInstances);
   return limits;
 }
 

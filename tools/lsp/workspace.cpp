@@ -40,6 +40,8 @@ std::map<std::string, std::string> Workspace::open_texts() const {
 std::unique_ptr<pipeline::Compilation> Workspace::compilation_of(Document& d) const {
   pipeline::CompileOptions options;
   options.folders = folders;
+  // An editor keeps the memory of its person: what is larger is said to be.
+  options.max_instances = 2'000'000;
   auto c = std::make_unique<pipeline::Compilation>(std::move(options));
   c->kept = &d.kept;
   for (const auto& [path, other] : documents_) c->open_texts.emplace(path, other->text.str());

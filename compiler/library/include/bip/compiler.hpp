@@ -43,7 +43,7 @@ struct CompileOptions {
   Backend backend = Backend::Auto;   // Auto: the JIT if it is installed
   bool allows_cpp = true;            // the model's C++ may be compiled and loaded
   bool uses_cache = true;            // machine code and proofs are kept for the next time, in the user's cache folder
-  std::uint64_t max_instances = 0;   // of atoms, of connectors; 0: the default limit
+  std::uint64_t max_instances = 0;   // of atoms, of connectors; 0: what free memory holds
 };
 
 enum class Reduction : std::uint8_t { None, PartialOrder, Symmetry };
