@@ -55,6 +55,7 @@ bool read_json_head(Compilation& c, const RunFileText& run, rt::SessionOptions& 
   if (policy == nullptr) return is_unreadable(c, run.path, "its policy is none of this bipc's");
   options.seed = head["seed"].get<std::uint64_t>();
   options.policy = policy->policy;
+  options.draws_resumes = head.contains("resumes") && head["resumes"] == "drawn";
   return true;
 }
 
@@ -93,6 +94,7 @@ bool read_record_head(Compilation& c, RunFileText& run, rt::SessionOptions& opti
   options.seed = run.record.seed;
   options.policy = run.record.policy;
   options.asap = run.record.asap;
+  options.draws_resumes = run.record.draws_resumes;
   options.progress = run.record.maximal_progress ? rt::MaximalProgress::On : rt::MaximalProgress::Off;
   return true;
 }
@@ -228,6 +230,7 @@ std::optional<RunFileText> read_run(Compilation& c, const std::string& path, rt:
     is_sound = read_exported(c, run) && read_json_head(c, run, options);
   } else if (run.text.find("[BIP ENGINE]: ") != std::string::npos) {
     run.kind = RecordedRun::PublishedTrace;
+    options.draws_resumes = false;
     is_sound = true;
   } else {
     (void)is_unreadable(c, path, "it is neither a trace (JSON lines, binary, bip2, MCAP, Perfetto) nor a record");

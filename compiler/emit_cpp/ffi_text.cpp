@@ -44,6 +44,9 @@ std::string argument(const Function& function, std::size_t k) {
 }
 
 std::string call_text(const Function& function, const ConstNames& const_names, const std::string& result) {
+  // The value of a clock for an `int`: the only conversion between native types that is not C++'s own.
+  if (function.kind == FunctionKind::Cast && function.result == Type::Int && function.params[0].type == Type::Float)
+    return "bip::rt::whole_units(" + argument(function, 0) + ")";
   if (function.kind == FunctionKind::Cast) return "static_cast<" + result + ">(" + argument(function, 0) + ")";
   if (function.kind == FunctionKind::Operator) {
     if (function.params.size() == 1) return function.name + argument(function, 0);
@@ -72,7 +75,7 @@ std::string note_text(const CodeTable& code, const Function& function, const Ffi
 
 FfiNames::FfiNames(const CodeTable& code) {
   lower::UniqueNames names;
-  for (const char* taken : {"bip_context", "own_context", "names_crashes"}) names.reserve(taken);
+  for (const char* taken : {"bip_context", "bip_note", "own_context", "names_crashes"}) names.reserve(taken);
   for (const FfiType& type : code.ffi_types) types_.push_back("ffi::" + names.make(type.name + "_type"));
   lower::UniqueNames draws;
   for (const Function& function : code.functions) {
@@ -141,7 +144,7 @@ std::string ffi_text(const CodeTable& code, const ConstNames& const_names, const
     line(head + "[[maybe_unused]] std::uint32_t site) try {");
     if (options.mark) line("#line 1 \"bip-prototype-" + std::to_string(k) + "\"");
     const std::string call = call_text(function, const_names, result);
-    if (options.names_crashes) line("  const bip::rt::CallNote note(" + note_text(code, function, options) + ");");
+    if (options.names_crashes) line("  const bip::rt::CallNote bip_note(" + note_text(code, function, options) + ");");
     if (!function.has_result) line("  " + call + ";");
     else if (function.result == Type::String) line("  return bip_context->intern(" + call + ");");
     else if (is_ffi(function.result)) line("  return " + call + ";");

@@ -29,7 +29,8 @@ std::string TableWriter::atom_time(const std::string& name, const rt::AtomTime* 
   if (time == nullptr) return {};
   std::vector<std::string> rows;
   for (const rt::Clock& c : time->clocks) {
-    rows.push_back(braces({string_literal(c.name), std::to_string(c.unit), row_text(c.variable), loc_text(c.loc)}));
+    rows.push_back(braces(
+        {string_literal(c.name), std::to_string(c.unit), row_text(c.variable), loc_text(c.loc), bool_text(c.is_read)}));
   }
   const std::string clocks = table("Clock", name + "_clocks", rows);
   rows.clear();

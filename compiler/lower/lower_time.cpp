@@ -1,5 +1,6 @@
 // Lowers the timed part of types: clocks, bounds, urgency, `resume`. Types without time get no tables.
 #include "compiler/lower/pools.hpp"
+#include "compiler/model/clock_uses.hpp"
 #include "runtime/include/bip/assert.hpp"
 #include "runtime/include/bip/image_time.hpp"
 
@@ -44,7 +45,9 @@ const rt::AtomTime* lower_time(Lowering& l, std::uint32_t row, const AtomType& t
   TimeLowering time{l, row, type};
   rt::AtomTime to{};
   std::vector<rt::Clock> clocks;
-  for (const Clock& c : type.clocks) clocks.push_back({c.name.c_str(), c.unit, c.variable, loc_of(c.loc)});
+  for (const Clock& c : type.clocks)
+    clocks.push_back(
+        {c.name.c_str(), c.unit, c.variable, loc_of(c.loc), model::is_read_by_actions(l.system.code, type, c)});
   to.clocks = l.pools.list(clocks);
   std::vector<rt::TransitionTime> transitions;
   for (const Transition& t : type.transitions) {

@@ -26,18 +26,36 @@ bool is_of_chance(const Model& model, const syntax::Decl& prototype) {
 }  // namespace
 
 std::optional<Argument> CodeBuilder::argument(const syntax::Expr* e) {
+  const bool is_path = e->kind == syntax::ExprKind::Path;
+  const Binding* b = is_path ? find(e->path, Lookup::Silent) : nullptr;
+  if (b != nullptr && b->is_clock && !e->clock_speed && in_block_) return clock_argument(e, *b);
   const std::optional<Typed> typed = expr(e);
   if (!typed) return std::nullopt;
-  if (e->kind != syntax::ExprKind::Path) return Argument{*typed, false, false, e->range};
-  const Binding* b = find(e->path, Lookup::Silent);
+  if (!is_path) return Argument{*typed, false, false, e->range};
   const bool is_variable = in_block_ && b != nullptr && b->read_only.empty() && !b->value.is_valid() && !b->poison;
   return Argument{*typed, is_variable, b == nullptr || b->is_constant, e->range};
+}
+
+Argument CodeBuilder::clock_argument(const syntax::Expr* e, const Binding& clock) {
+  const auto variable = clock.index + static_cast<std::uint32_t>(ClockVariable::Value);
+  const ExprId value =
+      make({.op = Op::LoadSelf, .type = Type::Float, .index = variable, .a = {}, .b = {}, .loc = loc(e->range)});
+  return {{value, Type::Float}, false, false, e->range, true};
+}
+
+std::vector<Argument> CodeBuilder::with_whole_clocks(const std::vector<Argument>& args) {
+  std::vector<Argument> out = args;
+  for (Argument& arg : out) {
+    if (arg.is_clock) arg.typed.type = Type::Int;
+  }
+  return out;
 }
 
 std::optional<Typed> CodeBuilder::ffi_call(const std::string& name, const std::vector<const syntax::Decl*>& prototypes,
                                            std::vector<Argument> args, SourceRange at, CallUse use) {
   CodeTable& code = model_.code;
-  const std::vector<const syntax::Decl*> best = best_prototypes(model_, prototypes, args);
+  std::vector<const syntax::Decl*> best = best_prototypes(model_, prototypes, args);
+  if (best.empty()) best = best_prototypes(model_, prototypes, with_whole_clocks(args));
   if (best.size() != 1) {
     const bool is_operator = prototypes.front()->kind == syntax::DeclKind::ExternOperator;
     const std::string shown = is_operator ? std::string(prototypes.front()->op.text) : name;
@@ -75,6 +93,11 @@ std::optional<Typed> CodeBuilder::ffi_call(const std::string& name, const std::v
     const Type wanted = data_type(model_, param, quiet);
     Typed value = args[k].typed;
     if (value.type == Type::Int && wanted == Type::Float) value = convert(value, Type::Float);
+    if (args[k].is_clock) {
+      if (wanted == Type::Int) value = cast(value, Type::Int);
+      diags_.report(Diag::kB1616, args[k].range, row.name, model_.sources->text(args[k].range))
+          .help("`explore` follows no such value; data that count steps or periods can be followed");
+    }
     const bool can_refer =
         is_ffi(value.type) || ((value.type == Type::Int || value.type == Type::Float) && value.id == args[k].typed.id);
     if (args[k].is_constant && !param.is_const && !is_ffi(wanted)) {
@@ -172,13 +195,14 @@ std::optional<Typed> CodeBuilder::ffi_operator(const syntax::Expr* e, std::strin
 
 Typed CodeBuilder::cast(Typed v, Type to) {
   CodeTable& code = model_.code;
-  const std::uint32_t function = function_row(code, {.kind = FunctionKind::Cast,
-                                                     .name = code.type_name(to),
-                                                     .is_const = false,
-                                                     .has_result = true,
-                                                     .result = to,
-                                                     .params = {{v.type, false}},
-                                                     .loc = code.ffi_types[ffi_row(v.type)].loc});
+  const std::uint32_t function =
+      function_row(code, {.kind = FunctionKind::Cast,
+                          .name = code.type_name(to),
+                          .is_const = false,
+                          .has_result = true,
+                          .result = to,
+                          .params = {{v.type, false}},
+                          .loc = is_ffi(v.type) ? code.ffi_types[ffi_row(v.type)].loc : code.exprs[v.id].loc});
   const auto first = static_cast<std::int32_t>(code.args.size());
   code.args.push_back(v.id);
   return {make({.op = Op::Call,

@@ -4,6 +4,7 @@
 
 #include "compiler/model/build_time.hpp"
 #include "compiler/model/model_builder.hpp"
+#include "compiler/model/clock_uses.hpp"
 #include "compiler/model/code_uses.hpp"
 
 namespace bip::model {
@@ -87,6 +88,8 @@ void check_clocks(ModelBuilder& b, const AtomType& atom, const syntax::Decl& dec
   }
   for (const Invariant& i : atom.invariants) look(i.when);
   look(atom.initial_resume.when);
+  for (std::size_t clock = 0; clock < used.size(); ++clock)
+    used[clock] = used[clock] || is_read_by_actions(b.model.code, atom, atom.clocks[clock]);
   std::size_t row = 0;
   for (const syntax::ClockDecl& c : decl.clocks) {
     for (const syntax::Name& name : c.names) {

@@ -108,6 +108,10 @@ class CodeBuilder {
   std::optional<Typed> binary(const syntax::Expr* e);
   std::optional<Typed> call(const syntax::Expr* e);
   std::optional<Argument> argument(const syntax::Expr* e);
+  /// A clock's value at the instant of the step, in its unit.
+  Argument clock_argument(const syntax::Expr* e, const Binding& clock);
+  /// The clocks among the arguments as numbers of whole units, for prototypes that take ints.
+  std::vector<Argument> with_whole_clocks(const std::vector<Argument>& args);
   std::optional<Typed> ffi_call(const std::string& name, const std::vector<const syntax::Decl*>& prototypes,
                                 std::vector<Argument> args, SourceRange at, CallUse use);
   std::optional<Typed> ffi_function(const syntax::Expr* e, const std::string& name,

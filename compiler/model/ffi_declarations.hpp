@@ -22,6 +22,7 @@ struct Argument {
   bool is_variable = false;  // C++ may change it
   bool is_constant = false;  // it is named, and declared `const`
   SourceRange range;
+  bool is_clock = false;  // its value, which is no variable
 };
 /// "int, List": the arguments' types.
 [[nodiscard]] std::string types_text(const CodeTable& code, const std::vector<Argument>& args);

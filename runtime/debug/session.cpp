@@ -48,6 +48,7 @@ std::string DebugSession::back_refusal() const {
 Halt DebugSession::start() {
   if (core_.image().ffi != nullptr) std::srand(static_cast<unsigned>(options_.seed));
   core_.seed_draws(options_.seed);
+  if (options_.draws_resumes) scheduler_.prepare(core_);
   is_faulty_ = !core_.initialize();
   is_fault_a_move_ = false;
   if (is_faulty_) return Halt::Fault;

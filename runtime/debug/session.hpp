@@ -30,6 +30,7 @@ struct SessionOptions {
   std::uint64_t seed = 0;
   Policy policy = Policy::Uniform;
   bool asap = false;
+  bool draws_resumes = true;  // where instants are planned; a run that is followed may not have
   MaximalProgress progress = MaximalProgress::On;
   /// C++ functions depend on nothing but their arguments: the session can go back in a model that calls C++.
   bool trusts_cpp = false;

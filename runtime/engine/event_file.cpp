@@ -216,6 +216,7 @@ void read_record_line(JsonLine& json, Record& out, bool& is_first) {
     else if (key == "policy") out.policy = policy_of(json);
     else if (key == "asap") out.asap = json.boolean();
     else if (key == "returns") out.tells_returns = json.boolean();
+    else if (key == "resumes") out.draws_resumes = json.string() == "drawn";
     else if (key == "maximal_progress") out.maximal_progress = json.boolean();
     else if (key == "end")
       out.has_end = true,
@@ -256,6 +257,7 @@ void append_record_head(std::string& out, const Record& record) {
   append_number(out, record.seed);
   out += std::string(R"(,"policy":")") + name_of(record.policy) + R"(","asap":)" + (record.asap ? "true" : "false");
   out += std::string(R"(,"maximal_progress":)") + (record.maximal_progress ? "true" : "false") +
+         (record.draws_resumes ? R"(,"resumes":"drawn")" : "") +
          (record.tells_returns ? ",\"returns\":true}\n" : "}\n");
 }
 

@@ -33,6 +33,7 @@ struct Record {
   u64 seed = 0;
   Policy policy = Policy::Uniform;
   bool asap = false, maximal_progress = true;
+  bool draws_resumes = false;  // of busy atoms, by the seed
   bool tells_returns = false;  // of actions that run beside the others
   End end = End::Limit;
   u64 steps = 0, looks = 0;

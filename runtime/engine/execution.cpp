@@ -55,6 +55,7 @@ struct Execution::Impl {
               [&](rt::u32 a, rt::u32 b) { return image.atoms[a].path() < image.atoms[b].path(); });
     if (image.ffi != nullptr) std::srand(static_cast<unsigned>(options.seed));
     core.seed_draws(options.seed);
+    if (options.speed <= 0) scheduler.prepare(core);
     outcome = core.initialize() ? Outcome::Stepped : Outcome::Fault;
     if (outcome == Outcome::Stepped) scheduler.start(core);
     feed.open_inbox();
@@ -293,6 +294,7 @@ bool Execution::trace(const std::string& path, rt::TraceFormat format) {
   if (file == nullptr) return false;
   rt::RunOptions options;
   options.policy = impl_->policy;
+  options.draws_resumes = impl_->core.time().draws_resumes();
   impl_->trace = std::make_unique<TraceFile>(file, row);
   impl_->trace->format->begin(impl_->trace->out.text, rt::head_of(impl_->core.image(), options, impl_->seed));
   return true;

@@ -6,6 +6,7 @@
 #include "runtime/core/final_state.hpp"
 #include "runtime/core/text.hpp"
 #include "runtime/engine/policies.hpp"
+#include "runtime/engine/timed_scheduler.hpp"
 
 namespace bip::rt {
 
@@ -23,6 +24,7 @@ TraceHead head_of(const Image& image, const RunOptions& options, std::uint64_t s
           .is_uniform = policy.is_uniform(),
           .engine = options.engine,
           .maximal_progress = options.maximal_progress,
+          .draws_resumes = draws_resumes(image, options),
           .is_interactive = options.interactive};
 }
 

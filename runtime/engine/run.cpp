@@ -1,5 +1,6 @@
 // `run`: checks what was asked for, opens the files, runs the loop (run_loop.hpp).
 #include "bip/run.hpp"
+#include "runtime/core/text.hpp"
 #include "runtime/distributed/checkpoint.hpp"
 
 #include <sys/stat.h>
@@ -16,23 +17,24 @@ namespace {
 bool begin_replay(const Image& image, RunOptions& options, Record& record, std::FILE* err) {
   Result<Record> read = read_record(options.replay_path);
   if (!read) {
-    std::fprintf(err, "error: %s\n", read.error().c_str());
+    std::fprintf(err, "error: %s\n", printable(read.error()).c_str());
     return false;
   }
   record = std::move(*read);
   if (record.model != image.name) {
-    std::fprintf(err, "error: %s: a run of `%s` was recorded, this is `%s`\n", options.replay_path.c_str(),
-                 record.model.c_str(), image.name);
+    std::fprintf(err, "error: %s: a run of `%s` was recorded, this is `%s`\n", printable(options.replay_path).c_str(),
+                 printable(record.model).c_str(), image.name);
     return false;
   }
   if (record.is_torn)
     std::fprintf(err, "warning: %s: the last line is incomplete: the run was cut off there\n",
-                 options.replay_path.c_str());
+                 printable(options.replay_path).c_str());
   options.seed = record.seed;
   options.has_seed = true;
   options.policy = record.policy;
   options.asap = record.asap;
   options.maximal_progress = record.maximal_progress;
+  options.draws_resumes = record.draws_resumes;
   options.speed = 0;
   // A replay that takes one step more than recorded differs from the record, which is reported.
   if (record.has_end) options.limit = std::min(options.limit, record.steps + 1);
@@ -118,7 +120,7 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
     return {found.complete ? End::Deadlock : End::Limit, 0, found.exit_code};
   }
   if (const std::string why = refusal(image, options); !why.empty()) {
-    std::fprintf(err, "error: %s\n", why.c_str());
+    std::fprintf(err, "error: %s\n", printable(why).c_str());
     return kRefused;
   }
   RunFile trace_file(options.trace_path, err), record_file(options.record_path, err);

@@ -76,7 +76,7 @@ bool RunLoop::open_events() {
   if (is_replay()) are_read = feed_.replay(options_.replay_path);
   if (are_read && !options_.events_path.empty()) are_read = feed_.read(options_.events_path);
   if (!are_read) {
-    std::fprintf(files_.err, "error: %s\n", are_read.error().c_str());
+    std::fprintf(files_.err, "error: %s\n", printable(are_read.error()).c_str());
     return false;
   }
   phase_ = Phase::EventsOpened;
@@ -92,6 +92,7 @@ void RunLoop::begin_record() {
   record.policy = options_.policy;
   record.asap = options_.asap;
   record.maximal_progress = options_.maximal_progress;
+  record.draws_resumes = draws_resumes(image_, options_);
   record.tells_returns = options_.speed > 0 && core_.actions().any();
   append_record_head(text, record);
   files_.record.write(text);
@@ -103,6 +104,7 @@ void RunLoop::initialize() {
   // Models that draw numbers by rand() run alike wherever they run.
   if (image_.ffi != nullptr) std::srand(static_cast<unsigned>(seed_));
   core_.seed_draws(seed_);
+  if (draws_resumes(image_, options_)) timed_.prepare(core_);
   is_sound_ = core_.initialize();
   if (is_sound_ && core_.is_timed()) timed_.start(core_);
   else if (is_sound_) scheduler_.start(core_);
@@ -115,7 +117,8 @@ bool RunLoop::resume_run() {
   if (options_.resume_path.empty()) return true;
   const std::string problem = resume(core_, options_.resume_path, resumed_);
   if (problem.empty()) return true;
-  std::fprintf(files_.err, "error: --resume: %s: %s\n", options_.resume_path.c_str(), problem.c_str());
+  std::fprintf(files_.err, "error: --resume: %s: %s\n", printable(options_.resume_path).c_str(),
+               printable(problem).c_str());
   return false;
 }
 
@@ -368,7 +371,7 @@ void RunLoop::report_end() {
   }
   if (distributed_.checkpoints != 0)
     std::fprintf(files_.err, "bipc: go on after step %llu by `--resume %s`\n",
-                 static_cast<unsigned long long>(distributed_.checkpoint), options_.checkpoint_path.c_str());
+                 static_cast<unsigned long long>(distributed_.checkpoint), printable(options_.checkpoint_path).c_str());
   // As a shell says of a program that the signal ended; the end of --interactive's input is none.
   if (result_.end == End::Interrupted && is_interrupted()) result_.exit_code = 128 + interrupting_signal();
 }
@@ -410,8 +413,9 @@ void RunLoop::close_files() {
 
 void RunLoop::compare_with_recorded_end() {
   if (!recorded_.has_end || (result_.end == recorded_.end && result_.steps == recorded_.steps)) return;
-  std::fprintf(files_.err, "error: %s: recorded were %llu steps and the end `%s`\n", options_.replay_path.c_str(),
-               static_cast<unsigned long long>(recorded_.steps), name_of(recorded_.end));
+  std::fprintf(files_.err, "error: %s: recorded were %llu steps and the end `%s`\n",
+               printable(options_.replay_path).c_str(), static_cast<unsigned long long>(recorded_.steps),
+               name_of(recorded_.end));
   result_.exit_code = 1;
 }
 

@@ -50,6 +50,7 @@ class Simulator {
     if (is_seeding_cpp_) std::srand(static_cast<unsigned>(options.seed));
     has_draws_ = has_draws(image);
     core_.seed_draws(options.seed);
+    scheduler_.prepare(core_);
     is_sound_ = core_.initialize();
     if (is_sound_) {
       scheduler_.start(core_);
@@ -96,16 +97,19 @@ class Simulator {
   bool begin(std::uint64_t seed) {
     steps_ = 0;
     if (is_seeding_cpp_) std::srand(static_cast<unsigned>(seed));
+    scheduler_ = TimedScheduler(options_.policy, options_.asap, seed);
+    scheduler_.prepare(core_);
     if (has_draws_) {
       core_.seed_draws(seed);
       is_sound_ = core_.initialize();
     }
     if (!is_sound_) return false;
-    scheduler_ = TimedScheduler(options_.policy, options_.asap, seed);
     if (has_draws_) {
       scheduler_.start(core_);
     } else {
       if (!core_.restore(initial_)) return false;
+      // What an `initial` waits for is drawn anew.
+      if (core_.time().draws_resumes() && core_.time().has_initial_resume() && !core_.initialize()) return false;
       core_.set_list_order(order_);
     }
     answers_.assign(options_.queries.size(), Answer::Open);

@@ -43,6 +43,8 @@ class Splitter {
       : options_(options), core_(image, {.progress = options.progress}), feed_(core_) {
     has_draws_ = has_draws(image);
     core_.seed_draws(0);
+    scheduler_ = TimedScheduler(Policy::Uniform, options_.asap, 0);
+    scheduler_.prepare(core_);
     is_sound_ = core_.initialize();
     if (!is_sound_) return;
     scheduler_.start(core_);
@@ -126,6 +128,9 @@ class Splitter {
       return core_.initialize();
     }
     if (!core_.restore(from.state)) return false;
+    // What an `initial` waits for is drawn anew.
+    if (from.is_initial && core_.time().draws_resumes() && core_.time().has_initial_resume() && !core_.initialize())
+      return false;
     for (u32 atom = 0; has_draws_ && atom < core_.image().atoms.size; ++atom) {
       const u32 variable = core_.tables().atom_type(atom).draws;
       if (variable != kNone) core_.write_cell(core_.image().atoms[atom].first_cell + variable, draw_start(seed, atom));
@@ -136,8 +141,9 @@ class Splitter {
   RunEnd run(const Entrance& from, std::uint64_t seed, const double* level) {
     last_.steps = from.steps;
     last_.is_initial = false;
-    if (!begin(from, seed)) return RunEnd::Fault;
     scheduler_ = TimedScheduler(Policy::Uniform, options_.asap, seed);
+    scheduler_.prepare(core_);
+    if (!begin(from, seed)) return RunEnd::Fault;
     highest_ = options_.importance(core_);
     while (true) {
       const Answer answer = answer_in(options_.query, core_, last_.steps);

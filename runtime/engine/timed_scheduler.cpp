@@ -2,31 +2,13 @@
 // candidates and their participants.
 #include "runtime/engine/timed_scheduler.hpp"
 
+#include <algorithm>
+
 #include "bip/assert.hpp"
+#include "runtime/core/time/draw_instant.hpp"
+#include "runtime/engine/policies.hpp"
 
 namespace bip::rt {
-
-// Uniform in [first, last]; past `first` exponential with the mean if there is no last. The exponential is von
-// Neumann's
-// ("Various techniques used in connection with random digits", 1951): comparisons of uniform numbers, no logarithm, so
-// that every machine draws the same.
-i64 TimedScheduler::draw(i64 first, i64 last, i64 mean) {
-  BIP_ASSERT(first <= last && mean > 0, "an instant from {} to {}", first, last);
-  if (first == last) return first;
-  if (last != kForever) return first + static_cast<i64>(prng_.below(static_cast<std::uint64_t>(last - first) + 1));
-  for (i64 whole = 0;; ++whole) {
-    const std::uint64_t start = prng_.next();
-    std::uint64_t before = start;
-    std::uint64_t run = 1;
-    for (std::uint64_t u = prng_.next(); u <= before; u = prng_.next()) {
-      before = u;
-      ++run;
-    }
-    if (run % 2 == 0) continue;
-    const auto part = static_cast<i64>(static_cast<Int128>(start) * mean >> 64);
-    return std::min(first + whole * mean + part, kForever - 1);
-  }
-}
 
 namespace {
 
@@ -38,6 +20,16 @@ double weight_of_tie(double share, double total) { return share * total; }
 
 }  // namespace
 
+bool draws_resumes(const Image& image, const RunOptions& options) {
+  const bool plans = row_of(options.policy).is_uniform() && !options.asap && !options.interactive;
+  if (!plans || options.speed > 0 || !options.draws_resumes) return false;
+  for (const Atom& atom : image.atoms) {
+    const AtomTime* time = image.atom_types[atom.type].time;
+    if (time != nullptr && has_resume(*time)) return true;
+  }
+  return false;
+}
+
 // The earliest plan, and whose it is; false if it is not before the next change.
 bool TimedScheduler::plan(Core& core, i64 last) {
   at_ = kForever;
@@ -48,7 +40,7 @@ bool TimedScheduler::plan(Core& core, i64 last) {
     BIP_ASSERT(ends_[k] >= core.now(), "candidate {} ended at {}", k, ends_[k]);
     // A weight is a rate: of two waiting times without end the heavier one is shorter.
     const double weight = is_weighted ? core.weights().weight(core.position(k)) : 1;
-    const i64 instant = draw(core.now(), std::min(ends_[k], last), mean_of(core.time().unit(), weight));
+    const i64 instant = draw_instant(prng_, core.now(), std::min(ends_[k], last), mean_of(core.time().unit(), weight));
     if (instant > at_) continue;
     if (is_weighted) {
       weight_of_ties = instant == at_ ? weight_of_ties + weight : weight;

@@ -17,10 +17,20 @@ namespace bip::rt {
 /// anything was.
 enum class Due : std::uint8_t { Step, Event, Deadlock, Fault, Stopped };
 
+/// Does a run with these options draw the instants at which busy atoms resume? In logical time where it plans instants,
+/// and if an atom of the image has `resume`.
+[[nodiscard]] bool draws_resumes(const Image& image, const RunOptions& options);
+
 class TimedScheduler {
  public:
   TimedScheduler(Policy policy, bool asap, std::uint64_t seed)
-      : scheduler_(policy, seed), plans_(scheduler_.is_uniform() && !asap), prng_(~seed) {}
+      : scheduler_(policy, seed), plans_(scheduler_.is_uniform() && !asap), seed_(seed), prng_(~seed) {}
+
+  /// Before the core finds the initial state of a run in logical time: where instants are planned, those at which busy
+  /// atoms resume are drawn as well.
+  void prepare(Core& core) const {
+    if (plans_ && core.is_timed()) core.time().draw_resumes(seed_);
+  }
 
   /// Lets time pass until a step is due; choice() is it. Without time one is due at once. Deadlock: there never will be
   /// one.
@@ -40,10 +50,10 @@ class TimedScheduler {
   enum class Next : std::uint8_t { Step, Change, Never, Lock };
   Next look(Core& core);
   bool plan(Core& core, i64 last);
-  i64 draw(i64 first, i64 last, i64 mean);
 
   Scheduler scheduler_;
   bool plans_;
+  std::uint64_t seed_;
   Prng prng_;  // of instants; which candidate is the scheduler's
   EnabledSet::Position choice_{};
   i64 at_ = 0;

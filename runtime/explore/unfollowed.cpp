@@ -25,6 +25,11 @@ std::string what_zones_cannot_follow(const Image& image) {
       return "what port `" + std::string(type.ports[transition.port].name) + "` of `" + atom.path() + "` does" +
              at(image, transition.loc) + " runs beside the others (`@async`)";
     }
+    for (const auto& clock : type.time->clocks) {
+      if (clock.is_read)
+        return std::string("the value of clock `") + clock.name + "` of `" + atom.path() + "`" + at(image, clock.loc) +
+               " is given to C++";
+    }
     if (type.time->events.size == 0) continue;
     const Port& port = type.ports[type.time->events[0].port];
     return "port `" + std::string(port.name) + "` of `" + atom.path() + "`" + at(image, port.loc) +

@@ -87,7 +87,7 @@ void JsonWriter::begin(std::string& out, const TraceHead& head) {
     out += R"(","engine":")";
     out += name_of(head.engine);
   }
-  out += "\"}\n";
+  out += head.draws_resumes ? "\",\"resumes\":\"drawn\"}\n" : "\"}\n";
 }
 
 void JsonWriter::step(std::string& out, Core& core, EnabledSet::Position position, std::uint64_t number,

@@ -22,6 +22,7 @@ struct TraceHead {
   bool is_uniform = false;  // the policy draws by the seed
   Engine engine = Engine::Sequential;
   bool maximal_progress = true;
+  bool draws_resumes = false;   // the instants at which busy atoms resume, by the seed
   bool is_interactive = false;  // each state is written by state() before its step
 };
 

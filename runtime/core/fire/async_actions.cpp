@@ -94,6 +94,7 @@ bool AsyncActions::begin_action(u32 atom, const LinkedTransition& transition, co
   const u32 before = core_.memory.places[atom];
   BIP_ASSERT(!is_at_work(atom), "atom {} is at work already", atom);
   if (!core_.atom_steps.move_tokens(atom, transition)) return false;
+  core_.clocks.show_clocks(atom);
   const i64 until =
       async.budget < 0 || async.budget >= kForever - core_.clocks.now() ? kForever : core_.clocks.now() + async.budget;
   BIP_ASSERT(until >= core_.clocks.now(), "a budget that ended at {}", until);

@@ -60,6 +60,7 @@ inline bool AtomSteps::move(u32 atom, const LinkedTransition& transition) {
   if (transition.to != kNone) core_.memory.places[atom] = transition.to;
   else if (!move_tokens(atom, transition)) return false;
   if (transition.action.fn != nullptr) {
+    if (core_.clocks.is_timed()) core_.clocks.show_clocks(atom);
     const std::int32_t status = transition.action.fn(
         transition.action.context, core_.memory.cells.data() + state.first_cell, core_.memory.cells.data(), nullptr);
     if (status >= 2) return core_.faults.fail_code(status, atom, kNone, transition.source);

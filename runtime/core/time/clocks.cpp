@@ -5,8 +5,10 @@
 #include <cmath>
 
 #include "bip/assert.hpp"
+#include "bip/prng.hpp"
 #include "runtime/core/state/flip.hpp"
 #include "runtime/core/text.hpp"
+#include "runtime/core/time/draw_instant.hpp"
 #include "runtime/core/time/time_text.hpp"
 
 namespace bip::rt {
@@ -29,6 +31,12 @@ bool to_ticks(double value, i64 unit, i64& ticks) {
   return true;
 }
 
+// A tick ago; of a clock that was set or restored at this instant, if it ran before.
+Int128 value_before(const ClockState& clock, i64 now) {
+  if (clock.since < now) return clock.value + run_for(clock.speed, now - 1 - clock.since);
+  return static_cast<Int128>(clock.value) - std::max<i64>(clock.speed >> 32, clock.speed > 0 ? 1 : 0);
+}
+
 // May what it offers later be said now? Not if C++ is asked: it may answer otherwise next time.
 bool is_foreseeable(const AtomType& type, const Image& image) {
   if (type.time->events.size != 0 || type.priorities.size != 0) return false;
@@ -47,9 +55,9 @@ TypeTime time_of_type(const AtomType& type, const Image& image) {
   TypeTime out;
   out.time = type.time;
   if (type.time == nullptr) return out;
-  out.has_resume = type.time->initial.present;
-  for (const TransitionTime& transition : type.time->transitions) out.has_resume |= transition.resume.present;
+  out.has_resume = has_resume(*type.time);
   for (const TimeGuard& invariant : type.time->invariants) out.has_limits |= invariant.bounds.size != 0;
+  for (const Clock& clock : type.time->clocks) out.has_reads |= clock.is_read;
   out.is_foreseeable = is_foreseeable(type, image);
   return out;
 }
@@ -69,6 +77,11 @@ bool may_open_eagerly(const Image& image) {
 }
 
 }  // namespace
+
+bool has_resume(const AtomTime& time) {
+  return time.initial.present || std::any_of(time.transitions.begin(), time.transitions.end(),
+                                             [](const TransitionTime& t) { return t.resume.present; });
+}
 
 bool has_time(const Image& image) {
   for (const Atom& atom : image.atoms) {
@@ -104,6 +117,7 @@ void Clocks::reset() {
   BIP_ASSERT(is_timed_ && clock_base_.size() == core_.atoms.size + std::size_t{1}, "{} atoms have clocks",
              clock_base_.size());
   now_ = 0;
+  resumes_drawn_ = 0;
   clocks_.assign(clock_base_.back(), {});
   busy_until_.assign(core_.atoms.size, 0);
   may_resume_until_.assign(core_.atoms.size, kForever);
@@ -137,6 +151,17 @@ void Clocks::start_clocks(u32 atom) {
   for (const Clock& clock : time->clocks) self[clock.variable + 2].f = 1.0;
 }
 
+void Clocks::show_clocks(u32 atom) {
+  if (!types_[core_.atoms[atom].type].has_reads) return;
+  const AtomTime* time = types_[core_.atoms[atom].type].time;
+  Cell* self = core_.memory.cells.data() + core_.atoms[atom].first_cell;
+  for (u32 row = 0; row < time->clocks.size; ++row) {
+    const Clock& clock = time->clocks[row];
+    if (clock.is_read)
+      self[clock.variable].f = static_cast<double>(clock_value(atom, row)) / static_cast<double>(clock.unit);
+  }
+}
+
 // Takes what an action said of the clocks out of the hidden variables.
 bool Clocks::read_clocks(u32 atom, const Transition* fired) {
   const AtomTime* time = types_[core_.atoms[atom].type].time;
@@ -157,7 +182,11 @@ bool Clocks::read_clocks(u32 atom, const Transition* fired) {
       state = {static_cast<i64>(value), now_, std::llround(speed * static_cast<double>(kUnitSpeed))};
       self[clock.variable + 2].f = static_cast<double>(state.speed) / static_cast<double>(kUnitSpeed);
     }
-    if (self[clock.variable + 1].i == 0) continue;
+    if (self[clock.variable + 1].i == 0) {
+      // What the action read belongs to no state.
+      if (clock.is_read) self[clock.variable] = Cell{0};
+      continue;
+    }
     const double value = self[clock.variable].f;
     self[clock.variable] = self[clock.variable + 1] = Cell{0};
     set_clocks_.push_back(clock_base_[atom] + row);
@@ -216,13 +245,14 @@ bool Clocks::interval_of(u32 atom, const TimeGuard& when, Interval& out) {
       }
       continue;
     }
-    Int128 value = clock_value(atom, bound.clock);
+    Int128 value = clock_value(atom, bound.clock), before = value_before(clock, now);
     i64 speed = clock.speed;
     if (bound.minus != kNone) {
       value -= clock_value(atom, bound.minus);
+      before -= value_before(states[bound.minus], now);
       speed -= states[bound.minus].speed;
     }
-    out.meet(instants_of(now, value, speed, bound.op, limit));
+    out.meet(instants_of(now, value, before, speed, bound.op, limit));
   }
   return true;
 }
@@ -252,14 +282,36 @@ bool Clocks::begin_resume(u32 atom, const LinkedTransition* fired) {
   if (!resume.present) return true;
   Interval interval;
   if (!resume_interval(atom, resume, interval)) return false;
-  busy_until_[atom] = waits_for_resume_at_ || interval.empty() ? kForever : interval.low;
+  const bool is_drawn = draws_resumes_ && !resumes_together_ && !interval.empty();
+  busy_until_[atom] = waits_for_resume_at_ || interval.empty() ? kForever
+                      : is_drawn                               ? draw_resume(interval.low, interval.high)
+                                                               : interval.low;
   may_resume_until_[atom] = interval.high;
   resuming_.push_back(atom);
   BIP_ASSERT(busy_until_[atom] >= now_, "atom {} was busy until {}", atom, busy_until_[atom]);
   return true;
 }
 
-// The ports of one interaction go on together, at the first instant at which all may; without one, never.
+void Clocks::draw_resumes(u64 seed) {
+  draws_resumes_ = std::any_of(types_.begin(), types_.end(), [](const TypeTime& type) { return type.has_resume; });
+  resume_seed_ = seed;
+  resumes_drawn_ = 0;
+}
+
+// Each draw has a generator of its own: what the state has to keep is a number.
+i64 Clocks::draw_resume(i64 first, i64 last) {
+  if (first == last) return first;
+  constexpr u64 kOdd = 0x9fb21c651e98df25u;
+  Prng prng(~resume_seed_ ^ ++resumes_drawn_ * kOdd);
+  return draw_instant(prng, first, last, unit_);
+}
+
+bool Clocks::has_initial_resume() const {
+  return std::any_of(types_.begin(), types_.end(),
+                     [](const TypeTime& type) { return type.time != nullptr && type.time->initial.present; });
+}
+
+// The ports of one interaction go on together, at an instant at which all may; without one, never.
 bool Clocks::resume_together(std::vector<u32>& rows) {
   i64 until = 0, last = kForever;
   // Who is at work goes on by itself.
@@ -274,6 +326,7 @@ bool Clocks::resume_together(std::vector<u32>& rows) {
     return std::find(resuming_.begin(), resuming_.end(), atom) != resuming_.end();
   };
   if (std::none_of(rows.begin(), rows.end(), is_listed)) return true;
+  if (draws_resumes_ && until < last) until = draw_resume(until, last);
   for (const u32 atom : rows) {
     // Who has no `resume` itself goes on with the others.
     if (!is_listed(atom)) resuming_.push_back(atom);
@@ -344,6 +397,7 @@ void Clocks::save(std::vector<i64>& out) const {
   }
   core_.actions.save(out);
   core_.events.save(out);
+  if (draws_resumes_) out.push_back(static_cast<i64>(resumes_drawn_));
 }
 
 void Clocks::load(const std::vector<i64>& in) {
@@ -360,7 +414,10 @@ void Clocks::load(const std::vector<i64>& in) {
     busy_until_[atom] = *next++;
   }
   next = core_.events.load(core_.actions.load(next));
-  BIP_ASSERT(next == in.data() + in.size(), "a state of {} words of another image", in.size());
+  // A state of a run that draws, or of one that does not.
+  const bool is_counted = next != in.data() + in.size();
+  if (draws_resumes_ && is_counted) resumes_drawn_ = static_cast<u64>(*next);
+  BIP_ASSERT(next + (is_counted ? 1 : 0) == in.data() + in.size(), "a state of {} words of another image", in.size());
 }
 
 // A timed atom's ports at this instant, and what is next.
@@ -533,7 +590,10 @@ bool Clocks::take(EnabledSet::Position at) {
     if (is_sync && types_[core_.atoms[participant.atom].type].time != nullptr) together.push_back(participant.atom);
     if (!begin_timed(core_.tables.instance(participant.atom, participant.port))) return false;
   }
-  if (!core_.firing.fire(chosen)) return false;
+  resumes_together_ = together.size() >= 2;
+  const bool is_fired = core_.firing.fire(chosen);
+  resumes_together_ = false;
+  if (!is_fired) return false;
   if (together.size() < 2) return true;
   if (!resume_together(together)) return false;
   return core_.is_settled() || core_.settle();

@@ -25,6 +25,8 @@ namespace bip::rt {
 
 struct CoreParts;
 
+/// Has a transition of the type, or its `initial`, a `resume`?
+[[nodiscard]] bool has_resume(const AtomTime& time);
 /// Has an atom to do with time?
 [[nodiscard]] bool has_time(const Image& image);
 
@@ -45,6 +47,7 @@ struct TypeTime {
   const AtomTime* time = nullptr;  // null: it has nothing to do with time
   bool has_resume = false;
   bool has_limits = false;  // invariants that bound clocks
+  bool has_reads = false;   // actions that read clocks
   // While clocks run at speed 1, what an atom offers later follows from what it was when it last moved.
   bool is_foreseeable = false;
 };
@@ -116,6 +119,8 @@ class Clocks {
   // ---- for the other parts of the core
   /// Before `initial`: clocks run at speed 1.
   void start_clocks(u32 atom);
+  /// Before an action: puts the values of clocks that actions read into their hidden variables.
+  void show_clocks(u32 atom);
   /// Takes what an action said of the clocks out of the hidden variables. False: a fault.
   bool read_clocks(u32 atom, const Transition* fired);
   /// Evaluates the limits that are no constants into their hidden variables. False: a fault.
@@ -128,6 +133,13 @@ class Clocks {
   /// From now on a busy atom goes on when resume_at() says so, and not at the first instant at which its `resume`
   /// holds.
   void wait_for_resume_at() { waits_for_resume_at_ = true; }
+  /// From now on an atom resumes at a random instant of those at which its `resume` holds: uniform, or exponential
+  /// with unit() as mean if there is no last one. Draws depend on the seed and on how many there were, which is part
+  /// of the state. No effect without `resume`.
+  void draw_resumes(u64 seed);
+  [[nodiscard]] bool draws_resumes() const { return draws_resumes_; }
+  /// Has an `initial` a `resume`?
+  [[nodiscard]] bool has_initial_resume() const;
   /// Atoms that `resume` made busy in the last step that take() fired.
   [[nodiscard]] const std::vector<u32>& resuming() const { return resuming_; }
   /// A busy atom goes on at this instant (kForever: never), whatever its `resume` says. False: a fault.
@@ -148,7 +160,7 @@ class Clocks {
   [[nodiscard]] i64 busy_until(u32 atom) const { return busy_until_[atom]; }
   void set_busy_until(u32 atom, i64 instant) { busy_until_[atom] = instant; }
   /// Appends now; of each clock its value and speed; of each atom the instant until which it is busy; then what actions
-  /// and events add. Reads the same.
+  /// and events add, and how many instants were drawn if draws_resumes(). Reads the same.
   void save(std::vector<i64>& out) const;
   void load(const std::vector<i64>& in);
   /// Are the tournaments in order, and is no atom's next change in the past? O(atoms).
@@ -165,6 +177,7 @@ class Clocks {
   bool look_at_invariants(u32 atom);
   void enable_coming(u32 atom);
   bool begin_timed(u32 instance);
+  i64 draw_resume(i64 first, i64 last);
   void describe_open_bound();
   bool fail_clock(u32 atom, const Clock& clock, const Transition* fired, const char* what, double value);
 
@@ -182,6 +195,9 @@ class Clocks {
   std::vector<PortTime> ports_;        // by port instance
   std::vector<Coming> coming_;         // by atom, at the instant that `changes_` says
   bool waits_for_resume_at_ = false;
+  bool draws_resumes_ = false;
+  bool resumes_together_ = false;  // in the step that is under way: its participants get one instant
+  u64 resume_seed_ = 0, resumes_drawn_ = 0;
   std::vector<u32> set_clocks_, resuming_;
   // Functions of the rest, brought up to date when an atom is looked at.
   TimeHeap changes_;  // by atom: the next instant at which its ports may change

@@ -79,8 +79,8 @@ inline Interval at_most(i64 now, Int128 missing, i64 speed) {
 }  // namespace interval
 
 /// The instants from `now` on at which a clock of this value and speed (signed: of a difference) compares so with the
-/// limit.
-[[nodiscard]] inline Interval instants_of(i64 now, Int128 value, i64 speed, BoundOp op, i64 limit) {
+/// limit. before: the value a tick ago, which says whether a strict bound begins at this very instant.
+[[nodiscard]] inline Interval instants_of(i64 now, Int128 value, Int128 before, i64 speed, BoundOp op, i64 limit) {
   const Int128 missing = static_cast<Int128>(limit) - value;
   Interval all{now, kForever, false, false};
   if (op == BoundOp::Eq || op == BoundOp::Ge || op == BoundOp::Gt) {
@@ -88,7 +88,7 @@ inline Interval at_most(i64 now, Int128 missing, i64 speed) {
     Interval part = interval::at_least(now, missing + (is_strict ? 1 : 0), speed);
     if (part.empty()) return part;
     // Also if it begins this very instant: a tick ago the clock was not there.
-    part.low_open = is_strict && (part.low > now || value - std::max<i64>(speed >> 32, 1) <= limit);
+    part.low_open = is_strict && (part.low > now || before <= limit);
     part.high_open = is_strict && part.high != kForever;
     all.meet(part);
   }
@@ -96,7 +96,7 @@ inline Interval at_most(i64 now, Int128 missing, i64 speed) {
     const bool is_strict = op == BoundOp::Lt;
     Interval part = interval::at_most(now, missing - (is_strict ? 1 : 0), speed);
     if (part.empty()) return part;
-    part.low_open = is_strict && (part.low > now || (speed < 0 && value + std::max<i64>(-(speed >> 32), 1) >= limit));
+    part.low_open = is_strict && (part.low > now || before >= limit);
     part.high_open = is_strict && part.high != kForever;
     all.meet(part);
   }

@@ -28,6 +28,12 @@ class CallNote {
   const char* before_;
 };
 
+/// The value of a clock, for an `int` parameter: towards 0, and no further than an `int` goes.
+inline std::int32_t whole_units(double value) {
+  if (value >= 2147483647.0) return 2147483647;
+  return value <= -2147483648.0 ? -2147483647 - 1 : static_cast<std::int32_t>(value);
+}
+
 namespace crash {
 
 /// Called before a signal ends the process, in the handler. May be null.

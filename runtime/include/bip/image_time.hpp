@@ -14,6 +14,7 @@ struct Clock {
   std::int64_t unit;       // ticks
   std::uint32_t variable;  // float: what it is set to; the next, bool: that it is; the one after, float: its speed
   SourceLine loc;
+  bool is_read = false;  // an action reads `variable`: it holds the clock's value while the action runs
 };
 enum class BoundOp : std::uint8_t { Lt, Le, Gt, Ge, Eq };
 /// clock - minus op limit

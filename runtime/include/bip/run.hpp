@@ -49,9 +49,10 @@ struct RunOptions {
   std::string checkpoint_path;             // the last one, a file
   std::string resume_path;                 // the run goes on where this checkpoint was taken; empty: it begins
   // Models with time. Without `speed` time is logical: nothing sleeps.
-  bool asap = false;     // each step at the first instant at which one is possible
-  double speed = 0;      // model seconds a second of the wall clock
-  bool relaxed = false;  // a step that starts too late is a warning
+  bool asap = false;          // each step at the first instant at which one is possible
+  bool draws_resumes = true;  // of busy atoms, where instants are planned; false: the replay of a run that did not
+  double speed = 0;           // model seconds a second of the wall clock
+  bool relaxed = false;       // a step that starts too late is a warning
   int real_time_priority =
       0;  // in real time: SCHED_FIFO's, 1 to 99, and locked memory, if the system allows; 0: as usual
   // Events from outside, JSON lines. Without a file they come from the model's C++ classes.

@@ -4,7 +4,9 @@
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
+#include <vector>
 
 #include "compiler/pipeline/pipeline.hpp"
 #include "compiler/interp/interp.hpp"
@@ -234,6 +236,9 @@ TEST_CASE("a snapshot holds the time") {
   rt::Core core(c.lowered->image);
   rt::TimedScheduler scheduler(rt::Policy::Uniform, false, 9);
   rt::EventFeed feed(core);
+  // The state also holds how many instants of resuming were drawn.
+  scheduler.prepare(core);
+  REQUIRE(core.time().draws_resumes());
   REQUIRE(core.initialize());
   scheduler.start(core);
   const auto run = [&](int steps) {
@@ -255,4 +260,64 @@ TEST_CASE("a snapshot holds the time") {
   core.set_list_order(order);
   scheduler = then;
   CHECK(run(12) == first);
+}
+
+TEST_CASE("each instant at which a busy atom may resume is as likely") {
+  pipeline::Compilation c(pipeline::CompileOptions{});
+  c.open_texts["m.bip"] =
+      "package m\n  port type S()\n  connector type C(S a)\n    define a\n  end\n  connector type D(S a, S b)\n    "
+      "define a "
+      "b resume sync\n  end\n  atom type A(int least, int most)\n    clock x unit nanosecond\n    export port S p(), "
+      "q()\n "
+      "   place P, Q\n    initial to P\n    on p from P to Q do { x = 0; } resume (x >= least && x <= most)\n    on q "
+      "from Q "
+      "to P eager\n  end\n  atom type B()\n    clock x unit nanosecond\n    export port S p(), q()\n    place P, Q\n   "
+      " "
+      "initial to P\n    on p from P to Q do { x = 0; } resume (x >= 2)\n    on q from Q to P eager\n  end\n  compound "
+      "type "
+      "R()\n    component A a(2, 6), b(0, 4), c(3, 9)\n    component B d()\n    connector C pa(a.p), qa(a.q), pd(d.p), "
+      "qd(d.q), qb(b.q), qc(c.q)\n    connector D both(b.p, c.p)\n  end\nend\n";
+  REQUIRE(pipeline::compile(c, "m.bip", pipeline::Stage::Image));
+  const interp::Interpreter interpreter(*c.lowered);
+  rt::Core core(c.lowered->image);
+  rt::TimedScheduler scheduler(rt::Policy::Uniform, false, 5);
+  rt::EventFeed feed(core);
+  scheduler.prepare(core);
+  REQUIRE(core.initialize());
+  scheduler.start(core);
+  std::vector<int> alone(10), together(10);
+  double waited = 0;
+  int waits = 0;
+  for (int k = 0; k < 40'000; ++k) {
+    REQUIRE(scheduler.wait(core, feed) == rt::Due::Step);
+    REQUIRE(core.time().take(scheduler.choice()));
+    const std::vector<rt::u32>& resuming = core.time().resuming();
+    for (const rt::u32 atom : resuming) {
+      const std::int64_t length = core.time().busy_until(atom) - core.now();
+      if (atom == 0) ++alone.at(static_cast<std::size_t>(length));
+      if (atom == 1) ++together.at(static_cast<std::size_t>(length));
+      if (atom == 3) waited += static_cast<double>(length), ++waits;
+    }
+    // One instant for both.
+    if (resuming.size() == 2) CHECK(core.time().busy_until(1) == core.time().busy_until(2));
+  }
+  const auto is_even = [](const std::vector<int>& counts, std::size_t first, std::size_t last) {
+    int all = 0, least = counts[first], most = counts[first];
+    for (std::size_t k = 0; k < counts.size(); ++k) {
+      if (k < first || k > last) {
+        if (counts[k] != 0) return false;
+        continue;
+      }
+      all += counts[k];
+      least = std::min(least, counts[k]);
+      most = std::max(most, counts[k]);
+    }
+    return all > 1000 && most - least < all / 10;
+  };
+  CHECK(is_even(alone, 2, 6));
+  CHECK(is_even(together, 3, 4));
+  // Past the first instant exponential, with the unit as mean: whole ns, so 2 + a geometric number.
+  CHECK(waits > 1000);
+  CHECK(waited / waits > 2.3);
+  CHECK(waited / waits < 2.9);
 }

@@ -22,6 +22,9 @@ bool compares(Int128 value, BoundOp op, i64 limit) {
   return false;
 }
 
+// What a clock of this speed gains in one tick, to the nearest one.
+Int128 speed_before(i64 speed) { return run_for(speed, 1); }
+
 }  // namespace
 
 TEST_CASE("a bound holds at the instants of its interval and at no other") {
@@ -36,7 +39,7 @@ TEST_CASE("a bound holds at the instants of its interval and at no other") {
         kUnitSpeed, 0, kUnitSpeed / 2, kUnitSpeed * 3, -kUnitSpeed, -kUnitSpeed / 2, kUnitSpeed / 3, -kUnitSpeed * 2};
     const i64 speed = speeds[random.below(8)];
     const auto op = static_cast<BoundOp>(random.below(5));
-    const Interval found = instants_of(now, value, speed, op, limit);
+    const Interval found = instants_of(now, value, value - speed_before(speed), speed, op, limit);
     empty += found.empty() ? 1 : 0;
     bounded += !found.empty() && found.high != kForever ? 1 : 0;
     for (i64 t = now; t < now + 200; ++t) {
@@ -58,7 +61,7 @@ TEST_CASE("a clock at speed 1 needs no division") {
     const i64 now = static_cast<i64>(random.below(20)), value = static_cast<i64>(random.below(20)) - 5,
               limit = static_cast<i64>(random.below(40)) - 10;
     const auto op = static_cast<BoundOp>(random.below(5));
-    const Interval one = instants_of(now, value, kUnitSpeed, op, limit),
+    const Interval one = instants_of(now, value, value - 1, kUnitSpeed, op, limit),
                    other = instants_around(now, now + limit - value, op);
     REQUIRE(one.empty() == other.empty());
     if (one.empty()) continue;
@@ -68,11 +71,32 @@ TEST_CASE("a clock at speed 1 needs no division") {
 }
 
 TEST_CASE("the ends of time are no instants") {
-  CHECK(instants_of(0, 0, 1, BoundOp::Ge, kMaxTicks).empty());
-  CHECK(instants_of(0, 0, 1, BoundOp::Le, kMaxTicks).high == kForever);
-  CHECK(instants_of(kMaxTicks, kMaxTicks, kUnitSpeed, BoundOp::Ge, -kMaxTicks).low == kMaxTicks);
-  CHECK(instants_of(5, 0, kUnitSpeed, BoundOp::Gt, 10).low_open);
-  CHECK(instants_of(5, 0, kUnitSpeed, BoundOp::Gt, 10).low == 16);
+  CHECK(instants_of(0, 0, 0, 1, BoundOp::Ge, kMaxTicks).empty());
+  CHECK(instants_of(0, 0, 0, 1, BoundOp::Le, kMaxTicks).high == kForever);
+  CHECK(instants_of(kMaxTicks, kMaxTicks, kMaxTicks - 1, kUnitSpeed, BoundOp::Ge, -kMaxTicks).low == kMaxTicks);
+  CHECK(instants_of(5, 0, -1, kUnitSpeed, BoundOp::Gt, 10).low_open);
+  CHECK(instants_of(5, 0, -1, kUnitSpeed, BoundOp::Gt, 10).low == 16);
+}
+
+TEST_CASE("a strict bound begins at an instant if it did not hold a tick ago") {
+  for (const i64 speed : {i64{0}, kUnitSpeed, -kUnitSpeed, kUnitSpeed / 2}) {
+    for (i64 limit = -8; limit <= 8; ++limit) {
+      for (i64 value = -8; value <= 8; ++value) {
+        for (i64 passed = 1; passed < 4; ++passed) {
+          // The clock was set `passed` ticks ago.
+          const Int128 now_value = value + run_for(speed, passed), before = value + run_for(speed, passed - 1);
+          for (const BoundOp op : {BoundOp::Gt, BoundOp::Lt}) {
+            const Interval found = instants_of(passed, now_value, before, speed, op, limit);
+            if (found.empty() || found.low != passed) continue;
+            CHECK(found.low_open == !compares(before, op, limit));
+          }
+        }
+      }
+    }
+  }
+  // A difference that does not change began long ago, also one tick above its limit.
+  CHECK_FALSE(instants_of(9, 6, 6, 0, BoundOp::Gt, 5).low_open);
+  CHECK_FALSE(instants_of(9, 4, 4, 0, BoundOp::Lt, 5).low_open);
 }
 
 TEST_CASE("the heap knows the smallest key") {
