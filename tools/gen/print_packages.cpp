@@ -96,7 +96,7 @@ std::vector<std::string> print_packages(const Description& model) {
     std::string text = texts.empty() && needs_header ? "@cpp(include=\"random_ffi.hpp\")\n" : "";
     text += "package " + package.name + "\n";
     for (const std::string& use : package.uses) text += "  use " + use + "\n";
-    if (model.draws) text += "  use std.chance\n";
+    if (model.draws) text += "  use std.chance\n\n";
     texts.push_back(text + resolved(package.body, package.name, home, model.qualified) + "end\n");
   }
   return texts;
