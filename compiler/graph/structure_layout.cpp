@@ -26,7 +26,7 @@ class ChannelLayout {
   ChannelLayout(const Scene& scene, std::vector<PlacedBox>& placed, u32 box)
       : boxes_(scene.boxes), placed_(placed), box_(scene.boxes[box]), self_(placed[box]) {
     self_.nets.resize(box_.nets.size());
-    self_.slots.resize(box_.ports.size());
+    self_.tabs.resize(box_.ports.size());
     members_ = members_of_nets(box_);
   }
 
@@ -189,8 +189,8 @@ class ChannelLayout {
     }
     for (const u32 child : box_.children) {
       if (boxes_[child].kind == BoxKind::Compound) continue;
-      std::vector<PortSlot>& slots = placed_[child].slots;
-      std::vector<u32> order(slots.size());
+      std::vector<PortTab>& tabs = placed_[child].tabs;
+      std::vector<u32> order(tabs.size());
       std::iota(order.begin(), order.end(), 0u);
       const auto wish = [&](u32 port) {
         const auto found = pulls.find({child, port});
@@ -198,11 +198,11 @@ class ChannelLayout {
       };
       std::stable_sort(order.begin(), order.end(), [&](u32 a, u32 b) { return wish(a) < wish(b); });
       double width = 0;
-      for (const PortSlot& slot : slots) width += slot.width;
+      for (const PortTab& tab : tabs) width += tab.width;
       double x = std::floor((placed_[child].width - width) / 2 / kGrid) * kGrid;
       for (const u32 port : order) {
-        slots[port].x = x;
-        x += slots[port].width;
+        tabs[port].x = x;
+        x += tabs[port].width;
       }
     }
   }
@@ -216,12 +216,12 @@ class ChannelLayout {
       const bool is_open = boxes_[child].kind == BoxKind::Compound;
       std::stable_sort(list.begin(), list.end(),
                        [&, of = child](u32 a, u32 b) { return pull(stems_[a].net, of) < pull(stems_[b].net, of); });
-      // An open box's slot begins at the line inside of it; others have their stems in the middle.
+      // An open box's tab begins at the line inside of it; others have their stems in the middle.
       const double first =
-          is_open ? box.slots[port].x
-                  : std::round((box.slots[port].x +
-                                (box.slots[port].width - kGrid * static_cast<double>(list.size() - 1)) / 2) /
-                               kGrid) *
+          is_open ? box.tabs[port].x
+                  : std::round(
+                        (box.tabs[port].x + (box.tabs[port].width - kGrid * static_cast<double>(list.size() - 1)) / 2) /
+                        kGrid) *
                         kGrid;
       for (u32 k = 0; k < list.size(); ++k) stems_[list[k]].x = box.x + first + kGrid * k;
     }
@@ -323,15 +323,15 @@ class ChannelLayout {
     exit_x_.assign(box_.nets.size(), 0);
     double x = on_grid(title);
     for (const u32 port : order) {
-      PortSlot& slot = self_.slots[port];
+      PortTab& tab = self_.tabs[port];
       x = std::max(x, std::round(wish[port] / kGrid) * kGrid);
       double at = x;
       for (const Stem& stem : stems_) {
         const bool meets = stem.x == at && channel_of(row_of_[stem.child]) == 0;
         if (meets && std::find(nets[port].begin(), nets[port].end(), stem.net) == nets[port].end()) at += kGrid / 2;
       }
-      slot.x = at;
-      x = on_grid(x + slot.width);
+      tab.x = at;
+      x = on_grid(x + tab.width);
       right_ = std::max(right_, x);
       for (const u32 net : nets[port]) {
         exit_x_[net] = at;
@@ -534,22 +534,22 @@ class ChannelLayout {
 };
 
 /// Width of a port's room on a closed box: its name, and its lines.
-void size_slots(const SceneBox& box, const std::vector<u32>& stems, PlacedBox& placed) {
-  placed.slots.resize(box.ports.size());
+void size_tabs(const SceneBox& box, const std::vector<u32>& stems, PlacedBox& placed) {
+  placed.tabs.resize(box.ports.size());
   for (std::size_t p = 0; p < box.ports.size(); ++p) {
     const double lines = kGrid * static_cast<double>(std::max(stems[p], 1u)) + kGrid;
     const double extra = box.kind == BoxKind::Compound ? 12 : 8;
-    placed.slots[p].width = on_grid(std::max(text_width(box.ports[p].name, kPortSize) + extra, lines));
+    placed.tabs[p].width = on_grid(std::max(text_width(box.ports[p].name, kPortSize) + extra, lines));
   }
 }
 
 void size_closed(const SceneBox& box, PlacedBox& placed) {
-  double slots = 0;
-  for (const PortSlot& slot : placed.slots) slots += slot.width;
+  double tabs = 0;
+  for (const PortTab& tab : placed.tabs) tabs += tab.width;
   const double text = std::max(text_width(box.name, kTitleSize, Weight::Bold), text_width(box.type, kTypeSize));
-  placed.width = on_grid(std::max(text + 2 * kGrid, slots + 2 * kGrid));
+  placed.width = on_grid(std::max(text + 2 * kGrid, tabs + 2 * kGrid));
   // The ports are in the middle, on the grid.
-  if (std::fmod(placed.width - slots, 2 * kGrid) != 0) placed.width += kGrid;
+  if (std::fmod(placed.width - tabs, 2 * kGrid) != 0) placed.width += kGrid;
   placed.height = (box.ports.empty() ? kGrid : kTabHeight + kGrid / 2) + 36;
 }
 
@@ -561,9 +561,9 @@ void size_closed(const SceneBox& box, PlacedBox& placed) {
     return inner.x >= 0 && inner.y >= 0 && inner.x + inner.width <= outer.width &&
            inner.y + inner.height <= outer.height;
   };
-  const auto is_on_edge = [&](const PortSlot& slot) { return slot.x >= 0 && slot.x + slot.width <= outer.width; };
+  const auto is_on_edge = [&](const PortTab& tab) { return tab.x >= 0 && tab.x + tab.width <= outer.width; };
   return std::all_of(scene.boxes[box].children.begin(), scene.boxes[box].children.end(), is_inside) &&
-         std::all_of(outer.slots.begin(), outer.slots.end(), is_on_edge);
+         std::all_of(outer.tabs.begin(), outer.tabs.end(), is_on_edge);
 }
 
 }  // namespace
@@ -577,7 +577,7 @@ std::vector<PlacedBox> lay_out(const Scene& scene) {
       for (const SceneEnd& end : net.ends)
         if (end.net == kNoRow) ++stems[end.box][end.port];
   for (std::size_t k = scene.boxes.size(); k-- > 0;) {
-    size_slots(scene.boxes[k], stems[k], placed[k]);
+    size_tabs(scene.boxes[k], stems[k], placed[k]);
     if (scene.boxes[k].kind == BoxKind::Compound) ChannelLayout(scene, placed, static_cast<u32>(k)).run();
     else size_closed(scene.boxes[k], placed[k]);
     BIP_ASSERT(holds_children(scene, placed, k), "something of box {} is outside of it", k);

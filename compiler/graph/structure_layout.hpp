@@ -21,7 +21,7 @@ inline constexpr double kTitleSize = 12, kTypeSize = 11, kPortSize = 10, kNameSi
 inline constexpr double kTabHeight = 15;
 
 /// A port's room on its box, from the box's left edge.
-struct PortSlot {
+struct PortTab {
   double x = 0, width = 0;
 };
 struct LinePart {
@@ -44,7 +44,7 @@ struct PlacedBox {
   double width = 0, height = 0;
   double x = 0, y = 0;  // in the box around it
   bool is_flipped = false;
-  std::vector<PortSlot> slots;  // by port
+  std::vector<PortTab> tabs;  // by port
   std::vector<PlacedNet> nets;
   double notes = 0;  // y of the first note's room
 };

@@ -77,7 +77,7 @@ class StructureDrawing {
     const double baseline = frame.top(3, 16) + 12;
     shapes_.heading({frame.x + 10, baseline}, box.name, ": " + box.type, kTitleSize);
     for (std::size_t p = 0; p < box.ports.size(); ++p) {
-      const Point at = frame.point({placed.slots[p].x, 0});
+      const Point at = frame.point({placed.tabs[p].x, 0});
       shapes_.box(at.x - kSign, frame.top(0, 2 * kSign), 2 * kSign, 2 * kSign, 1, "exit");
       shapes_.text({at.x + 6, frame.top(4, 12) + 10}, box.ports[p].name, kPortSize, Align::Left, "dim");
     }
@@ -98,10 +98,10 @@ class StructureDrawing {
                     "behind " + colour);
     shapes_.box(frame.x, frame.y, placed.width, placed.height, 5, "frame " + colour);
     for (std::size_t p = 0; p < box.ports.size(); ++p) {
-      const PortSlot& slot = placed.slots[p];
+      const PortTab& tab = placed.tabs[p];
       const double top = frame.top(0, kTabHeight);
-      shapes_.box(frame.x + slot.x + 1, top, slot.width - 2, kTabHeight, 3, "tab " + colour);
-      shapes_.text({frame.x + slot.x + slot.width / 2, top + 11}, box.ports[p].name, kPortSize, Align::Middle, "");
+      shapes_.box(frame.x + tab.x + 1, top, tab.width - 2, kTabHeight, 3, "tab " + colour);
+      shapes_.text({frame.x + tab.x + tab.width / 2, top + 11}, box.ports[p].name, kPortSize, Align::Middle, "");
     }
     const double inner = box.ports.empty() ? 4 : kTabHeight + 4, middle = frame.x + placed.width / 2;
     const double top = frame.top(inner, placed.height - inner);

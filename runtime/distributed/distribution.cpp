@@ -114,11 +114,11 @@ static ConflictSets conflict_sets(const Tables& tables, const PartialState& part
 
   ConflictSets result;
   for (u32 atom = 0; atom < atom_count; ++atom) {
-    result.first_slot.push_back(static_cast<u32>(result.set_at.size()));
+    result.first_place.push_back(static_cast<u32>(result.set_at.size()));
     const bool is_automaton = tables.types[tables.atoms[atom].type].mark_words == 0;
     result.set_at.resize(result.set_at.size() + (is_automaton ? tables.atom_type(atom).places.size : 1), kNone);
   }
-  result.first_slot.push_back(static_cast<u32>(result.set_at.size()));
+  result.first_place.push_back(static_cast<u32>(result.set_at.size()));
 
   // An atom that is looked at is moved by one set, whatever is known of it.
   result.by_situation.assign(atom_count, 0);
@@ -140,7 +140,8 @@ static ConflictSets conflict_sets(const Tables& tables, const PartialState& part
       const LinkedType& type = tables.types[tables.atoms[atom].type];
       for (u32 row = type.first_transition; row < type.first_transition + type.transition_count; ++row) {
         if (tables.transitions[row].port != port - tables.port_base(atom)) continue;
-        u32& there = result.set_at[result.first_slot[atom] + (type.mark_words == 0 ? tables.transitions[row].from : 0)];
+        u32& there =
+            result.set_at[result.first_place[atom] + (type.mark_words == 0 ? tables.transitions[row].from : 0)];
         if (there == kNone) there = interaction;
         else sets.join(there, interaction);
       }
@@ -188,7 +189,7 @@ static ConflictSets conflict_sets(const Tables& tables, const PartialState& part
     if (is_looked_at[atom] == 0) continue;
     const u32 set = number[sets.find(interaction_count + atom)];
     BIP_ASSERT(set != kNone, "no interaction depends on atom {}, which is looked at", atom);
-    std::fill(result.set_at.begin() + result.first_slot[atom], result.set_at.begin() + result.first_slot[atom + 1],
+    std::fill(result.set_at.begin() + result.first_place[atom], result.set_at.begin() + result.first_place[atom + 1],
               set);
     atoms.push_back({set, atom});
   }

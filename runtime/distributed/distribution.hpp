@@ -58,10 +58,10 @@ struct Placement {
 struct ConflictSets {
   u32 count = 0;
   std::vector<u32> of_interaction;
-  Csr interactions;             // by set
-  Csr atoms;                    // by set: those that take part or are looked at, sorted
-  std::vector<u32> first_slot;  // by atom: row of its first place in set_at; and one more
-  std::vector<u32> set_at;      // by atom and place (of Petri types: one for all): the set it is offered to, or kNone
+  Csr interactions;              // by set
+  Csr atoms;                     // by set: those that take part or are looked at, sorted
+  std::vector<u32> first_place;  // by atom: row of its first place in set_at; and one more
+  std::vector<u32> set_at;       // by atom and place (of Petri types: one for all): the set it is offered to, or kNone
   /// Of atoms with next moves: the set of what an enabled port leads to.
   struct Situation {
     u32 atom = 0, place = 0, history = kNone, port = 0, set = kNone;
@@ -69,7 +69,7 @@ struct ConflictSets {
   std::vector<Situation> situations;        // sorted by atom, place, history, port
   std::vector<std::uint8_t> by_situation;   // by atom: not 0 if set_at does not tell its set
   std::vector<std::uint8_t> is_told_apart;  // by port instance: its connector becomes the atom's history
-  [[nodiscard]] u32 set_of(u32 atom, u32 place) const { return set_at[slot_of(atom, place)]; }
+  [[nodiscard]] u32 set_of(u32 atom, u32 place) const { return set_at[row_of_place(atom, place)]; }
   /// The set of an atom by_situation that offers the port; kNone: no interaction can take it through that port.
   [[nodiscard]] u32 set_of(u32 atom, u32 place, u32 history, u32 port) const {
     const u32 row = situation_of(atom, place, history, port);
@@ -79,9 +79,9 @@ struct ConflictSets {
   /// port.
   [[nodiscard]] u32 situation_of(u32 atom, u32 place, u32 history, u32 port) const;
   /// The row of set_at.
-  [[nodiscard]] u32 slot_of(u32 atom, u32 place) const {
-    const u32 first = first_slot[atom];
-    return first_slot[atom + 1] - first == 1 ? first : first + place;
+  [[nodiscard]] u32 row_of_place(u32 atom, u32 place) const {
+    const u32 first = first_place[atom];
+    return first_place[atom + 1] - first == 1 ? first : first + place;
   }
 };
 [[nodiscard]] ConflictSets conflict_sets(const Tables& tables, const PriorityTables& rules,
@@ -111,7 +111,7 @@ struct Distribution {
   [[nodiscard]] u32 home(u32 atom) const { return placement.home[atom]; }
   /// The node to which an atom that is not by_situation is offered at this place; kNone: no interaction can take it
   /// there.
-  [[nodiscard]] u32 coordinator_at(u32 atom, u32 place) const { return offered_at[sets.slot_of(atom, place)]; }
+  [[nodiscard]] u32 coordinator_at(u32 atom, u32 place) const { return offered_at[sets.row_of_place(atom, place)]; }
 };
 
 /// Places atoms breadth first along interactions, in pieces of equal size; atoms whose C++ objects may not cross stay

@@ -41,7 +41,7 @@ class SetSplitter {
  private:
   struct Occasion {
     u32 atom = 0;
-    u32 slot = kNone;                 // row of set_at; kNone: of situations, or of an atom that is looked at
+    u32 place_row = kNone;            // row of set_at; kNone: of situations, or of an atom that is looked at
     u32 first = kNone, last = kNone;  // rows of situations
     bool is_looked_at = false;
   };
@@ -79,7 +79,7 @@ class SetSplitter {
   }
 
   void find_occasions() {
-    occasion_of_slot_.assign(sets_.set_at.size(), kNone);
+    occasion_of_place_.assign(sets_.set_at.size(), kNone);
     occasion_of_atom_.assign(tables_.image->atoms.size, kNone);
     occasion_of_row_.assign(sets_.situations.size(), kNone);
     number_situations();
@@ -98,8 +98,9 @@ class SetSplitter {
         const LinkedType& type = tables_.types[tables_.atoms[atom].type];
         for (u32 row = type.first_transition; row < type.first_transition + type.transition_count; ++row) {
           if (tables_.transitions[row].port != port - tables_.port_base(atom)) continue;
-          const u32 slot = sets_.slot_of(atom, tables_.transitions[row].from);
-          pairs.push_back({occasion_of(occasion_of_slot_[slot], {atom, slot, kNone, kNone, false}), interaction});
+          const u32 place_row = sets_.row_of_place(atom, tables_.transitions[row].from);
+          pairs.push_back(
+              {occasion_of(occasion_of_place_[place_row], {atom, place_row, kNone, kNone, false}), interaction});
         }
       }
     }
@@ -205,10 +206,10 @@ class SetSplitter {
   void offer(const Occasion& occasion, u32 node) {
     BIP_ASSERT(node < distribution_.placement.nodes.size(), "an occasion of atom {} at node {}", occasion.atom, node);
     if (occasion.is_looked_at) {
-      std::fill(distribution_.offered_at.begin() + sets_.first_slot[occasion.atom],
-                distribution_.offered_at.begin() + sets_.first_slot[occasion.atom + 1], node);
-    } else if (occasion.slot != kNone) {
-      distribution_.offered_at[occasion.slot] = node;
+      std::fill(distribution_.offered_at.begin() + sets_.first_place[occasion.atom],
+                distribution_.offered_at.begin() + sets_.first_place[occasion.atom + 1], node);
+    } else if (occasion.place_row != kNone) {
+      distribution_.offered_at[occasion.place_row] = node;
     } else {
       for (u32 row = occasion.first; row <= occasion.last; ++row) {
         if (occasion_of_row_[row] == occasion_of_row_[occasion.first]) distribution_.offered_in[row] = node;
@@ -235,7 +236,7 @@ class SetSplitter {
   PartialState partial_;
   std::vector<std::uint8_t> is_looked_at_;  // by atom
   std::vector<Occasion> occasions_;
-  std::vector<u32> occasion_of_slot_, occasion_of_atom_, occasion_of_row_;
+  std::vector<u32> occasion_of_place_, occasion_of_atom_, occasion_of_row_;
   Csr interactions_;  // by occasion
 };
 

@@ -291,7 +291,7 @@ TEST_CASE("what is no lock is no step of the model of the protocol") {
   }
   // A component that two nodes' interactions take is offered to one of them, which takes it without a lock.
   const LockedRun offered = follow_locks(ring, ordered.image(), 5, 1, "", [](rt::Distribution& distribution) {
-    distribution.offered_at[distribution.sets.slot_of(2, 0)] = 1;
+    distribution.offered_at[distribution.sets.row_of_place(2, 0)] = 1;
   });
   CHECK(offered.problem.find("is no step there") != std::string::npos);
 }
