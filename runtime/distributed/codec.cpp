@@ -213,8 +213,6 @@ void Codec::read(ByteReader& reader, u32 self, Begin& begin) const {
 }
 
 void Codec::write(ByteWriter& writer, const Lock& lock) const {
-  BIP_ASSERT(lock.own != 0 && lock.own <= lock.held.size(), "{} of {} atoms are the coordinator's", lock.own,
-             lock.held.size());
   writer.number(lock.interaction);
   writer.number(lock.own);
   writer.number(lock.held.size());
