@@ -26,14 +26,18 @@ bool is_of_chance(const Model& model, const syntax::Decl& prototype) {
 }  // namespace
 
 std::optional<Argument> CodeBuilder::argument(const syntax::Expr* e) {
-  const bool is_path = e->kind == syntax::ExprKind::Path;
-  const Binding* b = is_path ? find(e->path, Lookup::Silent) : nullptr;
-  if (b != nullptr && b->is_clock && !e->clock_speed && in_block_) return clock_argument(e, *b);
   const std::optional<Typed> typed = expr(e);
   if (!typed) return std::nullopt;
-  if (!is_path) return Argument{*typed, false, false, e->range};
+  if (e->kind != syntax::ExprKind::Path) return Argument{*typed, false, false, e->range};
+  const Binding* b = find(e->path, Lookup::Silent);
   const bool is_variable = in_block_ && b != nullptr && b->read_only.empty() && !b->value.is_valid() && !b->poison;
   return Argument{*typed, is_variable, b == nullptr || b->is_constant, e->range};
+}
+
+std::optional<Argument> CodeBuilder::call_argument(const syntax::Expr* e) {
+  const Binding* b = e->kind == syntax::ExprKind::Path ? find(e->path, Lookup::Silent) : nullptr;
+  if (b != nullptr && b->is_clock && !e->clock_speed && in_block_) return clock_argument(e, *b);
+  return argument(e);
 }
 
 Argument CodeBuilder::clock_argument(const syntax::Expr* e, const Binding& clock) {
@@ -162,7 +166,7 @@ std::optional<Typed> CodeBuilder::ffi_function(const syntax::Expr* e, const std:
   std::vector<Argument> args;
   bool sound = true;
   for (const syntax::Expr* operand : e->operands) {
-    const std::optional<Argument> arg = argument(operand);
+    const std::optional<Argument> arg = call_argument(operand);
     sound = sound && arg.has_value();
     if (arg) args.push_back(*arg);
   }

@@ -108,6 +108,8 @@ class CodeBuilder {
   std::optional<Typed> binary(const syntax::Expr* e);
   std::optional<Typed> call(const syntax::Expr* e);
   std::optional<Argument> argument(const syntax::Expr* e);
+  /// Of a C++ function, which may be given a clock's value.
+  std::optional<Argument> call_argument(const syntax::Expr* e);
   /// A clock's value at the instant of the step, in its unit.
   Argument clock_argument(const syntax::Expr* e, const Binding& clock);
   /// The clocks among the arguments as numbers of whole units, for prototypes that take ints.

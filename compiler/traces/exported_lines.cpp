@@ -36,11 +36,14 @@ bool has_text(const Json& object, const char* name) {
   return value != nullptr && value->is_string();
 }
 
-std::string head_line(const std::string& model, const std::string& policy, const std::string& seed) {
+std::string head_line(const std::string& model, const std::string& policy, const std::string& seed,
+                      const std::string& resumes) {
   std::uint64_t number = 0;
   for (const char c : seed)
     if (c >= '0' && c <= '9') number = number * 10 + static_cast<std::uint64_t>(c - '0');
-  return dumped({{"format", "bipc-trace"}, {"version", 1}, {"model", model}, {"seed", number}, {"policy", policy}});
+  Json head = {{"format", "bipc-trace"}, {"version", 1}, {"model", model}, {"seed", number}, {"policy", policy}};
+  if (!resumes.empty()) head["resumes"] = resumes;
+  return dumped(head);
 }
 
 // Appends the line of a step; its number must be the next one. Empty, or what is wrong.
@@ -126,7 +129,7 @@ class McapReader {
     }
     if (!metadata.contains("model") || !metadata.contains("policy") || !metadata.contains("seed")) return;
     steps_ = id;
-    out_ = head_line(metadata["model"], metadata["policy"], metadata["seed"]);
+    out_ = head_line(metadata["model"], metadata["policy"], metadata["seed"], metadata["resumes"]);
   }
 
   void message(std::string_view content) {
@@ -184,7 +187,8 @@ class PerfettoReader {
     const Json* const data = found(head, "otherData");
     if (data == nullptr || !has_text(*data, "model") || !has_text(*data, "seed") || !has_text(*data, "policy"))
       return Failure{"its first line does not say of which run it is"};
-    out_ = head_line((*data)["model"], (*data)["policy"], (*data)["seed"]);
+    out_ = head_line((*data)["model"], (*data)["policy"], (*data)["seed"],
+                     has_text(*data, "resumes") ? (*data)["resumes"].get<std::string>() : "");
     text.remove_prefix(end + 1);
     while (!text.empty() && problem_.empty() && !is_done_) {
       std::string_view line = text.substr(0, std::min(text.find('\n'), text.size()));

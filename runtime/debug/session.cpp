@@ -480,6 +480,8 @@ bool DebugSession::append_trace(std::string& out, TraceFormat format, TraceSink&
   const std::uint64_t here = position_;
   RunOptions run;
   run.policy = options_.policy;
+  run.asap = options_.asap;
+  run.draws_resumes = options_.draws_resumes;
   run.format = format;
   run.maximal_progress = options_.progress == MaximalProgress::On;
   sink.begin(out, head_of(core_.image(), run, options_.seed));

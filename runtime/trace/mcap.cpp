@@ -141,8 +141,9 @@ void McapWriter::begin(std::string& out, const TraceHead& trace) {
   put(out, head);
   std::string metadata, number;
   append_number(number, trace.seed);
-  const std::pair<std::string_view, std::string_view> entries[] = {
+  std::vector<std::pair<std::string_view, std::string_view>> entries = {
       {"model", image.name}, {"policy", trace.policy}, {"seed", number}};
+  if (trace.draws_resumes) entries.emplace_back("resumes", "drawn");
   for (const auto& [key, value] : entries) {
     add_text(metadata, key);
     add_text(metadata, value);

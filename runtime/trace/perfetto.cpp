@@ -54,6 +54,7 @@ void PerfettoWriter::begin(std::string& out, const TraceHead& trace) {
   append_number(out, trace.seed);
   out += R"(","policy":")";
   out += trace.policy;
+  if (trace.draws_resumes) out += R"(","resumes":"drawn)";
   out += "\"},\"traceEvents\":[\n";
   out += R"({"ph":"M","pid":1,"name":"process_name","args":{"name":)";
   append_quoted(out, image.name);
