@@ -254,8 +254,8 @@ def test_completion_of_packages():
         # Below the file's folder `elsewhere` is a part of a name, too.
         equal(offered("  use |"), ["elsewhere.wide.net", "genom.codels", "genom.locks", "genom.ports", "genom.posters", "genom.rules", "genom.services", "genom.tasks", "genom.timers", "lib.deep.more", "lib.ports",
                                    "std.arbiters", "std.buffers", "std.chance", "std.ports", "std.sync", "wide.net"])
-        equal(offered("  use std.|"), ["arbiters", "buffers", "ports", "sync"])
-        equal(offered("  use std.po|"), ["arbiters", "buffers", "ports", "sync"])
+        equal(offered("  use std.|"), ["arbiters", "buffers", "chance", "ports", "sync"])
+        equal(offered("  use std.po|"), ["arbiters", "buffers", "chance", "ports", "sync"])
         equal(offered("  use lib.|"), ["deep.more", "ports"])
         equal(offered("  use nowhere.|"), [])
 
