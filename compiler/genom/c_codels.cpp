@@ -526,7 +526,7 @@ class Glue {
                                  const idl::Port& out) {
     return !in.is_out && out.is_out && writer.types[out.type].c_name == reader.types[in.type].c_name;
   }
-  // The one that it reads if nobody connects it to another.
+  // The port that it reads before `connect_port` names another.
   [[nodiscard]] static bool is_source(const Component& reader, const idl::Port& in, const Component& writer,
                                       const idl::Port& out) {
     return fits(reader, in, writer, out) && out.name == in.name && out.is_multiple == in.is_multiple;

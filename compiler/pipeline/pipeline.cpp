@@ -214,13 +214,14 @@ bool check(Compilation& c, const std::string& path) {
   const Pass& instantiation =
       *std::find_if(std::begin(kPasses), std::end(kPasses), [](const Pass& pass) { return pass.run == instantiate; });
   return timed(c, instantiation.name, [&c, &instantiation] {
+    const system::UnfoldingLimits limits = unfolding_limits(c.options);
     bool is_first = true;
     for (const std::string& root : root_candidates(*c.model)) {
       // `instantiate` may take the model's code with it, so each root gets a model of its own. Nothing new can be said
       // about it; an error in another root's instances is none of it.
       Diagnostics known;
       if (!std::exchange(is_first, false)) c.model = model::build_model(c.packages, c.sources, known);
-      keep_system(c, system::instantiate(*c.model, root, {}, c.diags, c.root_range, unfolding_limits(c.options)));
+      keep_system(c, system::instantiate(*c.model, root, {}, c.diags, c.root_range, limits));
       if (c.system) {
         check_properties(*c.system, c.diags);
         inspect_product(c, instantiation);

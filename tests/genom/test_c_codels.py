@@ -174,6 +174,20 @@ def children(parent):
     return found
 
 
+def serve(work, parts):
+    """Serves m.bip to each part in turn; the log."""
+    level = Level(work)
+    try:
+        with level.client:
+            for part in parts:
+                part(level)
+            level.client.ask("shutdown")
+        check("it ends with 0", level.server.wait(20) == 0)
+    finally:
+        level.server.kill()
+    return pathlib.Path(work, "log").read_text(encoding="utf-8")
+
+
 def run(options, parts):
     with tempfile.TemporaryDirectory(prefix="codels-") as work:
         shutil.copytree(HERE, work, dirs_exist_ok=True)
@@ -185,16 +199,7 @@ def run(options, parts):
         for clang in filter(None, map(shutil.which, ("clang++", "clang++-19"))):
             read = subprocess.run([clang, "-std=c++20", "-w", "-fsyntax-only", "-I.", f"-I{ROOT}/runtime/include", "m_codels.cpp"], cwd=work, capture_output=True, text=True)
             check(f"{clang} compiles what calls them", read.returncode == 0, read.stderr)
-        level = Level(work)
-        try:
-            with level.client:
-                for part in parts:
-                    part(level)
-                level.client.ask("shutdown")
-            check("it ends with 0", level.server.wait(20) == 0)
-        finally:
-            level.server.kill()
-        log = pathlib.Path(work, "log").read_text(encoding="utf-8")
+        log = serve(work, parts)
         check("the log tells of what was thrown", "codel `oddStart` of track.odd threw an exception: cannot creep" in log and "raised ::genom::syserr" in log, log)
 
 

@@ -12,7 +12,7 @@ import tempfile
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from test_c_codels import BIPC, ROOT, Level, check, children, finish  # noqa: E402
+from test_c_codels import BIPC, ROOT, check, finish, serve  # noqa: E402
 
 HERE = pathlib.Path(__file__).resolve().parent / "survey"
 POSE = {"seen_in": "WORLD", "at": {"x": 3, "y": 4}, "heading": 0.5, "spread": [1, 2], "source": "lamp"}
@@ -145,16 +145,7 @@ def run(options, parts):
         for compiler in filter(None, map(shutil.which, ("g++", "clang++", "clang++-19"))):
             warned = subprocess.run([compiler, *flags, "codels/survey_codels.cc"], cwd=work, capture_output=True, text=True)
             check(f"{compiler} has nothing against the headers", warned.returncode == 0, warned.stderr)
-        level = Level(work)
-        try:
-            with level.client:
-                for part in parts:
-                    part(level)
-                level.client.ask("shutdown")
-            check("it ends with 0", level.server.wait(20) == 0)
-        finally:
-            level.server.kill()
-        log = pathlib.Path(work, "log").read_text(encoding="utf-8")
+        log = serve(work, parts)
         check("the log tells of what was thrown, and only of what no service throws", "codel `faultStart` of survey.fault threw an exception: cannot be so slow" in log and "raised ::genom::syserr" in log and "e_far" not in log and "e_empty" not in log, log)
 
 

@@ -16,19 +16,6 @@ std::uint64_t mix(std::uint64_t z) {
   return z ^ z >> 31;
 }
 
-Value int_value(std::int64_t i, Ty type = Ty::Int) {
-  Value value;
-  value.type = type;
-  value.i = static_cast<std::int32_t>(i);
-  return value;
-}
-Value float_value(double f) {
-  Value value;
-  value.type = Ty::Float;
-  value.f = f;
-  return value;
-}
-
 }  // namespace
 
 std::uint64_t first_of_generator(std::uint64_t seed, std::uint64_t atom) {
@@ -47,17 +34,17 @@ Value draw_value(const Expr& expr, const Lookup& lookup, Place& at) {
   const auto next = [&at] { return mix(*at.generator += kGamma); };
   const auto share = [&next] { return static_cast<double>(next() >> 11) / 9007199254740992.0; };
   const auto positive_share = [&next] { return static_cast<double>((next() >> 11) + 1) / 9007199254740992.0; };
-  if (expr.text == "flip") return int_value(share() < args[0].f ? 1 : 0, Ty::Bool);
-  if (expr.text == "exponential") return float_value(-args[0].f * std::log(positive_share()));
+  if (expr.text == "flip") return of_bool(share() < args[0].f);
+  if (expr.text == "exponential") return of_float(-args[0].f * std::log(positive_share()));
   if (expr.text == "normal") {
     const double radius = std::sqrt(-2 * std::log(positive_share()));
     const double z = radius * std::cos(2 * 3.14159265358979323846 * share());
-    return float_value(args[0].f + args[1].f * z);
+    return of_float(args[0].f + args[1].f * z);
   }
   if (expr.text == "uniform" && has_floats) {
     const double low = args[0].f, high = args[1].f, u = share();
     const double value = low * (1 - u) + high * u;
-    return float_value(value < high ? value : std::nextafter(high, low));
+    return of_float(value < high ? value : std::nextafter(high, low));
   }
   if (expr.text == "uniform") {
     at.fault = args[0].i > args[1].i;
@@ -69,7 +56,7 @@ Value draw_value(const Expr& expr, const Lookup& lookup, Place& at) {
     do {
       product = static_cast<Wide128>(next()) * n;
     } while (static_cast<std::uint64_t>(product) < (0 - n) % n);
-    return int_value(args[0].i + static_cast<std::int64_t>(static_cast<std::uint64_t>(product >> 64)));
+    return of_int(args[0].i + static_cast<std::int64_t>(static_cast<std::uint64_t>(product >> 64)));
   }
   double sum = 0;
   for (std::size_t k = 1; k < args.size(); k += 2) sum += args[k].f;
@@ -83,7 +70,7 @@ Value draw_value(const Expr& expr, const Lookup& lookup, Place& at) {
     if (left < args[k + 1].f) break;
     left -= args[k + 1].f;
   }
-  return int_value(args[last].i);
+  return of_int(args[last].i);
 }
 
 }  // namespace bip::gen

@@ -7,7 +7,6 @@
 #include "tools/gen/ffi_prototypes.hpp"
 
 namespace bip::gen {
-namespace {
 
 Value of_int(std::int64_t wide) {
   Value v;
@@ -26,6 +25,8 @@ Value of_float(double f) {
   v.f = f;
   return v;
 }
+
+namespace {
 
 std::string unquoted(const std::string& text) {
   std::string result;

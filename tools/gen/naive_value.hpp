@@ -19,6 +19,10 @@ struct Value {
 using Values = std::map<std::string, Value>;
 
 [[nodiscard]] Value zero_of(Ty type);
+/// Wraps at 32 bits.
+[[nodiscard]] Value of_int(std::int64_t wide);
+[[nodiscard]] Value of_bool(bool truth);
+[[nodiscard]] Value of_float(double f);
 /// int to float if the target is float; what a Wide has beyond a Pair is lost.
 [[nodiscard]] Value converted(Value value, Ty type);
 

@@ -60,7 +60,7 @@ std::int32_t store_draw(Cell* result, double value) {
   return 0;
 }
 
-// A generator that no run has seeded gives no numbers: whoever takes steps without a run has a script.
+// A generator that no run has seeded gives no numbers: code that takes steps outside of a run follows a script.
 std::int32_t check_seeded(const Cell& generator, const char* name) {
   if (generator.bits != 0) return 0;
   return refuse_search("`" + std::string(name) + "` is drawn outside of a run");

@@ -41,7 +41,7 @@ struct Ready {
   }
 };
 
-// A run of a model that takes the steps that it is told.
+// A run of a model by given steps.
 class Follower {
  public:
   explicit Follower(const rt::Image& image) : core_(image) { REQUIRE(core_.initialize()); }
@@ -181,7 +181,7 @@ Followed follow_messages(const Ready& model, const Ready& protocol, u32 nodes, s
 }
 
 // A run of the ring whose steps and messages are followed in the model of locks. `change` may spoil who coordinates
-// what; of the event with the number `forged` the model is told twice.
+// what; the event with the number `forged` reaches the model twice.
 struct LockedRun {
   rt::SimulatedResult run;
   std::uint64_t events = 0;

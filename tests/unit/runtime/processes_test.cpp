@@ -231,7 +231,7 @@ TEST_CASE("a death between two calls is noticed, without a call") {
   REQUIRE(before > 1);
   REQUIRE(::kill(before, SIGKILL) == 0);
   CHECK(heard.wait() == "the process of module a ended by SIGKILL");
-  // Its data is gone; nobody hears of it twice.
+  // Its data is gone; its death is reported once.
   CHECK(step(level, kCount, kGo) == bip::kCodelThrew);
   CHECK(pid_of(level, 0) != before);
   CHECK(heard.count() == 1);
