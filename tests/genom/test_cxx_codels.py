@@ -173,7 +173,7 @@ def main():
     # Nothing is different for a client if components are processes of their own.
     run(["--processes"], parts)
     misfits()
-    return finish("codels in C++")
+    return finish("cxx_codels")
 
 
 if __name__ == "__main__":
