@@ -125,4 +125,4 @@ with Served(ROOT / "tests/serve/counter.bip") as model:
     check("a running model takes no candidate", model.ask("fire", candidate=0).get("error") == "the model is not paused", model.ask("fire", candidate=0))
     check("a running model goes not back", model.ask("back").get("error") == "the model is not paused")
 
-sys.exit(finish("serve stepping"))
+sys.exit(finish("stepping"))
