@@ -48,7 +48,8 @@ class Evaluator {
 
  private:
   rt::Cell unary(const Expr& e, rt::Cell a);
-  rt::Cell binary(ExprId id, const Expr& e, rt::Cell a, rt::Cell b);
+  rt::Cell arithmetic(ExprId id, const Expr& e);
+  rt::Cell comparison(const Expr& e);
   rt::Cell short_circuit(const Expr& e);
   rt::Cell call(ExprId id, const Expr& e);
   void store(Type type, rt::Cell& to, rt::Cell value);
@@ -80,15 +81,10 @@ rt::Cell Evaluator::eval(ExprId id) {
       const rt::Cell a = eval(e.a);
       return status_ != 0 ? a : unary(e, a);
     }
-      BIP_VALUE_OPS(BIP_OP_CASE)
-      BIP_COMPARISON_OPS(BIP_OP_CASE)
-      break;
+      BIP_VALUE_OPS(BIP_OP_CASE) return arithmetic(id, e);
+      BIP_COMPARISON_OPS(BIP_OP_CASE) return comparison(e);
   }
-  const rt::Cell a = eval(e.a);
-  if (status_ != 0) return a;
-  const rt::Cell b = eval(e.b);
-  if (status_ != 0) return b;
-  return binary(id, e, a, b);
+  BIP_UNREACHABLE("not an operator of an expression");
 }
 
 rt::Cell Evaluator::unary(const Expr& e, rt::Cell a) {
@@ -102,16 +98,26 @@ rt::Cell Evaluator::short_circuit(const Expr& e) {
   return status_ != 0 || decided ? a : eval(e.b);
 }
 
-rt::Cell Evaluator::binary(ExprId id, const Expr& e, rt::Cell a, rt::Cell b) {
-  if (code_.exprs[e.a].type == Type::Float) {
-    if (is_comparison(e.op)) return bool_cell(fold_comparison(e.op, a.f, b.f));
-    return float_cell(fold_float(e.op, a.f, b.f));
-  }
+rt::Cell Evaluator::arithmetic(ExprId id, const Expr& e) {
+  const rt::Cell a = eval(e.a);
+  if (status_ != 0) return a;
+  const rt::Cell b = eval(e.b);
+  if (status_ != 0) return b;
+  if (e.type == Type::Float) return float_cell(fold_float(e.op, a.f, b.f));
   if (is_division(e.op)) {
     status_ = rt::division_status(a.i, b.i, lowered_.site_of_expr[id.value]);
     if (status_ != 0) return int_cell(0);
   }
   return int_cell(fold_int(e.op, a.i, b.i));
+}
+
+rt::Cell Evaluator::comparison(const Expr& e) {
+  const rt::Cell a = eval(e.a);
+  if (status_ != 0) return a;
+  const rt::Cell b = eval(e.b);
+  if (status_ != 0) return b;
+  if (code_.exprs[e.a].type == Type::Float) return bool_cell(fold_comparison(e.op, a.f, b.f));
+  return bool_cell(fold_comparison(e.op, a.i, b.i));
 }
 
 // Arguments by value are evaluated, from left to right, into variables of their own; the others are the variables'

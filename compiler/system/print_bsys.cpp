@@ -46,14 +46,21 @@ class BsysPrinter {
     std::size_t k = 0;
     for (const auto& row : rows) f(row, k++);
   }
+  /// "(head 3 "
+  void begin(const char* head, std::size_t k) {
+    out_ += head;
+    out_ += ' ';
+    put_number(out_, k);
+    out_ += ' ';
+  }
   void quoted_row(const char* head, std::size_t k, const std::string& text) {
-    fmt::format_to(std::back_inserter(out_), "{} {} ", head, k);
+    begin(head, k);
     put_quoted(out_, text);
     out_ += ")\n";
   }
   /// "(head 3 name"
   void open(const char* head, std::size_t k, const std::string& name) {
-    fmt::format_to(std::back_inserter(out_), "{} {} ", head, k);
+    begin(head, k);
     put_name(out_, name);
   }
   void close(const Loc& loc, const char* end = ")\n") {

@@ -154,15 +154,26 @@ void put_name(std::string& out, std::string_view name) {
   }
 }
 
+void put_number(std::string& out, std::uint64_t number) {
+  const fmt::format_int digits(number);
+  out.append(digits.data(), digits.size());
+}
+
 void put_ref(std::string& out, std::uint32_t row, std::string_view name) {
-  fmt::format_to(std::back_inserter(out), "{}", row);
+  put_number(out, row);
   if (!is_bare(name)) return;
   out += ':';
   out += name;
 }
 
 void put_loc(std::string& out, const Loc& loc) {
-  if (loc.line != 0) fmt::format_to(std::back_inserter(out), " @{}:{}:{}", loc.file, loc.line, loc.column);
+  if (loc.line == 0) return;
+  out += " @";
+  put_number(out, loc.file);
+  out += ':';
+  put_number(out, loc.line);
+  out += ':';
+  put_number(out, loc.column);
 }
 
 void put_literal(std::string& out, const Value& value, const CodeTable& code) {

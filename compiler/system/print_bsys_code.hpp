@@ -10,6 +10,8 @@ namespace bip::system::text {
 void put_quoted(std::string& out, std::string_view text);
 /// Bare if it can be, else quoted.
 void put_name(std::string& out, std::string_view name);
+/// Decimal digits, without reading a format: a text of .bsys is numbers for the greater part.
+void put_number(std::string& out, std::uint64_t number);
 /// A row number, followed by `:name` for the reader's eye if the name is bare.
 void put_ref(std::string& out, std::uint32_t row, std::string_view name);
 /// " @file:line:column", or nothing if there is no place.
