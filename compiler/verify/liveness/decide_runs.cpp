@@ -17,9 +17,9 @@ struct RunsTurn {
 };
 // What is small is visited at once. A graph is made anew in its second turn.
 constexpr RunsTurn kRunsTurns[] = {{RunsEngine::Graph, 1.0 / 8, 3},
-                                   {RunsEngine::KLiveness, 1.0 / 3, 120},
-                                   {RunsEngine::Graph},
-                                   // The graph gave up for memory.
+                                   {RunsEngine::KLiveness, 1.0 / 2, 120},
+                                   {RunsEngine::Graph, 2.0 / 3},
+                                   // An attempt has more time now than in the first turn; or the graph gave up for memory.
                                    {RunsEngine::KLiveness}};
 
 class RunsPortfolio {
