@@ -2,7 +2,7 @@
 # whole may be moved:
 #
 #   bin/             bipc, bipc-lsp, certcheck
-#   lib/bipc/        the plug-ins (JIT; component distributed: the network; component ros2: DDS) and the runtime that `bipc build` links
+#   lib/bipc/        the plug-ins (JIT; component distributed: the network; components ros1 and ros2: ROS) and the runtime that `bipc build` links
 #   share/bipc/      runtime (sources for `bipc emit`), stdlib, models
 #   share/doc/bipc/  documents and licence; man pages and completions are where programs look for them
 #   include/bip/, lib*/   component dev: headers and libbip_runtime.a; component libs: libbip_runtime.so.0; components compiler and compiler_dev:
@@ -37,6 +37,12 @@ if(TARGET bipc_dds)
   set_target_properties(bipc_dds PROPERTIES INSTALL_RPATH "$ORIGIN")
   target_link_options(bipc_dds PRIVATE -Wl,--disable-new-dtags)
   install(TARGETS bipc_dds LIBRARY DESTINATION ${bipc_lib} COMPONENT ros2)
+endif()
+# And that to ROS 1, with Boost and log4cxx behind it.
+if(TARGET bipc_ros1)
+  set_target_properties(bipc_ros1 PROPERTIES INSTALL_RPATH "$ORIGIN")
+  target_link_options(bipc_ros1 PRIVATE -Wl,--disable-new-dtags)
+  install(TARGETS bipc_ros1 LIBRARY DESTINATION ${bipc_lib} COMPONENT ros1)
 endif()
 install(FILES $<TARGET_FILE:bip_runtime> DESTINATION ${bipc_lib} COMPONENT bipc)
 install(DIRECTORY runtime DESTINATION ${bipc_share} COMPONENT bipc FILES_MATCHING PATTERN *.hpp PATTERN *.h PATTERN *.cpp)

@@ -2,6 +2,7 @@
 #
 #   bipc             programs, JIT, runtime sources, standard library, models, documents
 #   bipc-distributed the network of runs on several processes
+#   bipc-ros1        roscpp for bipc ros1
 #   bipc-ros2        DDS for bipc ros2
 #   libbip-runtime0  libbip_runtime.so.0, for programs that link it
 #   bipc-dev         headers and the static library
@@ -34,7 +35,7 @@ set(CPACK_DEBIAN_BIPC_PACKAGE_NAME bipc)
 set(CPACK_DEBIAN_BIPC_PACKAGE_SECTION devel)
 # `bipc build` and models with C++ need a compiler, models/dala Python.
 set(CPACK_DEBIAN_BIPC_PACKAGE_RECOMMENDS "g++")
-set(CPACK_DEBIAN_BIPC_PACKAGE_SUGGESTS "python3, bipc-dev, bipc-distributed, bipc-ros2, bipc-vscode, graphviz")
+set(CPACK_DEBIAN_BIPC_PACKAGE_SUGGESTS "python3, bipc-dev, bipc-distributed, bipc-ros1, bipc-ros2, bipc-vscode, graphviz")
 set(CPACK_COMPONENT_BIPC_DESCRIPTION "BIP models as programs and proofs
 bipc compiles, runs and proves models written in BIP (Behaviour, Interaction,
 Priority), a language for concurrent systems such as robot controllers.
@@ -75,7 +76,16 @@ if(TARGET bipc_dds)
 DDS for bipc ros2, which connects a served functional level to ROS 2.")
   set(ros2_package ros2:bipc-ros2)
 endif()
-set(packages bipc:bipc ${distributed_package} ${ros2_package} libs:libbip-runtime0 dev:bipc-dev vscode:bipc-vscode)
+if(TARGET bipc_ros1)
+  list(APPEND CPACK_COMPONENTS_ALL ros1)
+  set(CPACK_DEBIAN_ROS1_PACKAGE_NAME bipc-ros1)
+  set(CPACK_DEBIAN_ROS1_PACKAGE_SECTION devel)
+  set(CPACK_DEBIAN_ROS1_PACKAGE_DEPENDS "bipc (= ${PROJECT_VERSION})")
+  set(CPACK_COMPONENT_ROS1_DESCRIPTION "robot modules in ROS 1
+roscpp for bipc ros1, which connects a served functional level to ROS 1.")
+  set(ros1_package ros1:bipc-ros1)
+endif()
+set(packages bipc:bipc ${distributed_package} ${ros1_package} ${ros2_package} libs:libbip-runtime0 dev:bipc-dev vscode:bipc-vscode)
 if(TARGET bip_compiler)
   list(APPEND CPACK_COMPONENTS_ALL compiler compiler_dev)
   list(APPEND packages compiler:libbip-compiler0 compiler_dev:libbip-compiler-dev)

@@ -145,6 +145,7 @@ int dispatch(const CLI::App& app, const Arguments& arguments) {
   if (command == "replay") return command_replay(arguments.replay);
   if (command == "genom") return command_genom(arguments.genom);
   if (command == "rules") return command_rules(arguments.rules);
+  if (command == "ros1") return command_ros1(arguments.ros1);
   if (command == "ros2") return command_ros2(arguments.ros2);
   if (command == "migrate") return command_migrate(arguments.migrate);
   if (command == "fmt") return command_fmt(arguments.fmt);

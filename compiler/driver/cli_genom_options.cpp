@@ -129,31 +129,32 @@ void add_rules(CLI::App& app, GenomArguments& a) {
   command->footer("Example:\n  bipc rules --prove rover.rules -o rover.bip && bipc verify rover.bip");
 }
 
-void add_ros2(CLI::App& app, Ros2Arguments& a) {
-  CLI::App* command = app.add_subcommand(
-      "ros2", "connect services and posters of a served functional level to ROS 2, as actions and topics");
+namespace {
+
+// What both bridges have; `ros` is "ROS 1" or "ROS 2".
+void add_level(CLI::App& command, BridgeArguments& a, const std::string& ros) {
   command
-      ->add_option("FILE", a.level.files,
-                   "module descriptions (.gen), or one rules file (.rules) with the modules that it names")
+      .add_option("FILE", a.level.files,
+                  "module descriptions (.gen), or one rules file (.rules) with the modules that it names")
       ->required()
       ->type_name("");
   command
-      ->add_option("--serve", a.serve,
-                   "run the bridge to the `bipc serve` at WHERE: SOCKET, or PORT:TOKEN, or PORT with the token in "
-                   "$BIPC_TOKEN")
+      .add_option("--serve", a.serve,
+                  "run the bridge to the `bipc serve` at WHERE: SOCKET, or PORT:TOKEN, or PORT with the token in "
+                  "$BIPC_TOKEN")
       ->type_name("WHERE");
   command
-      ->add_option("--interfaces", a.interfaces,
-                   "write the package of ROS 2 with the types of actions and topics to the folder DIR")
+      .add_option("--interfaces", a.interfaces,
+                  "write the package of " + ros + " with the types of actions and topics to the folder DIR")
       ->type_name("DIR");
   command
-      ->add_option("--package", a.level.package,
-                   "name of that package (default: name of the rules or of the first module, with `_msgs`)")
+      .add_option("--package", a.level.package,
+                  "name of that package (default: name of the rules or of the first module, with `_msgs`)")
       ->type_name("NAME");
-  command->add_option("--module", a.modules, "offer services and posters of this module only; may be repeated")
+  command.add_option("--module", a.modules, "offer services and posters of this module only; may be repeated")
       ->allow_extra_args(false)
       ->type_name("NAME");
-  command->add_option("--namespace", a.name_space, "put NAME/ in front of the names of actions and topics")
+  command.add_option("--namespace", a.name_space, "put NAME/ in front of the names of actions and topics")
       ->check(CLI::Validator(
           [](std::string& text) {
             const bool is_name =
@@ -163,6 +164,40 @@ void add_ros2(CLI::App& app, Ros2Arguments& a) {
           },
           ""))
       ->type_name("NAME");
+}
+void add_reading(CLI::App& command, BridgeArguments& a) {
+  command.add_option("--rate", a.rate, "values of each poster per second, if somebody reads it (default: 10)")
+      ->check(is_real(0.01, 1000))
+      ->type_name("HZ");
+  command.add_option("--yields", a.level.side_file, "file with additional facts, as for `bipc genom`")
+      ->type_name("FILE");
+  command
+      .add_option("-I", a.level.compile.folders,
+                  "search DIR for headers, after the folder of the file; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("DIR");
+  command.add_option("-D", a.level.defines, "define a preprocessor macro; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("NAME[=VALUE]");
+  add_diagnostics(command, a.level.compile);
+}
+
+}  // namespace
+
+void add_ros1(CLI::App& app, BridgeArguments& a) {
+  CLI::App* command = app.add_subcommand(
+      "ros1", "connect services and posters of a served functional level to ROS 1, as actions and topics");
+  add_level(*command, a, "ROS 1");
+  add_reading(*command, a);
+  command->footer(
+      "The master is that of $ROS_MASTER_URI.\nExample:\n  bipc ros1 rover.gen --interfaces ws/src/rover_msgs\n"
+      "  bipc ros1 rover.gen --serve /tmp/rover.sock");
+}
+
+void add_ros2(CLI::App& app, Ros2Arguments& a) {
+  CLI::App* command = app.add_subcommand(
+      "ros2", "connect services and posters of a served functional level to ROS 2, as actions and topics");
+  add_level(*command, a.bridge, "ROS 2");
   command->add_option("--domain", a.domain, "domain of ROS 2 (default: $ROS_DOMAIN_ID, or 0)")
       ->check(is_number(0, 232))
       ->type_name("N");
@@ -176,20 +211,7 @@ void add_ros2(CLI::App& app, Ros2Arguments& a) {
           },
           ""))
       ->type_name("NAME");
-  command->add_option("--rate", a.rate, "values of each poster per second, if somebody reads it (default: 10)")
-      ->check(is_real(0.01, 1000))
-      ->type_name("HZ");
-  command->add_option("--yields", a.level.side_file, "file with additional facts, as for `bipc genom`")
-      ->type_name("FILE");
-  command
-      ->add_option("-I", a.level.compile.folders,
-                   "search DIR for headers, after the folder of the file; may be repeated")
-      ->allow_extra_args(false)
-      ->type_name("DIR");
-  command->add_option("-D", a.level.defines, "define a preprocessor macro; may be repeated")
-      ->allow_extra_args(false)
-      ->type_name("NAME[=VALUE]");
-  add_diagnostics(*command, a.level.compile);
+  add_reading(*command, a.bridge);
   command->footer(
       "Example:\n  bipc ros2 rover.gen --interfaces ws/src/rover_msgs\n  bipc ros2 rover.gen --serve /tmp/rover.sock");
 }

@@ -478,6 +478,7 @@ constexpr struct {
     {"migrate", [](CLI::App& app, Arguments& arguments) { add_migrate(app, arguments.migrate); }},
     {"genom", [](CLI::App& app, Arguments& arguments) { add_genom(app, arguments.genom); }},
     {"rules", [](CLI::App& app, Arguments& arguments) { add_rules(app, arguments.rules); }},
+    {"ros1", [](CLI::App& app, Arguments& arguments) { add_ros1(app, arguments.ros1); }},
     {"ros2", [](CLI::App& app, Arguments& arguments) { add_ros2(app, arguments.ros2); }},
     {"explain", [](CLI::App& app, Arguments& arguments) { add_explain(app, arguments); }},
     {"completion", [](CLI::App& app, Arguments& arguments) { add_completion(app, arguments.shell); }},

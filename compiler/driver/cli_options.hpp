@@ -29,6 +29,7 @@ struct Arguments {
   FmtArguments fmt;
   MigrateArguments migrate;
   GenomArguments genom, rules;
+  BridgeArguments ros1;
   Ros2Arguments ros2;
   VersionArguments version;
   Shell shell = Shell::Bash;
@@ -44,6 +45,7 @@ void add_commands(CLI::App& app, Arguments& arguments, std::string_view first);
 // Parts of it, in other files than the rest.
 void add_genom(CLI::App& app, GenomArguments& a);
 void add_rules(CLI::App& app, GenomArguments& a);
+void add_ros1(CLI::App& app, BridgeArguments& a);
 void add_ros2(CLI::App& app, Ros2Arguments& a);
 void add_verify(CLI::App& app, VerifyArguments& a);
 void add_explore(CLI::App& app, ExploreArguments& a);

@@ -38,6 +38,7 @@ namespace bip::driver {
 [[nodiscard]] int command_genom(const GenomArguments& arguments);
 [[nodiscard]] int command_rules(const GenomArguments& arguments);
 /// The bridge to ROS 2, until a signal comes.
+[[nodiscard]] int command_ros1(const BridgeArguments& arguments);
 [[nodiscard]] int command_ros2(const Ros2Arguments& arguments);
 [[nodiscard]] int command_migrate(const MigrateArguments& arguments);
 /// `code` empty: the list of codes.

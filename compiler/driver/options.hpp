@@ -237,16 +237,19 @@ struct GenomArguments {
   std::uint64_t timeout = 60;
 };
 
-/// Robot modules in ROS 2: the bridge to a running `bipc serve`, or the package of their types.
-struct Ros2Arguments {
+/// Robot modules in ROS: the bridge to a running `bipc serve`, or the package of their types.
+struct BridgeArguments {
   GenomArguments level;              // descriptions, or one .rules file; `package` is that of the types
   std::string serve;                 // where `bipc serve` is; empty: no bridge
   std::string interfaces;            // folder for the package; empty: none
   std::vector<std::string> modules;  // empty: all
   std::string name_space;            // empty: none
-  std::string network = "lo";        // "auto": as Cyclone DDS is configured
-  std::int64_t domain = -1;          // -1: $ROS_DOMAIN_ID, or 0
   double rate = 10;
+};
+struct Ros2Arguments {
+  BridgeArguments bridge;
+  std::string network = "lo";  // "auto": as Cyclone DDS is configured
+  std::int64_t domain = -1;    // -1: $ROS_DOMAIN_ID, or 0
 };
 
 /// The published tools' own call: bipc -p Package -I DIR -d 'Root()' [--gencpp-output DIR], or -f FILE.

@@ -19,6 +19,8 @@ using PeerId = std::array<std::uint8_t, 16>;
 /// The quality of service of ROS 2 for services, topics and the status of actions. All are reliable.
 enum class Keep : std::uint8_t { Volatile, LastForLateJoiners };
 struct EndpointPlan {
+  std::string name;       // as clients see it: "NDD/Speed", "NDD/GoTo/_action/send_goal"
+  std::string message;    // "dala_msgs/msg/NDDSpeed"
   std::string topic;      // "rt/NDD/Speed"
   std::string type;       // "dala_msgs::msg::dds_::NDDSpeed_"
   std::string user_data;  // "typehash=RIHS01_…;"

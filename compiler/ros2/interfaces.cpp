@@ -10,17 +10,13 @@
 
 #include "compiler/base/ascii.hpp"
 #include "compiler/genom/c_codels.hpp"
+#include "compiler/ros2/message_text.hpp"
 
 namespace bip::ros2 {
 namespace {
 
 using genom::Module;
 namespace idl = genom::idl;
-
-bool is_small(char c) { return c >= 'a' && c <= 'z'; }
-bool is_large(char c) { return c >= 'A' && c <= 'Z'; }
-char small(char c) { return is_large(c) ? static_cast<char>(c - 'A' + 'a') : c; }
-char large(char c) { return is_small(c) ? static_cast<char>(c - 'a' + 'A') : c; }
 
 // "set_speed", "GoTo": "SetSpeed", "GoTo".
 std::string camel(const std::string& name) {
@@ -35,27 +31,6 @@ std::string camel(const std::string& name) {
     begins = false;
   }
   return out.empty() || is_digit(out[0]) ? "X" + out : out;
-}
-
-// "maxSpeed", "X": "max_speed", "x".
-std::string snake(const std::string& name) {
-  std::string out;
-  for (std::size_t k = 0; k < name.size(); ++k) {
-    const char c = name[k];
-    const bool is_word = is_small(c) || is_large(c) || is_digit(c);
-    const bool is_new = is_large(c) && k > 0 && (is_small(name[k - 1]) || is_digit(name[k - 1]));
-    if ((is_new || !is_word) && !out.empty() && out.back() != '_') out += '_';
-    if (is_word) out += small(c);
-  }
-  while (!out.empty() && out.back() == '_') out.pop_back();
-  return out.empty() || is_digit(out[0]) ? "x" + out : out;
-}
-
-// "SLOW": in a .msg file.
-std::string constant(const std::string& field, const std::string& word) {
-  std::string out = snake(field) + "_" + snake(word);
-  std::transform(out.begin(), out.end(), out.begin(), large);
-  return out;
 }
 
 // The names of one message.
@@ -350,50 +325,6 @@ class Maker {
   Interfaces& out_;
 };
 
-// ---- files
-
-std::string type_text(const Field& f, const std::string& package) {
-  std::string out;
-  switch (f.kind) {
-    case Kind::Message:
-      // Of the same package without its name.
-      out = f.message.starts_with(package + "/")
-                ? f.message.substr(f.message.rfind('/') + 1)
-                : f.message.substr(0, f.message.find('/')) + f.message.substr(f.message.rfind('/'));
-      break;
-    case Kind::Int8: out = "int8"; break;
-    case Kind::UInt8: out = "uint8"; break;
-    case Kind::Int16: out = "int16"; break;
-    case Kind::UInt16: out = "uint16"; break;
-    case Kind::Int32: out = "int32"; break;
-    case Kind::UInt32: out = "uint32"; break;
-    case Kind::Int64: out = "int64"; break;
-    case Kind::UInt64: out = "uint64"; break;
-    case Kind::Float32: out = "float32"; break;
-    case Kind::Float64: out = "float64"; break;
-    case Kind::Bool: out = "bool"; break;
-    case Kind::String: out = "string"; break;
-    case Kind::BoundedString: out = fmt::format("string<={}", f.text_bound); break;
-  }
-  switch (f.shape) {
-    case Shape::One: break;
-    case Shape::Array: out += fmt::format("[{}]", f.count); break;
-    case Shape::Bounded: out += fmt::format("[<={}]", f.count); break;
-    case Shape::Sequence: out += "[]"; break;
-  }
-  return out;
-}
-
-std::string fields_text(const std::vector<Field>& fields, const std::string& package) {
-  std::string constants, out;
-  for (const Field& f : fields) {
-    for (std::size_t k = 0; k < f.words.size(); ++k)
-      constants += fmt::format("int32 {}={}\n", constant(f.name, f.words[k]), k);
-    out += fmt::format("{} {}{}{}\n", type_text(f, package), f.name, f.initial.empty() ? "" : " ", f.initial);
-  }
-  return constants + out;
-}
-
 }  // namespace
 
 bool is_package_name(const std::string& name) {
@@ -421,14 +352,14 @@ std::vector<std::pair<std::string, std::string>> package_files(const Interfaces&
   for (const std::string& name : interfaces.own) {
     const std::string file = fmt::format("msg/{}.msg", name.substr(name.rfind('/') + 1));
     list += fmt::format("  \"{}\"\n", file);
-    files.emplace_back(file, fields_text(interfaces.messages.at(name).fields, package));
+    files.emplace_back(file, fields_text(interfaces.messages.at(name).fields, package, Dialect::Ros2));
   }
   for (const Action& action : interfaces.actions) {
     const std::string file = fmt::format("action/{}.action", action.type.substr(action.type.rfind('/') + 1));
     list += fmt::format("  \"{}\"\n", file);
     std::string text = fmt::format("# {}\n", action.service);
     for (const char* part : {"_Goal", "_Result", "_Feedback"}) {
-      text += fields_text(interfaces.messages.at(action.type + part).fields, package);
+      text += fields_text(interfaces.messages.at(action.type + part).fields, package, Dialect::Ros2);
       if (std::string_view(part) != "_Feedback") text += "---\n";
     }
     files.emplace_back(file, std::move(text));

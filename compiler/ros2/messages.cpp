@@ -69,6 +69,11 @@ std::size_t size_of(Kind kind) {
   return 1;
 }
 
+enum class Encoding : std::uint8_t { Cdr, Packed };
+const std::vector<Field>& fields_of(const Message& message, Encoding encoding) {
+  return encoding == Encoding::Cdr ? fields_of(message) : message.fields;
+}
+
 constexpr std::size_t kHead = 4;
 constexpr std::uint8_t kLittleEndian = 1;
 // Types do not contain themselves, so this is deeper than any.
@@ -78,16 +83,18 @@ constexpr int kMostNested = 64;
 
 class Writer {
  public:
-  explicit Writer(const Messages& messages) : messages_(messages), out_{0, kLittleEndian, 0, 0} {}
+  Writer(const Messages& messages, Encoding encoding) : messages_(messages), encoding_(encoding) {
+    if (encoding == Encoding::Cdr) out_ = {0, kLittleEndian, 0, 0};
+  }
 
   void number(std::uint64_t value, std::size_t size) {
     BIP_ASSERT(std::has_single_bit(size) && size <= 8, "a number of {} bytes", size);
-    while ((out_.size() - kHead) % size != 0) out_.push_back(0);
+    while (encoding_ == Encoding::Cdr && (out_.size() - kHead) % size != 0) out_.push_back(0);
     for (std::size_t k = 0; k < size; ++k) out_.push_back(static_cast<std::uint8_t>(value >> (8 * k)));
   }
   void message(const std::string& name, const Json& value, const std::string& where) {
     if (!value.is_object()) return fail(where, "is an object");
-    for (const Field& f : fields_of(messages_.at(name))) {
+    for (const Field& f : fields_of(messages_.at(name), encoding_)) {
       const auto found = value.find(f.json_name());
       field(f, found == value.end() ? absent(f) : *found, where.empty() ? f.name : where + "." + f.name);
     }
@@ -136,9 +143,10 @@ class Writer {
         const std::string text = value.is_null() ? "" : value.get<std::string>();
         if (f.text_bound != 0 && text.size() > f.text_bound)
           return fail(where, "has at most " + std::to_string(f.text_bound) + " bytes");
-        number(text.size() + 1, 4);
+        const bool has_end = encoding_ == Encoding::Cdr;
+        number(text.size() + (has_end ? 1 : 0), 4);
         out_.insert(out_.end(), text.begin(), text.end());
-        out_.push_back(0);
+        if (has_end) out_.push_back(0);
         return;
       }
       case Kind::Bool:
@@ -192,6 +200,7 @@ class Writer {
   }
 
   const Messages& messages_;
+  Encoding encoding_;
   Bytes out_;
   std::string wrong_;
 };
@@ -200,14 +209,17 @@ class Writer {
 
 class Reader {
  public:
-  Reader(const Messages& messages, const Bytes& bytes) : messages_(messages), bytes_(bytes), at_(kHead) {
+  Reader(const Messages& messages, const Bytes& bytes, Encoding encoding)
+      : messages_(messages), bytes_(bytes), encoding_(encoding) {
+    if (encoding == Encoding::Packed) return;
+    at_ = kHead;
     if (bytes.size() < kHead || bytes[0] != 0 || bytes[1] > kLittleEndian) fail("the encoding is not plain CDR");
     else is_big_ = bytes[1] == 0;
   }
 
   std::uint64_t number(std::size_t size) {
     BIP_ASSERT(std::has_single_bit(size) && size <= 8, "a number of {} bytes", size);
-    while ((at_ - kHead) % size != 0) ++at_;
+    while (encoding_ == Encoding::Cdr && (at_ - kHead) % size != 0) ++at_;
     if (at_ > bytes_.size() || bytes_.size() - at_ < size) fail("there are too few bytes");
     if (!wrong_.empty()) return 0;
     std::uint64_t value = 0;
@@ -219,7 +231,7 @@ class Reader {
   Json message(const std::string& name, int depth) {
     Json value = Json::object();
     if (depth > kMostNested) fail("it is too deep");
-    for (const Field& f : fields_of(messages_.at(name))) {
+    for (const Field& f : fields_of(messages_.at(name), encoding_)) {
       if (!wrong_.empty()) break;
       Json member = field(f, depth);
       if (!messages_.at(name).fields.empty()) value[f.json_name()] = std::move(member);
@@ -285,7 +297,8 @@ class Reader {
 
   const Messages& messages_;
   const Bytes& bytes_;
-  std::size_t at_;
+  Encoding encoding_;
+  std::size_t at_ = 0;
   bool is_big_ = false;
   std::string wrong_;
 };
@@ -391,7 +404,7 @@ std::string dds_type(const std::string& name) {
 
 Result<Bytes> to_cdr(const Messages& messages, const std::string& name, const Json& value,
                      const RequestHeader* header) {
-  Writer writer(messages);
+  Writer writer(messages, Encoding::Cdr);
   if (header != nullptr) {
     writer.number(header->client, 8);
     writer.number(static_cast<std::uint64_t>(header->number), 8);
@@ -401,11 +414,24 @@ Result<Bytes> to_cdr(const Messages& messages, const std::string& name, const Js
 }
 
 Result<Json> from_cdr(const Messages& messages, const std::string& name, const Bytes& bytes, RequestHeader* header) {
-  Reader reader(messages, bytes);
+  Reader reader(messages, bytes, Encoding::Cdr);
   if (header != nullptr) {
     header->client = reader.number(8);
     header->number = static_cast<std::int64_t>(reader.number(8));
   }
+  Json value = reader.message(name, 0);
+  if (!reader.wrong().empty()) return Failure{reader.wrong()};
+  return value;
+}
+
+Result<Bytes> to_packed(const Messages& messages, const std::string& name, const Json& value) {
+  Writer writer(messages, Encoding::Packed);
+  writer.message(name, value, "");
+  return writer.result();
+}
+
+Result<Json> from_packed(const Messages& messages, const std::string& name, const Bytes& bytes) {
+  Reader reader(messages, bytes, Encoding::Packed);
   Json value = reader.message(name, 0);
   if (!reader.wrong().empty()) return Failure{reader.wrong()};
   return value;

@@ -99,4 +99,9 @@ struct RequestHeader {
 [[nodiscard]] Result<Json> from_cdr(const Messages& messages, const std::string& name, const Bytes& bytes,
                                     RequestHeader* header = nullptr);
 
+/// As ROS 1 serializes: members one behind the other, without a head and without gaps; a text without a zero at its
+/// end.
+[[nodiscard]] Result<Bytes> to_packed(const Messages& messages, const std::string& name, const Json& value);
+[[nodiscard]] Result<Json> from_packed(const Messages& messages, const std::string& name, const Bytes& bytes);
+
 }  // namespace bip::ros2

@@ -8,15 +8,21 @@
 namespace bip::ros2 {
 
 EndpointPlan topic_plan(const Messages& messages, const std::string& name, const std::string& type) {
-  return {
-      .topic = "rt/" + name, .type = dds_type(type), .user_data = fmt::format("typehash={};", messages.hash_of(type))};
+  return {.name = name,
+          .message = type,
+          .topic = "rt/" + name,
+          .type = dds_type(type),
+          .user_data = fmt::format("typehash={};", messages.hash_of(type))};
 }
 
 EndpointPlan service_plan(const Messages& messages, const std::string& name, const std::string& type, Half half,
                           const std::string& id) {
   const bool is_request = half == Half::Request;
-  return {.topic = (is_request ? "rq/" : "rr/") + name + (is_request ? "Request" : "Reply"),
-          .type = dds_type(type + (is_request ? "_Request" : "_Response")),
+  const std::string message = type + (is_request ? "_Request" : "_Response");
+  return {.name = name,
+          .message = message,
+          .topic = (is_request ? "rq/" : "rr/") + name + (is_request ? "Request" : "Reply"),
+          .type = dds_type(message),
           .user_data = fmt::format("serviceid={};typehash={};", id, messages.hash_of(type))};
 }
 

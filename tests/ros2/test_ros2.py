@@ -23,6 +23,7 @@ sys.path.insert(0, str(ROOT / "tests/serve"))
 sys.path.insert(0, str(HERE))
 from checks import BIPC, check, finish  # noqa: E402
 from ros_client import ABORTED, CANCELED, SUCCEEDED, Goal, RosClient  # noqa: E402
+from served_level import ServedLevel, translate_track  # noqa: E402
 
 BUILD = pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or pathlib.Path(BIPC).resolve().parent)
 CLIENT = BUILD / "ros2_client"
@@ -31,72 +32,19 @@ EMPTY = "B:0"  # a message without members has this one, structure_needs_at_leas
 VERBS = ("do", "start", "refused", "await", "cancel", "kill", "sleep", "say")
 
 
-class Program:
-    """A process whose output is read until a line comes."""
-
-    def __init__(self, command, work, log):
-        self.log = pathlib.Path(work, log)
-        self.file = open(self.log, "a", encoding="utf-8")
-        self.begin = self.log.stat().st_size
-        self.process = subprocess.Popen(command, cwd=work, stdout=self.file, stderr=self.file)
-
-    def text(self):
-        return self.log.read_text(encoding="utf-8")[self.begin:]
-
-    def until(self, words, seconds=30):
-        end = time.monotonic() + seconds
-        while words not in self.text():
-            if self.process.poll() is not None or time.monotonic() > end:
-                return False
-            time.sleep(0.01)
-        return True
-
-    def end(self, how=signal.SIGTERM):
-        if self.process.poll() is None:
-            self.process.send_signal(how)
-        code = self.process.wait(30)
-        self.file.close()
-        return code
-
-
-class Level:
+class Level(ServedLevel):
     """A served level, its bridge, a client."""
 
     def __init__(self, work, files, serve_options=()):
-        self.work, self.files, self.options = work, files, serve_options
-        self.socket = os.path.join(tempfile.mkdtemp(prefix="ros2-"), "s")
-        self.serve()
-        self.bridge_again()
+        super().__init__(work, [BIPC, "ros2", *files, "--domain", str(DOMAIN)], serve_options)
         self.client = RosClient(CLIENT, DOMAIN)
-
-    def serve(self):
-        self.server = Program([BIPC, "serve", *self.options, "--socket", self.socket, "m.bip"], self.work, "serve.log")
-        end = time.monotonic() + 120
-        while not os.path.exists(self.socket) and self.server.process.poll() is None and time.monotonic() < end:
-            time.sleep(0.02)
-        assert os.path.exists(self.socket), self.server.text()
-
-    def bridge_again(self):
-        self.bridge = Program([BIPC, "ros2", *self.files, "--serve", self.socket, "--domain", str(DOMAIN), "--rate", "50"], self.work, "bridge.log")
-        assert self.bridge.until("connected to"), self.bridge.text()
 
     def close(self):
         self.client.close()
-        code = self.bridge.end()
-        self.server.end()
-        shutil.rmtree(os.path.dirname(self.socket), ignore_errors=True)
-        return code
+        return super().close()
 
 
 # ---- a component of GenoM 3
-
-def translate_track(work):
-    for source in sorted((ROOT / "tests/genom/track").iterdir()):
-        (shutil.copytree if source.is_dir() else shutil.copy)(source, os.path.join(work, source.name))
-    codels = [word for name in ("track_codels.c", "track_more.cc") for word in ("--codels", "codels/" + name)]
-    made = subprocess.run([BIPC, "genom", "--served", *codels, "track.gen", "eye.gen", "-o", "m.bip"], cwd=work, capture_output=True, text=True)
-    assert made.returncode == 0, made.stdout + made.stderr
-
 
 def path_of(*points):
     return [f"i:{len(points)}", *(f"d:{number}" for point in points for number in point)]
