@@ -49,8 +49,10 @@ void Controller::ask(Command command) {
   changed_.notify_all();
 }
 
-// Before a step that a client asked for. The oldest states go first.
+// Before a step that a client asked for. The oldest states go first. States that back() refuses to restore would keep
+// their strings for nothing.
 void Controller::note_state() {
+  if (image_.ffi != nullptr) return;
   undo_.push_back(system_.snapshot());
   undo_bytes_ += undo_.back().bytes();
   while (undo_.size() > kMostUndone || (undo_bytes_ > kMostUndoneBytes && undo_.size() > 1)) {
@@ -62,6 +64,7 @@ void Controller::note_state() {
 
 // The state before a step that was not taken.
 void Controller::drop_state() {
+  if (image_.ffi != nullptr) return;
   BIP_ASSERT(!undo_.empty() && undo_bytes_ >= undo_.back().bytes(), "{} states have {} bytes", undo_.size(),
              undo_bytes_);
   undo_bytes_ -= undo_.back().bytes();

@@ -236,6 +236,8 @@ Halt DebugSession::assign(u32 atom, u32 variable, Cell value) {
   const Var& declared = core_.tables().atom_type(atom).variables[variable];
   if (is_ffi(declared.type)) return refuse("an object of C++ cannot be set");
   branch();
+  // The move may be repeated when no state has the string any more.
+  if (core_.image().ffi != nullptr && declared.type == CellType::String) core_.image().ffi->pin({value.i});
   assignments_.push_back({core_.image().atoms[atom].first_cell + variable, value});
   record({kAssign, static_cast<u32>(assignments_.size() - 1)}, core_.now());
   return forward(Track::No);
@@ -298,7 +300,7 @@ std::optional<std::uint64_t> DebugSession::recorded_choice() const {
 
 void DebugSession::take_snapshot() {
   if (!back_refusal().empty() || (!snapshots_.empty() && snapshots_.back().position >= position_)) return;
-  if (core_.image().ffi != nullptr) core_.image().ffi->pin();
+  pin_strings(core_);
   Snapshot made{position_, core_.snapshot(), core_.enabled().list_order(), 0};
   made.bytes = sizeof made + made.state.places.size() * sizeof(u32) + made.state.marks.size() * sizeof(u64) +
                made.state.data.size() * sizeof(u64) + made.state.time.size() * sizeof(i64) +

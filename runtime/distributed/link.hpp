@@ -50,6 +50,13 @@ class Link {
   [[nodiscard]] Frame again(std::size_t k) const;
   /// The peer is gone: there is nothing to say to it any more.
   void close();
+  /// Calls `take` with each row of variables of the messages that it keeps.
+  template <class Take>
+  void visit_kept_cells(Take take) const {
+    visit_cells(unsaid_, take);
+    for (const Frame& frame : unconfirmed_) visit_cells(frame.messages, take);
+    for (const auto& [number, messages] : early_) visit_cells(messages, take);
+  }
 
  private:
   u32 self_, peer_;

@@ -95,4 +95,22 @@ struct Outgoing {
   Message message;
 };
 
+/// Calls `take` with each row of variables that is carried (Offer::cells, Part::cells).
+template <class Take>
+void visit_cells(const Lock& lock, Take take) {
+  for (const Offer& offer : lock.held) take(offer.cells);
+}
+template <class Take>
+void visit_cells(const Message& message, Take take) {
+  if (const auto* const offer = std::get_if<Offer>(&message)) take(offer->cells);
+  if (const auto* const lock = std::get_if<Lock>(&message)) visit_cells(*lock, take);
+  if (const auto* const begin = std::get_if<Begin>(&message)) {
+    for (const Part& part : begin->parts) take(part.cells);
+  }
+}
+template <class Take>
+void visit_cells(const std::vector<Message>& messages, Take take) {
+  for (const Message& message : messages) visit_cells(message, take);
+}
+
 }  // namespace bip::rt

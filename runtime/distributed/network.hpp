@@ -48,6 +48,11 @@ class Network {
   void await_again(u32 node, u32 peer);
   /// The next event. False: nothing will happen any more, but for crashes.
   bool next(NetworkEvent& event);
+  /// Calls `take` with each row of variables that is on its way.
+  template <class Take>
+  void visit_kept_cells(Take take) const {
+    for (const NetworkEvent& event : events_) visit_cells(event.frame.messages, take);
+  }
   [[nodiscard]] i64 now() const { return now_; }
   [[nodiscard]] const NetworkCounts& counts() const { return counts_; }
 

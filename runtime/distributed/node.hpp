@@ -99,6 +99,15 @@ class Node {
   [[nodiscard]] u32 history(u32 atom) const { return history_[atom]; }
 
  private:
+  /// Calls `take` with each row of variables that is not in the core: of messages to send and of attempts.
+  template <class Take>
+  void visit_kept_cells(Take take) const {
+    for (const Outgoing& outgoing : outbox_) visit_cells(outgoing.message, take);
+    for (const std::deque<Lock>& locks : waiting_) {
+      for (const Lock& lock : locks) visit_cells(lock, take);
+    }
+    for (const Lock& lock : ready_) visit_cells(lock, take);
+  }
   void take(const Offer& offer);
   void take(const Begin& begin);
   void take(const Stop&) { is_stopped_ = true; }

@@ -50,6 +50,11 @@ class Station {
   /// When something came from the peer last; 0: never.
   [[nodiscard]] i64 last_heard(u32 peer) const { return ends_[peer].last_heard; }
   void close(u32 peer);
+  /// Calls `take` with each row of variables of the messages that its links keep.
+  template <class Take>
+  void visit_kept_cells(Take take) const {
+    for (const End& end : ends_) end.link.visit_kept_cells(take);
+  }
   /// From now on what comes is confirmed by the next send.
   void answer_at_once() { most_unanswered_ = 1; }
 

@@ -8,18 +8,39 @@
 
 namespace bip::rt {
 
-void collect_strings(Core& core) {
-  FfiContext* const ffi = core.image().ffi;
-  if (ffi == nullptr || !ffi->wants_collection()) return;
-  // Actions that run beside the others have copies of their atoms' cells.
-  if (!core.actions().working().empty()) return;
-  std::vector<std::int32_t> live;
-  for (u32 cell = 0; cell < core.image().cell_count; ++cell) live.push_back(core.cell(cell).i);
+void LiveStrings::add(const Core& core) {
+  for (u32 cell = 0; cell < core.image().cell_count; ++cell) rows_.push_back(core.cell(cell).i);
   std::vector<i64> queued;
   core.events().save(queued);
-  for (const i64 word : queued) live.push_back(static_cast<std::int32_t>(word));
-  std::sort(live.begin(), live.end());
-  ffi->keep_only(live);
+  for (const i64 word : queued) rows_.push_back(static_cast<std::int32_t>(word));
+}
+
+void LiveStrings::add(const std::vector<u64>& cells) {
+  for (const u64 bits : cells) rows_.push_back(Cell{.bits = bits}.i);
+}
+
+void LiveStrings::keep_only(FfiContext& ffi) {
+  std::sort(rows_.begin(), rows_.end());
+  ffi.keep_only(rows_);
+}
+
+void LiveStrings::pin(FfiContext& ffi) const { ffi.pin(rows_); }
+
+bool wants_collection(const Image& image) { return image.ffi != nullptr && image.ffi->wants_collection(); }
+
+void collect_strings(Core& core) {
+  // Actions that run beside the others have copies of their atoms' cells.
+  if (!wants_collection(core.image()) || !core.actions().working().empty()) return;
+  LiveStrings live;
+  live.add(core);
+  live.keep_only(*core.image().ffi);
+}
+
+void pin_strings(const Core& core) {
+  if (core.image().ffi == nullptr) return;
+  LiveStrings live;
+  live.add(core);
+  live.pin(*core.image().ffi);
 }
 
 }  // namespace bip::rt

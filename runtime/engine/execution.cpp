@@ -359,7 +359,7 @@ std::vector<Execution::ClockReading> Execution::clocks(const std::string& atom_p
 }
 
 Execution::Snapshot Execution::snapshot() const {
-  if (impl_->core.image().ffi != nullptr) impl_->core.image().ffi->pin();
+  rt::pin_strings(impl_->core);
   Snapshot snapshot;
   snapshot.impl_ = std::make_unique<Snapshot::Impl>(Snapshot::Impl{
       impl_->core.snapshot(), impl_->core.enabled().list_order(), impl_->scheduler, impl_->steps, impl_->outcome});

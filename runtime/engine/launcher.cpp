@@ -8,6 +8,7 @@
 #include "runtime/core/final_state.hpp"
 #include "runtime/distributed/station.hpp"
 #include "runtime/engine/checkpoints.hpp"
+#include "runtime/engine/collect_strings.hpp"
 #include "runtime/engine/gathering.hpp"
 #include "runtime/engine/interrupt.hpp"
 #include "runtime/engine/loss_story.hpp"
@@ -528,11 +529,20 @@ class Launcher {
   void save_checkpoint(i64 now) {
     if (phase_ != RunPhase::Telling || !all([](const Member& member) { return member.has_told; })) return;
     checkpoints_.write(core_, {steps(), last_, history_});
+    if (wants_collection(core_.image())) free_strings();
     phase_ = RunPhase::Running;
     is_pausing_ = false;
     for (Member& member : members_) member.is_idle = false;
     say_all(Control::Kind::GoOn);
     serve_wants(now);
+  }
+
+  // Those of earlier checkpoints. The core is in the initial state until the end.
+  void free_strings() {
+    LiveStrings live;
+    live.add(core_);
+    live.add(last_.data);
+    live.keep_only(*core_.image().ffi);
   }
 
   [[nodiscard]] bool has_ended() const {

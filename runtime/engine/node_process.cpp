@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "bip/assert.hpp"
+#include "runtime/engine/collect_strings.hpp"
 #include "runtime/engine/interrupt.hpp"
 #include "runtime/engine/waker.hpp"
 
@@ -85,6 +86,7 @@ bool NodeProcess::run(const State& initial) {
     for (const Heard& heard : heard_) take(heard);
     has_work = has_worked();
     release_held();
+    if (wants_collection(setup_.image)) free_strings();
     if (!has_work) report(wall_clock());
     station_.send(wall_clock());
     station_.tick(wall_clock());
@@ -302,6 +304,17 @@ void NodeProcess::report_fault() {
       {fault_step_, fault_order_, static_cast<u64>(fault.code), fault.atom, fault.connector, fault.port, fault.loc.file,
        fault.loc.line, fault.loc.column, fault.other.file, fault.other.line, fault.other.column},
       {fault.what, fault.rule, fault.places, fault.data});
+}
+
+void NodeProcess::free_strings() {
+  LiveStrings live;
+  const auto add = [&live](const std::vector<u64>& cells) { live.add(cells); };
+  live.add(node_.core());
+  live.add(initial_->data);
+  node_.visit_kept_cells(add);
+  station_.visit_kept_cells(add);
+  for (const Held& held : held_) visit_cells(held.outgoing.message, add);
+  live.keep_only(*setup_.image.ffi);
 }
 
 u64 NodeProcess::sum_of_open(const std::vector<u64>& counts) {

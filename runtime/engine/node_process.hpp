@@ -71,6 +71,7 @@ class NodeProcess {
   void count(u64 round);
   void say_state();
   void say_last_state();
+  void free_strings();
   [[nodiscard]] i64 next_due(bool has_work) const;
   [[nodiscard]] u64 sum_of_open(const std::vector<u64>& counts);
   void say(Control::Kind kind, std::vector<u64> numbers, std::vector<std::string> texts = {});

@@ -59,7 +59,7 @@ class Simulator {
     } else if (!has_draws_) {  // what a model draws may differ in the next run
       return;
     }
-    if (image.ffi != nullptr) image.ffi->pin();
+    pin_strings(core_);
     counts_ = std::any_of(options.observers.begin(), options.observers.end(),
                           [](const Observer& o) { return o.kind == ObserverKind::Count; });
     const bool watches_steps = std::any_of(options.observers.begin(), options.observers.end(),

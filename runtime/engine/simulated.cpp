@@ -9,6 +9,7 @@
 #include "runtime/core/final_state.hpp"
 #include "runtime/distributed/node.hpp"
 #include "runtime/engine/checkpoints.hpp"
+#include "runtime/engine/collect_strings.hpp"
 #include "runtime/engine/flights.hpp"
 #include "runtime/engine/interrupt.hpp"
 #include "runtime/engine/loss_story.hpp"
@@ -63,6 +64,7 @@ class SimulatedRun {
     while (true) {
       for (NetworkEvent event; network_.next(event);) {
         take(event);
+        if (wants_collection(core_.image())) free_strings();
         const bool may_pause = !is_pausing_ && !has_lost() && steps_ != options_.limit;
         if (may_pause && checkpoints_.take_due(network_.now())) is_pausing_ = true;
       }
@@ -215,6 +217,20 @@ class SimulatedRun {
   }
 
   // -- The end --
+  // All nodes share the strings. The core of the run is in the initial state until the end.
+  void free_strings() {
+    LiveStrings live;
+    const auto add = [&live](const std::vector<u64>& cells) { live.add(cells); };
+    live.add(core_);
+    for (const Seat& seat : seats_) {
+      live.add(seat.node->core());
+      seat.node->visit_kept_cells(add);
+      for (const Link& link : seat.links) link.visit_kept_cells(add);
+    }
+    network_.visit_kept_cells(add);
+    live.keep_only(*core_.image().ffi);
+  }
+
 
   [[nodiscard]] bool has_lost() const {
     return std::any_of(seats_.begin(), seats_.end(), [](const Seat& seat) { return seat.is_lost; });

@@ -72,10 +72,13 @@ class FfiContext {
     }
     enough_ = std::max(kFewStrings, 2 * made_.size());
   }
-  /// Keeps the strings of now for ever: copies of states refer to them. Cost: linear in the strings made.
-  void pin() {
+  /// Keeps these strings for ever, if they are rows of strings made at run time: copies of states refer to them.
+  void pin(const std::vector<std::int32_t>& rows) {
     const std::lock_guard guard(lock_);
-    for (auto& [row, made] : made_) made.is_pinned = true;
+    for (const std::int32_t row : rows) {
+      const auto made = made_.find(row);
+      if (made != made_.end()) made->second.is_pinned = true;
+    }
   }
   /// What the exception that ended the last call said.
   [[nodiscard]] std::string message() const {
