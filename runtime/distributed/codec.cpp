@@ -162,9 +162,16 @@ void Codec::read_offer(ByteReader& reader, Offer& offer) const {
   if (type.mark_words == 0 && place == 0) return reader.refuse();
   for (u32 i = 0; i < type.mark_words; ++i) offer.offer.marks.push_back(reader.number());
   const u64 count = reader.count();
+  if (!reader.is_sound()) return;
+  // All that leave the place of a simple type are enabled, and no others.
+  if (type.simple && count != tables_.place_transitions[type.first_place + offer.offer.place].size)
+    return reader.refuse();
   for (u64 i = 0; i < count && reader.is_sound(); ++i) {
     const u32 row = reader.row(tables_.transitions.size());
     if (!reader.is_sound() || !has_port(type, row)) return reader.refuse();
+    // One of each port, in their order.
+    if (i != 0 && tables_.transitions[row].port <= tables_.transitions[offer.offer.transitions.back()].port)
+      return reader.refuse();
     // An automaton offers what leaves its place.
     if (type.mark_words == 0 && tables_.transitions[row].from != offer.offer.place) return reader.refuse();
     offer.offer.transitions.push_back(row);
@@ -203,10 +210,14 @@ void Codec::read(ByteReader& reader, u32 self, Begin& begin) const {
     part.order = reader.row(kNone);
     const LinkedType& type = tables_.types[tables_.atoms[part.atom].type];
     if (!reader.is_sound() || !has_port(type, part.transition)) return reader.refuse();
-    // What becomes the atom's history is a connector.
+    // What becomes the atom's history is a connector of the port.
     const u32 port = tables_.instance(part.atom, tables_.transitions[part.transition].port);
-    if (distribution_.sets.is_told_apart[port] != 0 && begin.interaction >= tables_.connector_interactions)
-      return reader.refuse();
+    if (distribution_.sets.is_told_apart[port] != 0) {
+      if (begin.interaction >= tables_.connector_interactions) return reader.refuse();
+      std::vector<u32> ports;
+      ports_of_interaction(tables_, tables_.interactions[begin.interaction], ports);
+      if (std::find(ports.begin(), ports.end(), port) == ports.end()) return reader.refuse();
+    }
     read_cells(reader, part.atom, part.cells);
     begin.parts.push_back(std::move(part));
   }

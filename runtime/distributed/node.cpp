@@ -40,6 +40,10 @@ void Node::take(const Offer& offer) {
     ++counts_.stale;
     return;
   }
+  if (is_in_core_[offer.atom] != 0 || distribution_.home(offer.atom) == self_) {
+    ++counts_.refused;
+    return;
+  }
   receive(offer);
   note_change(offer.atom);
 }
@@ -56,11 +60,25 @@ void Node::receive(const Offer& offer) {
   if (!core_.partial().receive(offer.atom, offer.offer)) stop();
 }
 
+// The atom is at rest here, and offered elsewhere or locked for the interaction.
+bool Node::may_take_up(const Part& part, u32 interaction) const {
+  const u32 atom = part.atom;
+  if (distribution_.home(atom) != self_ || part.n != n_[atom] || is_in_core_[atom] != 0) return false;
+  const bool is_locked_for_it = where_[atom] == Where::Locked && taken_by_[atom] == interaction;
+  if (where_[atom] != Where::Away && !is_locked_for_it) return false;
+  const Tables& tables = core_.tables();
+  const bool is_automaton = tables.types[tables.atoms[atom].type].mark_words == 0;
+  return !is_automaton || core_.partial().place_at_rest(atom) == tables.transitions[part.transition].from;
+}
+
 void Node::take(const Begin& begin) {
   for (const Part& part : begin.parts) {
-    BIP_ASSERT(distribution_.home(part.atom) == self_ && part.n <= n_[part.atom], "a step of atom {}", part.atom);
-    if (part.n != n_[part.atom]) {
+    if (part.n < n_[part.atom]) {
       ++counts_.stale;
+      continue;
+    }
+    if (!may_take_up(part, begin.interaction)) {
+      ++counts_.refused;
       continue;
     }
     ++n_[part.atom];
@@ -155,8 +173,11 @@ bool Node::find_coordinator(u32 atom, u32& coordinator) {
   for (const u32 port : enabled_) {
     const u32 row = distribution_.sets.situation_of(atom, place, history_[atom], port);
     if (row == kNone) continue;
-    BIP_ASSERT(coordinator == kNone || coordinator == distribution_.offered_in[row], "atom {} is offered to two nodes",
-               atom);
+    // Two nodes: a peer began what no run leads to.
+    if (coordinator != kNone && coordinator != distribution_.offered_in[row]) {
+      ++counts_.refused;
+      return true;
+    }
     coordinator = distribution_.offered_in[row];
   }
   return true;

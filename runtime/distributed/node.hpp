@@ -30,6 +30,7 @@ struct NodeCounts {
   u64 offers = 0, begins = 0;              // messages sent
   u64 locks = 0, releases = 0, wakes = 0;  // of split sets
   u64 stale = 0;                           // messages that came again
+  u64 refused = 0;                         // what no sound peer says in the state of this node
 };
 
 /// What happens to an atom, as models/protocol/offer_begin.bip tells it, and to an attempt to lock atoms for an
@@ -69,7 +70,8 @@ class Node {
 
   /// Is told what happens from now on; for tests.
   void observe(NodeObserver observer) { observer_ = std::move(observer); }
-  /// Takes a message of another node.
+  /// Takes a message of another node. Requires what Codec::read checks. What does not fit the state of this node is
+  /// refused and counted.
   void take(const Message& message);
   /// Begins a candidate that is_decided, as step `step` of the whole run: numbers grow along whatever depends on
   /// something. Appends the atoms that take part.
@@ -97,8 +99,6 @@ class Node {
   void save(State& state) const;
   /// NextMove::history of an atom at home here.
   [[nodiscard]] u32 history(u32 atom) const { return history_[atom]; }
-
- private:
   /// Calls `take` with each row of variables that is not in the core: of messages to send and of attempts.
   template <class Take>
   void visit_kept_cells(Take take) const {
@@ -108,6 +108,8 @@ class Node {
     }
     for (const Lock& lock : ready_) visit_cells(lock, take);
   }
+
+ private:
   void take(const Offer& offer);
   void take(const Begin& begin);
   void take(const Stop&) { is_stopped_ = true; }
@@ -117,6 +119,7 @@ class Node {
   void take(const Wake& wake);
   void come_to_rest(u32 atom);
   void receive(const Offer& offer);
+  [[nodiscard]] bool may_take_up(const Part& part, u32 interaction) const;
 
   // ---- locks: node_locks.cpp
   enum class Where : std::uint8_t { Away, Here, Working, Locked };
@@ -137,6 +140,11 @@ class Node {
   void note_success(u32 interaction);
   void lend(u32 atom, Lock& lock);
   void take_back(u32 atom, const AtomOffer& offer);
+  void take_back(const Release& release);
+  [[nodiscard]] bool may_come_back(u32 atom, u32 interaction) const;
+  [[nodiscard]] bool is_waiting(u32 interaction) const;
+  [[nodiscard]] bool may_hold(const Lock& lock) const;
+  void drop(const Lock& lock);
   void go_on(Lock lock, u32 served);
   void hold_all(Lock lock);
   void refuse(const Lock& lock, bool is_watched);
@@ -174,8 +182,10 @@ class Node {
   std::vector<Blocked> blocked_;
   std::vector<std::uint8_t> is_awake_, is_listed_;
   std::vector<u32> tries_;
-  std::vector<AtomOffer> lent_;                // by atom that an attempt took along from here
-  std::vector<u32> taken_by_;                  // by atom from elsewhere: the interaction whose attempt has it, or kNone
+  std::vector<AtomOffer> lent_;  // by atom that an attempt took along from here
+  // By atom from elsewhere: the interaction whose attempt has it, or kNone; by atom at home here that is locked: the
+  // interaction.
+  std::vector<u32> taken_by_;
   std::map<u32, std::vector<u32>> attempted_;  // by interaction that is being attempted: those atoms
   std::deque<Lock> ready_;                     // attempts of which all is locked here
   std::deque<u32> served_;                     // atoms at home here that may be given to who waits

@@ -171,7 +171,12 @@ void Node::lend(u32 atom, Lock& lock) {
   for (const u32 cell : distribution_.cells[atom]) held.cells.push_back(core_.cell(cell).bits);
   partial.send_away(atom);
   is_in_core_[atom] = 0;
-  where_[atom] = distribution_.home(atom) == self_ ? Where::Locked : Where::Away;
+  if (distribution_.home(atom) == self_) {
+    where_[atom] = Where::Locked;
+    taken_by_[atom] = lock.interaction;
+  } else {
+    where_[atom] = Where::Away;
+  }
 }
 
 // The atom is offered here again as it was. Its data are here.
@@ -182,8 +187,45 @@ void Node::take_back(u32 atom, const AtomOffer& offer) {
 }
 
 void Node::take(const Lock& lock) {
+  if (!may_hold(lock) || is_waiting(lock.interaction)) {
+    ++counts_.refused;
+    return;
+  }
   tell(NodeEvent::Kind::Arrived, kNone, lock.interaction);
   go_on(lock, kNone);
+}
+
+// An interaction is attempted once at a time.
+bool Node::is_waiting(u32 interaction) const {
+  const auto is_it = [interaction](const Lock& lock) { return lock.interaction == interaction; };
+  const Span<u32> locks = distribution_.locks[interaction];
+  return std::any_of(ready_.begin(), ready_.end(), is_it) || std::any_of(locks.begin(), locks.end(), [&](u32 atom) {
+           return std::any_of(waiting_[atom].begin(), waiting_[atom].end(), is_it);
+         });
+}
+
+// What an attempt has is not offered here; if it is at home here, it is offered to the coordinator, or locked here.
+bool Node::may_hold(const Lock& lock) const {
+  return std::all_of(lock.held.begin(), lock.held.end(), [&](const Offer& offer) {
+    const u32 atom = offer.atom;
+    if (is_in_core_[atom] != 0) return false;
+    if (distribution_.home(atom) != self_) return true;
+    return offer.n == n_[atom] &&
+           (where_[atom] == Where::Away || (where_[atom] == Where::Locked && taken_by_[atom] == lock.interaction));
+  });
+}
+
+// Forgets an attempt that says what cannot be; what it locked here is offered here again.
+void Node::drop(const Lock& lock) {
+  ++counts_.refused;
+  for (const Offer& offer : lock.held) {
+    const u32 atom = offer.atom;
+    if (distribution_.home(atom) != self_ || where_[atom] != Where::Locked || taken_by_[atom] != lock.interaction)
+      continue;
+    take_back(atom, lent_[atom]);
+    where_[atom] = Where::Here;
+    served_.push_back(atom);
+  }
 }
 
 // Locks what is at home here, and passes the attempt on. `served`: the atom that is given to it now, which waited for
@@ -218,6 +260,11 @@ void Node::go_on(Lock lock, u32 served) {
 
 // All that the interaction needs is offered here. Faults that show now are those of the step that was the last of all.
 void Node::hold_all(Lock lock) {
+  const Span<u32> needs = distribution_.needs[lock.interaction];
+  const bool is_whole = std::all_of(needs.begin(), needs.end(), [&](u32 atom) {
+    return std::any_of(lock.held.begin(), lock.held.end(), [&](const Offer& offer) { return offer.atom == atom; });
+  });
+  if (!is_whole || !may_hold(lock)) return drop(lock);
   PartialSteps& partial = core_.partial();
   std::vector<const Offer*> offers;
   for (const Offer& offer : lock.held) offers.push_back(&offer);
@@ -231,8 +278,7 @@ void Node::hold_all(Lock lock) {
     take_back(offer->atom, offer->offer);
     where_[offer->atom] = Where::Locked;
   }
-  BIP_ASSERT(std::all_of(distribution_.needs[lock.interaction].begin(), distribution_.needs[lock.interaction].end(),
-                         [this](u32 atom) { return is_in_core_[atom] != 0; }),
+  BIP_ASSERT(std::all_of(needs.begin(), needs.end(), [this](u32 atom) { return is_in_core_[atom] != 0; }),
              "not all that interaction {} needs is here", lock.interaction);
   if (core_.enabled().weight(lock.interaction) != 0 && partial.is_decided(lock.interaction)) {
     ready_.push_back(std::move(lock));
@@ -290,7 +336,7 @@ void Node::release(const Lock& lock, const std::vector<u32>& atoms, bool is_refu
     release.is_refused = is_refused;
     release.is_watched = is_watched;
     if (to == self_) {
-      take(release);
+      take_back(release);
       continue;
     }
     outbox_.push_back({to, std::move(release)});
@@ -298,13 +344,25 @@ void Node::release(const Lock& lock, const std::vector<u32>& atoms, bool is_refu
   }
 }
 
+// The atom went with an attempt of the interaction, from here.
+bool Node::may_come_back(u32 atom, u32 interaction) const {
+  if (is_in_core_[atom] != 0 || taken_by_[atom] != interaction) return false;
+  if (distribution_.home(atom) == self_) return where_[atom] == Where::Locked;
+  return distribution_.coordinator_of[interaction] == self_;
+}
+
 void Node::take(const Release& release) {
+  const bool may_come = std::all_of(release.atoms.begin(), release.atoms.end(),
+                                    [&](u32 atom) { return may_come_back(atom, release.interaction); });
+  if (may_come) take_back(release);
+  else ++counts_.refused;
+}
+
+void Node::take_back(const Release& release) {
   const u32 interaction = release.interaction;
   const bool is_coordinator = distribution_.coordinator_of[interaction] == self_;
   for (const u32 atom : release.atoms) {
     const bool is_home = distribution_.home(atom) == self_;
-    BIP_ASSERT(is_home ? where_[atom] == Where::Locked : is_coordinator && taken_by_[atom] == interaction,
-               "atom {} comes back, and was not taken", atom);
     tell(NodeEvent::Kind::Released, atom, interaction);
     take_back(atom, lent_[atom]);
     where_[atom] = Where::Here;

@@ -588,7 +588,7 @@ class Launcher {
       result_.end = End::Fault;
       if (writes_) merge_.write_until(fault_step_);
       // The step with the fault is not counted.
-      result_.steps = writes_ ? merge_.written() - 1 : steps();
+      result_.steps = writes_ ? std::max<u64>(merge_.written(), 1) - 1 : steps();
       (void)core_.restore(last_);
       core_.fail(fault_);
       return;
@@ -599,13 +599,18 @@ class Launcher {
     if (has_lost_) return end_with_loss(is_sound, initial);
     // C++ objects stay at home: what depends on them cannot be asked here.
     const bool is_known = last_.objects.empty();
-    BIP_ENSURE(is_sound || !is_known, "the last state has no fault");
+    if (!is_sound && is_known) return end_with_nonsense("they told of a state that ends in a run-time error", initial);
     if (result_.steps == options_.limit) result_.end = End::Limit;
     else if (is_interrupted_) result_.end = End::Interrupted;
     else result_.end = end_without_step(core_);
-    BIP_ENSURE(
-        !is_known || result_.end == End::Limit || result_.end == End::Interrupted || core_.candidate_count() == 0,
-        "a node waits for what never comes");
+    const bool is_over = result_.end == End::Limit || result_.end == End::Interrupted || core_.candidate_count() == 0;
+    if (is_known && !is_over) end_with_nonsense("they rest in a state in which a step is possible", initial);
+  }
+
+  // No run of sound nodes ends so.
+  void end_with_nonsense(const char* what, const State& initial) {
+    result_.error = std::string("the nodes do not say what happened: ") + what;
+    BIP_ENSURE(core_.restore(initial), "the initial state has no fault");
   }
 
   void add_own_counts() {

@@ -364,9 +364,9 @@ void NodeProcess::say_last_state() {
   say_state();
   const NodeCounts& counts = node_.counts();
   const StationCounts& station = station_.counts();
-  say(Control::Kind::Finished,
-      {steps_, border_steps_, counts.offers, counts.begins, station.frames, station.again, station.bytes,
-       station.refused + fabric_.counts().refused, cpu_microseconds(), counts.locks, counts.releases, counts.wakes});
+  say(Control::Kind::Finished, {steps_, border_steps_, counts.offers, counts.begins, station.frames, station.again,
+                                station.bytes, station.refused + counts.refused + fabric_.counts().refused,
+                                cpu_microseconds(), counts.locks, counts.releases, counts.wakes});
   is_finished_ = true;
 }
 

@@ -75,6 +75,7 @@ class SimulatedRun {
     SimulatedResult result;
     result.border_steps = border_steps_;
     for (const Seat& seat : seats_) {
+      BIP_ENSURE(seat.node->counts().refused == 0, "a node refuses what another one said");
       result.offers += seat.node->counts().offers;
       result.begins += seat.node->counts().begins;
       result.locks += seat.node->counts().locks;
@@ -216,7 +217,6 @@ class SimulatedRun {
     checkpoints_.write(core_, std::move(checkpoint));
   }
 
-  // -- The end --
   // All nodes share the strings. The core of the run is in the initial state until the end.
   void free_strings() {
     LiveStrings live;
@@ -231,6 +231,7 @@ class SimulatedRun {
     live.keep_only(*core_.image().ffi);
   }
 
+  // -- The end --
 
   [[nodiscard]] bool has_lost() const {
     return std::any_of(seats_.begin(), seats_.end(), [](const Seat& seat) { return seat.is_lost; });

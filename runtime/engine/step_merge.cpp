@@ -23,17 +23,19 @@ bool StepMerge::take_begun(u32 node, const Control& control) {
   const u64 step = control.numbers[0];
   if (node_of_step(step) != node || step <= bounds_[node] || control.numbers[1] >= core_.tables().interactions.size())
     return false;
+  // A number stands before a character of its text, or behind the last one.
+  if (control.numbers[2] > control.texts[0].size() + 1 || control.numbers[3] > control.texts[1].size() + 1)
+    return false;
+  if (std::any_of(control.numbers.begin() + kHead, control.numbers.end(),
+                  [this](u64 home) { return home >= bounds_.size(); }))
+    return false;
   Flight& flight = flights_[step];
   flight.is_told = true;
   flight.interaction = static_cast<u32>(control.numbers[1]);
   flight.out_number = control.numbers[2];
   flight.trace_number = control.numbers[3];
   flight.text = {control.texts[0], control.texts[1]};
-  if (flight.out_number > flight.text.out.size() || flight.trace_number > flight.text.trace.size()) return false;
-  for (std::size_t i = kHead; i < control.numbers.size(); ++i) {
-    if (control.numbers[i] >= bounds_.size()) return false;
-    add(flight, static_cast<u32>(control.numbers[i]), 1);
-  }
+  for (std::size_t i = kHead; i < control.numbers.size(); ++i) add(flight, static_cast<u32>(control.numbers[i]), 1);
   bounds_[node] = step;
   return true;
 }

@@ -1,10 +1,11 @@
 // What peers of a distributed run send: a frame of the run that can be written again, a greeting, or nothing. Whatever
-// it is, the links go on.
+// it is, the links go on, and so does a node that takes its messages.
 #include "compiler/interp/interp.hpp"
 #include "compiler/lower/lower.hpp"
 #include "compiler/pipeline/pipeline.hpp"
 #include "runtime/core/core.hpp"
 #include "runtime/distributed/greeting.hpp"
+#include "runtime/distributed/node.hpp"
 #include "runtime/distributed/station.hpp"
 #include "tests/fuzz/targets.hpp"
 
@@ -48,6 +49,7 @@ struct Peers {
   std::unique_ptr<interp::Interpreter> interpreter;
   std::unique_ptr<rt::Core> core;
   rt::Distribution distribution;
+  rt::State initial;
 
   Peers() {
     compilation.open_texts["/nowhere/peers.bip"] = kPeers;
@@ -57,6 +59,7 @@ struct Peers {
     rt::Placement placement{{"1", "2"}, {0, 1, 1}};
     placement.split_above = 1;
     distribution = rt::distribute(core->tables(), core->priorities(), placement);
+    if (core->initialize()) initial = core->snapshot();
   }
 };
 
@@ -66,6 +69,21 @@ class NoFabric final : public rt::Fabric {
   bool wait(int, const std::vector<int>&, std::vector<rt::Arrival>&) override { return false; }
   [[nodiscard]] rt::FabricCounts counts() override { return {}; }
 };
+
+// Does what the node may do now.
+void go_on(rt::Node& node) {
+  std::vector<rt::u32> atoms;
+  if (node.try_count() != 0) node.try_lock(0);
+  const rt::u32 locked = node.locked_interaction();
+  for (rt::u64 k = 0; k < node.core().candidate_count(); ++k) {
+    const rt::EnabledSet::Position at = node.core().position(k);
+    if (locked != rt::kNone ? at.interaction != locked : !node.core().partial().is_decided(at.interaction)) continue;
+    node.begin(at, 1, atoms);
+    break;
+  }
+  if (node.work_count() != 0) node.run(0);
+  node.outbox().clear();
+}
 
 }  // namespace
 
@@ -90,6 +108,12 @@ Verdict try_frame(std::string_view input) {
   const bool is_read = codec.read(input, 1, 0, frame);
   if (is_read == (station.counts().refused != 0)) return {"frame: what can be read is refused", false};
   if (!is_read) return {};
+  rt::Node node(peers.compilation.lowered->image, {}, peers.distribution, 0);
+  if (!node.start(peers.initial)) return {"frame: a node cannot start", false};
+  for (const rt::Message& message : frame.messages) {
+    node.take(message);
+    for (int turns = 0; turns < 2 && !node.is_stopped(); ++turns) go_on(node);
+  }
   std::string text, twice;
   codec.write(frame, text);
   if (!codec.read(text, 1, 0, again)) return {"frame: what was written cannot be read", true};

@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <memory>
 #include <numeric>
+#include <utility>
 
 #include "runtime/distributed/checkpoint.hpp"
 #include "runtime/distributed/codec.hpp"
@@ -16,8 +18,10 @@
 #include "runtime/distributed/node.hpp"
 #include "runtime/distributed/station.hpp"
 #include "runtime/engine/checkpoints.hpp"
+#include "runtime/engine/node_process.hpp"
 #include "runtime/engine/replay_record.hpp"
 #include "runtime/engine/simulated.hpp"
+#include "runtime/engine/step_merge.hpp"
 #include "runtime/trace/recorded.hpp"
 #include "tests/unit/base/contents.hpp"
 #include "tests/unit/runtime/helpers.hpp"
@@ -282,7 +286,8 @@ TEST_CASE("frames come back as they were, and odd bytes are refused") {
   split_all.split_above = 1;
   const Distribution with_locks = distribute(of_match.tables(), of_match.priorities(), split_all);
   const Codec lock_codec(of_match.tables(), with_locks, 42);
-  const Offer client{0, 4, {0, {}, {}, 5, 1}, {}};
+  const u32 meets = of_match.tables().types[of_match.tables().atoms[0].type].first_transition;
+  const Offer client{0, 4, {0, {}, {meets}, 5, 1}, {}};
   const auto reads = [&](const Message& message, u32 from, u32 to) {
     std::string text;
     lock_codec.write({from, to, 1, 0, 0, {message}}, text);
@@ -300,6 +305,9 @@ TEST_CASE("frames come back as they were, and odd bytes are refused") {
   CHECK_FALSE(reads(Lock{0, 2, {client}}, 0, 2));
   CHECK_FALSE(reads(Lock{0, 2, {client, client}}, 0, 2));
   CHECK_FALSE(reads(Lock{3, 1, {client}}, 0, 3));
+  // A simple atom offers each port of its place, once.
+  CHECK_FALSE(reads(Lock{0, 1, {{0, 4, {0, {}, {}, 5, 1}, {}}}}, 0, 2));
+  CHECK_FALSE(reads(Lock{0, 1, {{0, 4, {0, {}, {meets, meets}, 5, 1}, {}}}}, 0, 2));
   CHECK(reads(Release{0, true, false, {0}}, 2, 0));
   CHECK(reads(Release{0, false, true, {2}}, 0, 2));
   CHECK_FALSE(reads(Release{0, true, false, {1}}, 2, 0));
@@ -588,6 +596,160 @@ TEST_CASE("messages that come again change nothing") {
   CHECK(steps > 50);
   CHECK(nodes[0].counts().stale + nodes[1].counts().stale ==
         nodes[0].counts().offers + nodes[1].counts().offers + nodes[0].counts().begins + nodes[1].counts().begins);
+}
+
+namespace {
+
+// Nodes that hear each other at once. With `is_odd` each also hears what no sound peer says, which it has to refuse.
+struct OddTalk {
+  const Image& image;
+  const Distribution& distribution;
+  bool is_odd;
+  std::vector<std::unique_ptr<Node>> nodes;
+  std::vector<u32> steps;  // interactions
+  u64 refused = 0;
+
+  OddTalk(const Core& core, const Distribution& with, bool odd) : image(core.image()), distribution(with), is_odd(odd) {
+    for (u32 node = 0; node < with.placement.nodes.size(); ++node) {
+      nodes.push_back(std::make_unique<Node>(image, CoreOptions{}, with, node));
+      REQUIRE(nodes.back()->start(core.snapshot()));
+    }
+    for (int turn = 0; turn < 300; ++turn) {
+      for (const auto& node : nodes) go_on(*node);
+    }
+    for (const auto& node : nodes) CHECK_FALSE(node->is_stopped());
+  }
+
+  void go_on(Node& node) {
+    std::vector<u32> atoms;
+    if (node.try_count() != 0) node.try_lock(0);
+    const u32 locked = node.locked_interaction();
+    for (u64 k = 0; k < node.core().candidate_count(); ++k) {
+      const EnabledSet::Position at = node.core().position(k);
+      if (locked != kNone ? at.interaction != locked : !node.core().partial().is_decided(at.interaction)) continue;
+      node.begin(at, steps.size(), atoms);
+      steps.push_back(at.interaction);
+      break;
+    }
+    if (node.work_count() != 0) node.run(0);
+    const std::vector<Outgoing> said = std::exchange(node.outbox(), {});
+    for (const Outgoing& outgoing : said) {
+      Node& to = *nodes[outgoing.to];
+      if (is_odd) say_before(to, outgoing.message);
+      to.take(outgoing.message);
+      if (is_odd) say_after(to, outgoing.message);
+    }
+  }
+
+  void say_odd(Node& to, const Message& message) {
+    const u64 before = to.counts().refused;
+    const std::size_t said = to.outbox().size();
+    to.take(message);
+    CHECK(to.counts().refused == before + 1);
+    CHECK(to.outbox().size() == said);
+    ++refused;
+  }
+  void say_before(Node& to, const Message& message) {
+    if (const auto* const begin = std::get_if<Begin>(&message)) {
+      // A transition that leaves another place.
+      Begin odd = *begin;
+      odd.parts.resize(1);
+      const Tables& tables = to.core().tables();
+      const LinkedType& type = tables.types[tables.atoms[odd.parts[0].atom].type];
+      const u32 from = tables.transitions[odd.parts[0].transition].from;
+      for (u32 row = type.first_transition; row < type.first_transition + type.transition_count; ++row) {
+        odd.parts[0].transition = row;
+        if (tables.transitions[row].from != from) return say_odd(to, odd);
+      }
+    } else if (const auto* const release = std::get_if<Release>(&message);
+               release != nullptr && !release->atoms.empty()) {
+      // Of an attempt that did not take the atom.
+      for (u32 other = 0; other < distribution.coordinator_of.size(); ++other) {
+        const Span<u32> needs = distribution.needs[other];
+        if (other != release->interaction && std::find(needs.begin(), needs.end(), release->atoms[0]) != needs.end())
+          return say_odd(to, Release{other, true, false, {release->atoms[0]}});
+      }
+    } else if (const auto* const lock = std::get_if<Lock>(&message)) {
+      // It has what is to be locked, of another time.
+      Lock odd = *lock;
+      for (const u32 atom : distribution.needs[odd.interaction]) {
+        if (distribution.home(atom) != number_of(to)) continue;
+        odd.held.push_back({atom, ~u64{0}, {}, {}});
+        return say_odd(to, odd);
+      }
+    }
+  }
+  void say_after(Node& to, const Message& message) {
+    if (const auto* const offer = std::get_if<Offer>(&message)) {
+      Offer odd = *offer;
+      ++odd.n;
+      say_odd(to, odd);
+    } else if (const auto* const begin = std::get_if<Begin>(&message)) {
+      Begin odd = *begin;
+      odd.parts.resize(1);
+      ++odd.parts[0].n;
+      say_odd(to, odd);
+      odd.parts[0].n = ~u64{0};
+      say_odd(to, odd);
+    }
+  }
+  [[nodiscard]] u32 number_of(const Node& to) const {
+    for (u32 node = 0; node < nodes.size(); ++node) {
+      if (nodes[node].get() == &to) return node;
+    }
+    return kNone;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("what no sound peer says is refused and counted, and changes nothing") {
+  for (const bool is_split : {false, true}) {
+    ImageBuilder b;
+    if (is_split) build_match(b, 3);
+    else build_pairs(b, 6);
+    Core core(b.image());
+    REQUIRE(core.initialize());
+    Placement placement = apart(b.image());
+    if (is_split) placement.split_above = 1;
+    const Distribution distribution = distribute(core.tables(), core.priorities(), placement);
+    const OddTalk quiet(core, distribution, false), disturbed(core, distribution, true);
+    CHECK(quiet.steps.size() > 100);
+    CHECK(disturbed.steps == quiet.steps);
+    CHECK(disturbed.refused > 200);
+  }
+}
+
+TEST_CASE("a step that a node tells of is one, or is refused") {
+  ImageBuilder b;
+  build_pairs(b, 2);
+  Core core(b.image());
+  REQUIRE(core.initialize());
+  const Distribution distribution = distribute(core.tables(), core.priorities(), apart(b.image()));
+  RunOptions options;
+  std::FILE* out = std::tmpfile();
+  RunFile no_trace({}, stderr);
+  Output output(options, 1, out, no_trace, b.image());
+  StepMerge merge(core, distribution, output);
+  const auto is_taken = [&](std::vector<u64> numbers, std::vector<std::string> texts) {
+    return merge.take_begun(0, Control{Control::Kind::Begun, std::move(numbers), std::move(texts)});
+  };
+  const u64 first = step_at(1, 0), second = step_at(2, 0);
+  CHECK_FALSE(is_taken({first, 0, 0}, {"a", "b"}));
+  CHECK_FALSE(is_taken({first, 0, 0, 0}, {"a"}));
+  CHECK_FALSE(is_taken({step_at(1, 1), 0, 0, 0}, {"a", "b"}));
+  CHECK_FALSE(is_taken({first, 1000, 0, 0}, {"a", "b"}));
+  // A number that would stand behind the end of its text; a part at home on no node.
+  CHECK_FALSE(is_taken({first, 0, 3, 0}, {"a", "b"}));
+  CHECK_FALSE(is_taken({first, 0, 0, 99}, {"a", "b"}));
+  CHECK_FALSE(is_taken({first, 0, 0, 0, 7}, {"a", "b"}));
+  merge.write_until(second);
+  CHECK(merge.written() == 0);
+  CHECK(is_taken({first, 0, 2, 0}, {"at the end ", ""}));
+  CHECK(is_taken({second, 0, 1, 1}, {" steps before", ""}));
+  merge.write_until(second);
+  CHECK(merge.written() == 2);
+  std::fclose(out);
 }
 
 TEST_CASE("split sets: what one coordinator's interactions take is offered to it, what is shared is locked") {
