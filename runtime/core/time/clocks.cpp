@@ -31,11 +31,8 @@ bool to_ticks(double value, i64 unit, i64& ticks) {
   return true;
 }
 
-// A tick ago; of a clock that was set or restored at this instant, if it ran before.
-Int128 value_before(const ClockState& clock, i64 now) {
-  if (clock.since < now) return clock.value + run_for(clock.speed, now - 1 - clock.since);
-  return static_cast<Int128>(clock.value) - std::max<i64>(clock.speed >> 32, clock.speed > 0 ? 1 : 0);
-}
+// Has a clock of this speed values between two ticks?
+bool has_fraction(i64 speed) { return (speed & (kUnitSpeed - 1)) != 0; }
 
 // May what it offers later be said now? Not if C++ is asked: it may answer otherwise next time.
 bool is_foreseeable(const AtomType& type, const Image& image) {
@@ -137,11 +134,13 @@ std::size_t Clocks::bytes() const {
          coming_.size() * sizeof(Coming) + changes_.bytes() + ends_.bytes();
 }
 
-Int128 Clocks::clock_value(u32 atom, u32 clock) const {
+// In 2^-32 ticks.
+Int128 Clocks::exact_value(u32 atom, u32 clock) const {
   const ClockState& state = clocks_[clock_base_[atom] + clock];
   BIP_ASSERT(state.since <= now_ && clock < clock_base_[atom + 1] - clock_base_[atom],
              "clock {} of atom {} was set at {}", clock, atom, state.since);
-  return state.value + run_for(state.speed, now_ - state.since);
+  return (static_cast<Int128>(state.value) << 32) + state.fraction +
+         static_cast<Int128>(state.speed) * (now_ - state.since);
 }
 
 void Clocks::start_clocks(u32 atom) {
@@ -179,7 +178,7 @@ bool Clocks::read_clocks(u32 atom, const Transition* fired) {
       const Int128 value = clock_value(atom, row);
       if (value > kMaxTicks)
         return fail_clock(atom, clock, fired, "value", static_cast<double>(value) / static_cast<double>(clock.unit));
-      state = {static_cast<i64>(value), now_, std::llround(speed * static_cast<double>(kUnitSpeed))};
+      state = {static_cast<i64>(value), now_, std::llround(speed * static_cast<double>(kUnitSpeed)), 0};
       self[clock.variable + 2].f = static_cast<double>(state.speed) / static_cast<double>(kUnitSpeed);
     }
     if (self[clock.variable + 1].i == 0) {
@@ -194,6 +193,7 @@ bool Clocks::read_clocks(u32 atom, const Transition* fired) {
     BIP_ASSERT(state.value <= kMaxTicks && state.value >= -kMaxTicks, "clock {} at {}", row, state.value);
     BIP_ASSERT(state.speed >= 0 && state.speed <= kMaxSpeed, "clock {} at speed {}", row, state.speed);
     state.since = now_;
+    state.fraction = 0;
   }
   return true;
 }
@@ -245,14 +245,13 @@ bool Clocks::interval_of(u32 atom, const TimeGuard& when, Interval& out) {
       }
       continue;
     }
-    Int128 value = clock_value(atom, bound.clock), before = value_before(clock, now);
+    Int128 exact = exact_value(atom, bound.clock);
     i64 speed = clock.speed;
     if (bound.minus != kNone) {
-      value -= clock_value(atom, bound.minus);
-      before -= value_before(states[bound.minus], now);
+      exact -= exact_value(atom, bound.minus);
       speed -= states[bound.minus].speed;
     }
-    out.meet(instants_of(now, value, before, speed, bound.op, limit));
+    out.meet(instants_of(now, exact, speed, bound.op, limit));
   }
   return true;
 }
@@ -391,7 +390,8 @@ void Clocks::save(std::vector<i64>& out) const {
   for (u32 atom = 0; atom < core_.atoms.size; ++atom) {
     for (u32 clock = 0; clock < clock_base_[atom + 1] - clock_base_[atom]; ++clock) {
       out.push_back(static_cast<i64>(clock_value(atom, clock)));
-      out.push_back(clocks_[clock_base_[atom] + clock].speed);
+      const i64 speed = out.emplace_back(clocks_[clock_base_[atom] + clock].speed);
+      if (has_fraction(speed)) out.push_back(static_cast<i64>(exact_value(atom, clock) & (kUnitSpeed - 1)));
     }
     out.push_back(std::max(busy_until_[atom], now_));
   }
@@ -407,9 +407,10 @@ void Clocks::load(const std::vector<i64>& in) {
   now_ = *next++;
   BIP_ASSERT(now_ >= 0, "the instant {}", now_);
   for (u32 atom = 0; atom < core_.atoms.size; ++atom) {
-    for (u32 clock = clock_base_[atom]; clock < clock_base_[atom + 1]; ++clock, next += 2) {
-      BIP_ASSERT(next[1] >= 0 && next[1] <= kMaxSpeed, "clock {} at speed {}", clock, next[1]);
-      clocks_[clock] = {next[0], now_, next[1]};
+    for (u32 clock = clock_base_[atom]; clock < clock_base_[atom + 1]; ++clock) {
+      const i64 value = *next++, speed = *next++;
+      BIP_ASSERT(speed >= 0 && speed <= kMaxSpeed, "clock {} at speed {}", clock, speed);
+      clocks_[clock] = {value, now_, speed, has_fraction(speed) ? static_cast<u32>(*next++) : 0};
     }
     busy_until_[atom] = *next++;
   }
@@ -480,10 +481,6 @@ bool Clocks::look_at_time(u32 atom) {
   BIP_ASSERT(next > now_, "ports of atom {} change at {}", atom, next);
   changes_.set(atom, next);
   if (possible != 1 || !rules.is_foreseeable) coming.transition = kNone;
-  for (u32 clock = clock_base_[atom]; clock < clock_base_[atom + 1]; ++clock) {
-    // Values of others are rounded at the instant of a look.
-    if (clocks_[clock].speed != kUnitSpeed) coming.transition = kNone;
-  }
   return !rules.has_limits || look_at_invariants(atom);
 }
 

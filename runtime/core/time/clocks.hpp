@@ -33,7 +33,8 @@ struct CoreParts;
 struct ClockState {
   i64 value = 0;  // at `since`
   i64 since = 0;
-  i64 speed = kUnitSpeed;  // in 2^-32
+  i64 speed = kUnitSpeed;      // in 2^-32
+  std::uint32_t fraction = 0;  // of the value, in 2^-32; 0 unless a restored state had one
 };
 /// Of a port that is enabled now.
 struct PortTime {
@@ -48,7 +49,7 @@ struct TypeTime {
   bool has_resume = false;
   bool has_limits = false;  // invariants that bound clocks
   bool has_reads = false;   // actions that read clocks
-  // While clocks run at speed 1, what an atom offers later follows from what it was when it last moved.
+  // What an atom offers later follows from what it was when it last moved.
   bool is_foreseeable = false;
 };
 /// The next change of an atom's ports, if it is no more than that one port, the only one then, becomes enabled.
@@ -114,7 +115,7 @@ class Clocks {
   [[nodiscard]] u32 first_clock(u32 atom) const { return clock_base_[atom]; }
   [[nodiscard]] const ClockState& clock_state(u32 row) const { return clocks_[row]; }
   /// A clock's value in ticks; clock: a row of the atom's type.
-  [[nodiscard]] Int128 clock_value(u32 atom, u32 clock) const;
+  [[nodiscard]] Int128 clock_value(u32 atom, u32 clock) const { return exact_value(atom, clock) >> 32; }
 
   // ---- for the other parts of the core
   /// Before `initial`: clocks run at speed 1.
@@ -159,8 +160,9 @@ class Clocks {
   bool look_at_time(u32 atom);
   [[nodiscard]] i64 busy_until(u32 atom) const { return busy_until_[atom]; }
   void set_busy_until(u32 atom, i64 instant) { busy_until_[atom] = instant; }
-  /// Appends now; of each clock its value and speed; of each atom the instant until which it is busy; then what actions
-  /// and events add, and how many instants were drawn if draws_resumes(). Reads the same.
+  /// Appends now; of each clock its value and speed, and the fraction of the value if the speed has one; of each atom
+  /// the instant until which it is busy; then what actions and events add, and how many instants were drawn if
+  /// draws_resumes(). Reads the same.
   void save(std::vector<i64>& out) const;
   void load(const std::vector<i64>& in);
   /// Are the tournaments in order, and is no atom's next change in the past? O(atoms).
@@ -171,6 +173,7 @@ class Clocks {
   [[nodiscard]] std::size_t bytes() const;
 
  private:
+  [[nodiscard]] Int128 exact_value(u32 atom, u32 clock) const;
   bool interval_of(u32 atom, const TimeGuard& when, Interval& out);
   bool resume_interval(u32 atom, const Resume& resume, Interval& out);
   bool resume_together(std::vector<u32>& rows);

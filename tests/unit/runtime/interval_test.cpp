@@ -1,6 +1,7 @@
 // Instants of bounds against a count over every instant; the heap against a sorted list; times as text.
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <map>
 
 #include "runtime/include/bip/prng.hpp"
@@ -22,8 +23,9 @@ bool compares(Int128 value, BoundOp op, i64 limit) {
   return false;
 }
 
-// What a clock of this speed gains in one tick, to the nearest one.
-Int128 speed_before(i64 speed) { return run_for(speed, 1); }
+// In 2^-32.
+Int128 exactly(Int128 value) { return value << 32; }
+Int128 after(Int128 exact, i64 speed, i64 ticks) { return exact + static_cast<Int128>(speed) * ticks; }
 
 }  // namespace
 
@@ -39,11 +41,12 @@ TEST_CASE("a bound holds at the instants of its interval and at no other") {
         kUnitSpeed, 0, kUnitSpeed / 2, kUnitSpeed * 3, -kUnitSpeed, -kUnitSpeed / 2, kUnitSpeed / 3, -kUnitSpeed * 2};
     const i64 speed = speeds[random.below(8)];
     const auto op = static_cast<BoundOp>(random.below(5));
-    const Interval found = instants_of(now, value, value - speed_before(speed), speed, op, limit);
+    const Int128 exact = exactly(value) + static_cast<i64>(random.below(3) == 0 ? 0 : random.below(u64{1} << 32));
+    const Interval found = instants_of(now, exact, speed, op, limit);
     empty += found.empty() ? 1 : 0;
     bounded += !found.empty() && found.high != kForever ? 1 : 0;
     for (i64 t = now; t < now + 200; ++t) {
-      const bool holds = compares(value + run_for(speed, t - now), op, limit);
+      const bool holds = compares(after(exact, speed, t - now) >> 32, op, limit);
       if (holds != found.has(t)) {
         FAIL("value " << value << " speed " << static_cast<double>(speed) / static_cast<double>(kUnitSpeed) << " op "
                       << static_cast<int>(op) << " limit " << limit << " now " << now << " t " << t << ": ["
@@ -55,13 +58,34 @@ TEST_CASE("a bound holds at the instants of its interval and at no other") {
   CHECK(bounded > 1000);
 }
 
+TEST_CASE("a bound has the same instants whenever it is looked at") {
+  Prng random(9);
+  int later = 0;
+  for (int round = 0; round < 20'000; ++round) {
+    const Int128 exact =
+        exactly(static_cast<i64>(random.below(41)) - 20) + static_cast<i64>(random.below(u64{1} << 32));
+    const i64 speed = static_cast<i64>(random.below(u64{1} << 34)) - (i64{1} << 33);
+    const i64 limit = static_cast<i64>(random.below(61)) - 30, passed = static_cast<i64>(random.below(30));
+    const auto op = static_cast<BoundOp>(random.below(5));
+    const Interval first = instants_of(0, exact, speed, op, limit);
+    const Interval second = instants_of(passed, after(exact, speed, passed), speed, op, limit);
+    REQUIRE(second.empty() == (first.empty() || first.high < passed));
+    if (second.empty()) continue;
+    CHECK(second.low == std::max(first.low, passed));
+    CHECK(second.high == first.high);
+    if (first.low >= passed && first.low > 0) CHECK(second.low_open == first.low_open);
+    later += first.low > passed ? 1 : 0;
+  }
+  CHECK(later > 1000);
+}
+
 TEST_CASE("a clock at speed 1 needs no division") {
   Prng random(8);
   for (int round = 0; round < 20'000; ++round) {
     const i64 now = static_cast<i64>(random.below(20)), value = static_cast<i64>(random.below(20)) - 5,
               limit = static_cast<i64>(random.below(40)) - 10;
     const auto op = static_cast<BoundOp>(random.below(5));
-    const Interval one = instants_of(now, value, value - 1, kUnitSpeed, op, limit),
+    const Interval one = instants_of(now, exactly(value), kUnitSpeed, op, limit),
                    other = instants_around(now, now + limit - value, op);
     REQUIRE(one.empty() == other.empty());
     if (one.empty()) continue;
@@ -71,11 +95,11 @@ TEST_CASE("a clock at speed 1 needs no division") {
 }
 
 TEST_CASE("the ends of time are no instants") {
-  CHECK(instants_of(0, 0, 0, 1, BoundOp::Ge, kMaxTicks).empty());
-  CHECK(instants_of(0, 0, 0, 1, BoundOp::Le, kMaxTicks).high == kForever);
-  CHECK(instants_of(kMaxTicks, kMaxTicks, kMaxTicks - 1, kUnitSpeed, BoundOp::Ge, -kMaxTicks).low == kMaxTicks);
-  CHECK(instants_of(5, 0, -1, kUnitSpeed, BoundOp::Gt, 10).low_open);
-  CHECK(instants_of(5, 0, -1, kUnitSpeed, BoundOp::Gt, 10).low == 16);
+  CHECK(instants_of(0, 0, 1, BoundOp::Ge, kMaxTicks).empty());
+  CHECK(instants_of(0, 0, 1, BoundOp::Le, kMaxTicks).high == kForever);
+  CHECK(instants_of(kMaxTicks, exactly(kMaxTicks), kUnitSpeed, BoundOp::Ge, -kMaxTicks).low == kMaxTicks);
+  CHECK(instants_of(5, 0, kUnitSpeed, BoundOp::Gt, 10).low_open);
+  CHECK(instants_of(5, 0, kUnitSpeed, BoundOp::Gt, 10).low == 16);
 }
 
 TEST_CASE("a strict bound begins at an instant if it did not hold a tick ago") {
@@ -84,9 +108,9 @@ TEST_CASE("a strict bound begins at an instant if it did not hold a tick ago") {
       for (i64 value = -8; value <= 8; ++value) {
         for (i64 passed = 1; passed < 4; ++passed) {
           // The clock was set `passed` ticks ago.
-          const Int128 now_value = value + run_for(speed, passed), before = value + run_for(speed, passed - 1);
+          const Int128 before = after(exactly(value), speed, passed - 1) >> 32;
           for (const BoundOp op : {BoundOp::Gt, BoundOp::Lt}) {
-            const Interval found = instants_of(passed, now_value, before, speed, op, limit);
+            const Interval found = instants_of(passed, after(exactly(value), speed, passed), speed, op, limit);
             if (found.empty() || found.low != passed) continue;
             CHECK(found.low_open == !compares(before, op, limit));
           }
@@ -95,8 +119,8 @@ TEST_CASE("a strict bound begins at an instant if it did not hold a tick ago") {
     }
   }
   // A difference that does not change began long ago, also one tick above its limit.
-  CHECK_FALSE(instants_of(9, 6, 6, 0, BoundOp::Gt, 5).low_open);
-  CHECK_FALSE(instants_of(9, 4, 4, 0, BoundOp::Lt, 5).low_open);
+  CHECK_FALSE(instants_of(9, exactly(6), 0, BoundOp::Gt, 5).low_open);
+  CHECK_FALSE(instants_of(9, exactly(4), 0, BoundOp::Lt, 5).low_open);
 }
 
 TEST_CASE("the heap knows the smallest key") {
