@@ -210,15 +210,20 @@ Json AttachedSession::changes(const Json& atoms, std::int64_t until, Json& set_c
 
 bool AttachedSession::ask(Json request, std::function<void(const Json&)> then) {
   request["id"] = next_;
+  if (!connection_->send(text_of(request))) return false;
   asked_[next_++] = std::move(then);
-  return connection_->send(text_of(request));
+  return true;
+}
+
+void AttachedSession::ask_or_end(Json request, std::function<void(const Json&)> then) {
+  if (!ask(std::move(request), std::move(then))) is_over_ = true;
 }
 
 bool AttachedSession::hear() {
   std::vector<std::string> lines;
   const bool is_open = connection_->receive(lines);
   for (const std::string& line : lines) hear_line(line);
-  return is_open;
+  return is_open && !is_over_;
 }
 
 void AttachedSession::hear_line(const std::string& line) {
@@ -289,11 +294,12 @@ bool AttachedSession::tick() {
   if (!connection_->flush()) return false;
   const bool is_time =
       is_due_ ? passed >= std::chrono::milliseconds(1000 / kLooksPerSecond) : passed >= std::chrono::seconds(1);
-  return is_looking_ || !is_time || look();
+  if (is_time && !is_looking_) look();
+  return !is_over_;
 }
 
 // Asks for the components that have moved.
-bool AttachedSession::look() {
+void AttachedSession::look() {
   BIP_ASSERT(!is_looking_, "{} requests wait, one of them for the state", asked_.size());
   is_looking_ = true;
   is_due_ = false;
@@ -310,7 +316,7 @@ bool AttachedSession::look() {
   moved_.clear();
   sees_all_ = false;
   const std::size_t count = steps_.size();
-  return ask(std::move(request), [this, count](const Json& answer) {
+  ask_or_end(std::move(request), [this, count](const Json& answer) {
     is_looking_ = false;
     if (!flag_in(answer, "ok") || found(answer, "atoms") == nullptr) return;
     // Steps that were told of meanwhile are those of the next look.
@@ -366,7 +372,7 @@ void AttachedSession::see(const Json& answer) {
   const bool is_unknown = (rows_.empty() ? first_candidates_ : rows_.back().candidates) == "null";
   if (is_still && (is_unknown || !was_still || was_ended != is_ended)) {
     // Its candidates are those of this state, if nobody moves it meanwhile.
-    (void)ask({{"do", "candidates"}}, [this, now](const Json& given) {
+    ask_or_end({{"do", "candidates"}}, [this, now](const Json& given) {
       if (number_in(given, "steps") == now && number_in(model_, "steps") == now) see_candidates(given);
       else is_due_ = true;
     });
@@ -536,7 +542,7 @@ bool AttachedSession::handle(std::uint64_t page, std::string_view message) {
   const bool moves = verb != "why" && verb != "break";
   const bool is_sent = ask(std::move(request), [this, answer, moves](const Json& given) {
     answer(given);
-    if (moves && flag_in(given, "ok") && !is_looking_) (void)look();
+    if (moves && flag_in(given, "ok") && !is_looking_) look();
     else if (moves) is_due_ = true;
   });
   if (!is_sent) answer({{"ok", false}, {"error", "the model does not read what it is asked"}});

@@ -81,9 +81,11 @@ class AttachedSession final : public PageSession {
 
   [[nodiscard]] Json ask_now(const Json& request);
   [[nodiscard]] bool ask(Json request, std::function<void(const Json&)> then);
+  /// As ask(), of the session itself: without it nothing more is seen, so a failure ends the session.
+  void ask_or_end(Json request, std::function<void(const Json&)> then);
   void hear_line(const std::string& line);
   void hear_step(const Json& note);
-  [[nodiscard]] bool look();
+  void look();
   void see(const Json& answer);
   void see_candidates(const Json& answer);
   void add_row(const std::string& step);
@@ -123,6 +125,7 @@ class AttachedSession final : public PageSession {
   std::set<std::size_t> moved_;
   std::uint64_t lost_ = 0;
   bool is_due_ = false, is_looking_ = false, sees_all_ = false;
+  bool is_over_ = false;  // the model cannot be asked any more
   Clock::time_point last_look_{};
   std::uint64_t next_ = 1;
   std::map<std::uint64_t, std::function<void(const Json&)>> asked_;
