@@ -2,20 +2,15 @@
 #include "compiler/driver/file_options.hpp"
 
 #include <algorithm>
-#include <filesystem>
 #include <iterator>
 #include <string_view>
 #include <vector>
 
-#include <fmt/format.h>
-
-#include "compiler/base/write_file.hpp"
+#include "runtime/engine/file_conflict.hpp"
 
 namespace bip::driver {
 
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr FileOption kFileOptions[] = {
     {"check", "FILE", FileRole::Source},
@@ -98,21 +93,7 @@ constexpr std::string_view kFilePositionals[] = {"FILE", "MODEL", "TRACE", "DIR"
 // Of every command that has them: where packages are, and the cache.
 constexpr std::string_view kCommonFolders[] = {"-I", "--cache"};
 
-struct NamedFile {
-  const FileOption* option;
-  std::string path;
-};
-
 bool is_written(FileRole role) { return role == FileRole::Output || role == FileRole::Updated; }
-
-// What is there and no regular file (a device, a pipe, a folder) loses nothing by being written.
-bool is_one_file(const std::string& a, const std::string& b) {
-  std::error_code error;
-  if (fs::exists(a, error)) return fs::is_regular_file(a, error) && is_same_file(a, b);
-  if (fs::exists(b, error)) return false;
-  const fs::path first = fs::weakly_canonical(fs::absolute(a, error), error);
-  return !first.empty() && first == fs::weakly_canonical(fs::absolute(b, error), error);
-}
 
 std::string shown(const FileOption& row) { return std::string_view(row.option) == "--output" ? "-o" : row.option; }
 
@@ -143,26 +124,18 @@ std::string nameless_file(const CLI::App& command) {
 }
 
 std::string file_conflict(const CLI::App& command) {
-  std::vector<NamedFile> files;
+  std::vector<rt::NamedFile> files;
   for (const FileOption& row : kFileOptions) {
     if (command.get_name() != row.command || !(is_written(row.role) || row.role == FileRole::Input)) continue;
     const CLI::Option* option = command.get_option_no_throw(row.option);
     if (option == nullptr) continue;
+    const rt::FileUse use = row.role == FileRole::Input    ? rt::FileUse::Input
+                            : row.role == FileRole::Output ? rt::FileUse::Output
+                                                           : rt::FileUse::Updated;
     for (const std::string& path : option->results())
-      if (!path.empty() && path != "-") files.push_back({&row, path});
+      if (!path.empty() && path != "-") files.push_back({shown(row), path, use});
   }
-  for (const NamedFile& output : files) {
-    if (!is_written(output.option->role)) continue;
-    for (const NamedFile& other : files) {
-      const bool is_input = !is_written(other.option->role);
-      if (other.option == output.option || (is_input && output.option->role == FileRole::Updated)) continue;
-      if (!is_one_file(output.path, other.path)) continue;
-      return is_input ? fmt::format("{} would overwrite the file of {}, `{}`", shown(*output.option),
-                                    shown(*other.option), other.path)
-                      : fmt::format("{} and {} name the same file", shown(*output.option), shown(*other.option));
-    }
-  }
-  return {};
+  return rt::file_conflict(files);
 }
 
 }  // namespace bip::driver

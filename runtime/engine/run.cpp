@@ -3,10 +3,10 @@
 #include "runtime/core/text.hpp"
 #include "runtime/distributed/checkpoint.hpp"
 
-#include <sys/stat.h>
-
 #include <algorithm>
+#include <vector>
 
+#include "runtime/engine/file_conflict.hpp"
 #include "runtime/engine/run_loop.hpp"
 
 namespace bip::rt {
@@ -56,30 +56,16 @@ std::string format_refusal(const Image& image, const RunOptions& options) {
   return {};
 }
 
-bool is_same_file(const std::string& a, const std::string& b) {
-  if (a.empty() || b.empty()) return false;
-  struct stat first {
-  }, second{};
-  if (::stat(a.c_str(), &first) != 0 || ::stat(b.c_str(), &second) != 0) return a == b;
-  return S_ISREG(first.st_mode) && first.st_dev == second.st_dev && first.st_ino == second.st_ino;
-}
-
-// Two options that name one file, of which at least one would write it; empty: there are none.
-std::string file_conflict(const RunOptions& options) {
-  struct Named {
-    const char* option;
-    const std::string& path;
+std::string conflict_of(const RunOptions& options) {
+  std::vector<NamedFile> files;
+  const auto add = [&files](const char* option, const std::string& path, FileUse use) {
+    if (!path.empty()) files.push_back({option, path, use});
   };
-  const Named outputs[] = {{"--trace", options.trace_path}, {"--record", options.record_path}};
-  const Named inputs[] = {{"--events", options.events_path}, {"--replay", options.replay_path}};
-  for (const Named& output : outputs) {
-    for (const Named& input : inputs) {
-      if (is_same_file(output.path, input.path))
-        return std::string(output.option) + " would overwrite the file of " + input.option + ", `" + input.path + '`';
-    }
-  }
-  if (is_same_file(options.trace_path, options.record_path)) return "--trace and --record name the same file";
-  return {};
+  add("--trace", options.trace_path, FileUse::Output);
+  add("--record", options.record_path, FileUse::Output);
+  add("--events", options.events_path, FileUse::Input);
+  add("--replay", options.replay_path, FileUse::Input);
+  return file_conflict(files);
 }
 
 // Why such a run cannot be; empty: it can.
@@ -104,7 +90,7 @@ std::string refusal(const Image& image, const RunOptions& options) {
     return "--placement needs --engine=simulated or --engine=distributed";
   if (options.engine == Engine::Distributed && options.fabrics == nullptr)
     return "--engine=distributed is an engine of `bipc run`";
-  if (std::string conflict = file_conflict(options); !conflict.empty()) return conflict;
+  if (std::string conflict = conflict_of(options); !conflict.empty()) return conflict;
   return format_refusal(image, options);
 }
 
