@@ -23,7 +23,7 @@
 #include "compiler/verify/net/unread_data.hpp"
 #include "runtime/engine/simulate.hpp"
 #include "runtime/explore/counterexample.hpp"
-#include "runtime/include/bip/draws.hpp"
+#include "runtime/explore/follow_path.hpp"
 #include "runtime/trace/trace.hpp"
 
 namespace bip::compiler {
@@ -98,21 +98,12 @@ Counterexample replayed(const rt::Image& image, rt::MaximalProgress maximal, rt:
   Counterexample out;
   out.end = name_of(end);
   rt::Core core(image, {.progress = maximal});
-  core.time().wait_for_resume_at();
-  rt::DrawScript first = rt::DrawScript::without_choices();
-  bool is_sound = false;
-  if (const rt::FollowedScript follow(first); core.initialize()) is_sound = true;
-  for (const rt::TimedStep& step : path.steps) {
-    const std::uint64_t choice = rt::candidate_of(step.choice);
-    if (!is_sound || !rt::let_time_pass(core, path, out.steps.size()) || choice >= core.candidate_count()) break;
-    rt::DrawScript script(rt::drawn_by(step.choice));
-    const rt::FollowedScript follow(script);
-    const rt::EnabledSet::Position at = core.position(choice);
+  const auto tell = [&](std::uint64_t, std::uint64_t choice) {
     CounterexampleStep row{core.is_timed() ? core.now() : 0, choice, {}};
-    rt::append_candidate(row.interaction, core, core.candidate(at));
+    rt::append_candidate(row.interaction, core, core.candidate(core.position(choice)));
     out.steps.push_back(std::move(row));
-    is_sound = core.is_timed() ? core.time().take(at) : core.take(at);
-  }
+  };
+  (void)rt::follow_path(core, end, path, tell, [] {});
   return out;
 }
 

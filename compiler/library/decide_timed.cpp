@@ -25,6 +25,7 @@
 #include "compiler/verify/evidence/counterexample_text.hpp"
 #include "compiler/verify/evidence/reached_zones.hpp"
 #include "runtime/explore/counterexample.hpp"
+#include "runtime/explore/follow_path.hpp"
 
 namespace bip::library {
 
@@ -81,16 +82,9 @@ bool can_fault_in_guards(const System& system) {
 // Describes the state at the end of the path.
 std::string broken_text(const rt::Image& image, const verify::Property& property, const rt::TimedPath& path) {
   rt::Core core(image);
-  core.time().wait_for_resume_at();
-  bool is_sound = core.initialize();
-  for (std::uint64_t k = 0; k < path.steps.size(); ++k) {
-    const std::uint64_t choice = path.steps[k].choice;
-    is_sound = is_sound && rt::let_time_pass(core, path, k) && choice < core.candidate_count() &&
-               core.time().take(core.position(choice));
-  }
-  return is_sound && rt::let_time_pass(core, path, path.steps.size())
-             ? verify::broken_state(core, property, path.steps.size())
-             : std::string();
+  const auto ignore = [](std::uint64_t, std::uint64_t) {};
+  const std::uint64_t taken = rt::follow_path(core, rt::CounterexampleEnd::State, path, ignore, [] {});
+  return taken == path.steps.size() && !core.fault() ? verify::broken_state(core, property, taken) : std::string();
 }
 
 // Parts are small and seen once: the interpreter, whatever back end the model has.

@@ -1,5 +1,4 @@
-// Takes a path from the initial state in a core: what all texts about a counterexample have in common; internal to
-// runtime/explore.
+// Takes a path from the initial state in a core: what all texts about a counterexample have in common.
 #pragma once
 #include "bip/draws.hpp"
 #include "runtime/core/core.hpp"
