@@ -188,7 +188,7 @@ Verdict decide(const VerifyRequest& request, Compilation& c, const verify::Quest
   ContentCache cache(KeptKind::Proof, cache_folder(kept).string(), kept.megabytes << 20);
   verify::ProofCache proofs(cache, cache_version());
   const verify::StateAccess access =
-      has_undetermined_values(*c.system) ? verify::StateAccess::CallsCpp : verify::StateAccess::Searchable;
+      has_undetermined_values(*c.system) ? verify::StateAccess::Undetermined : verify::StateAccess::Searchable;
   verify::Portfolio portfolio(*c.system, c.lowered->image, access, prepare, report);
   if (request.reuses && cache.is_on()) portfolio.use_cache(&proofs);
   const verify::ProcessClock::time_point start = verify::ProcessClock::now();

@@ -163,7 +163,7 @@ Verdict decide_liveness(const VerifyRequest& request, Compilation& c, const veri
   options.report = report;
   const verify::RunsDecision decision =
       verify::decide_runs(question.formula, *c.system, c.lowered->image,
-                          has_graph ? verify::StateAccess::Searchable : verify::StateAccess::CallsCpp, options);
+                          has_graph ? verify::StateAccess::Searchable : verify::StateAccess::Undetermined, options);
   const verify::LivenessResult& found = decision.on_graph;
   if (request.wants_certificate && decision.outcome == verify::Outcome::Holds &&
       !add_certificate(request, c, question, reached, decision.proof, verdict))

@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "compiler/system/system.hpp"
+
 namespace bip::verify {
 
 namespace {
@@ -16,11 +18,12 @@ struct RunsTurn {
   double at_most = std::numeric_limits<double>::infinity();
 };
 // What is small is visited at once. A graph is made anew in its second turn.
-constexpr RunsTurn kRunsTurns[] = {{RunsEngine::Graph, 1.0 / 8, 3},
-                                   {RunsEngine::KLiveness, 1.0 / 2, 120},
-                                   {RunsEngine::Graph, 2.0 / 3},
-                                   // An attempt has more time now than in the first turn; or the graph gave up for memory.
-                                   {RunsEngine::KLiveness}};
+constexpr RunsTurn kRunsTurns[] = {
+    {RunsEngine::Graph, 1.0 / 8, 3},
+    {RunsEngine::KLiveness, 1.0 / 2, 120},
+    {RunsEngine::Graph, 2.0 / 3},
+    // An attempt has more time now than in the first turn; or the graph gave up for memory.
+    {RunsEngine::KLiveness}};
 
 class RunsPortfolio {
  public:
@@ -28,8 +31,10 @@ class RunsPortfolio {
       : formula_(formula), system_(system), image_(image), options_(options) {}
 
   RunsDecision run(StateAccess access) {
-    if (access == StateAccess::CallsCpp) {
-      graph_reason_ = "what the model's C++ remembers is part of no state, so no cycle of states is known";
+    if (access == StateAccess::Undetermined) {
+      graph_reason_ = system_.code.has_cpp()
+                          ? "what the model's C++ remembers is part of no state, so no cycle of states is known"
+                          : "the model draws random numbers, which no state determines, so no cycle of states is known";
       may_visit_ = false;
     }
     for (const RunsTurn& turn : kRunsTurns) {

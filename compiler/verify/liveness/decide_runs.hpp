@@ -19,7 +19,7 @@ struct RunsDecision {
 };
 
 /// `system` and `image` are of one compilation, without time and without a fault in the initialization. Searchable: the
-/// image has its code, and the system calls no C++.
+/// image has its code, and the system calls no C++ and draws no random numbers.
 [[nodiscard]] RunsDecision decide_runs(const Formula& formula, const System& system, const rt::Image& image,
                                        StateAccess access, const LivenessOptions& options);
 

@@ -44,8 +44,8 @@ struct LivenessResult {
   std::optional<Fairness> holds_under;  // Violated: it holds if runs are fair in this sense
 };
 
-/// Decides the formula for the runs of an image that has its code, without time and C++ and without a fault in the
-/// initialization.
+/// Decides the formula for the runs of an image that has its code, without time, C++ and random numbers and without a
+/// fault in the initialization.
 [[nodiscard]] LivenessResult decide_liveness(const Formula& formula, const rt::Image& image,
                                              const LivenessOptions& options);
 

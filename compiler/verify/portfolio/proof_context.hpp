@@ -15,8 +15,9 @@ namespace bip::verify {
 /// A proof that needed no more candidates than this is found again as fast as it is read: it is not stored.
 inline constexpr std::uint64_t kCheapCandidates = 64;
 
-/// CallsCpp: the state of C++ code is not part of the engine's, so states can be neither visited nor replayed.
-enum class StateAccess : std::uint8_t { Searchable, CallsCpp };
+/// Undetermined: steps depend on what no state determines (what C++ returns, random numbers), so states can be neither
+/// visited nor replayed.
+enum class StateAccess : std::uint8_t { Searchable, Undetermined };
 
 /// One system in the forms that engines need. Net: built at once, all use it. Transition system and executable code:
 /// built on first use, once. They outlive questions.

@@ -407,7 +407,7 @@ TEST_CASE("several processes share a folder") {
         ContentCache cache(KeptKind::Proof, folder.path(), 20000);
         verify::ProofCache memory(cache, "unit", StorePolicy::All);
         verify::Portfolio portfolio(
-            *c.system, c.lowered->image, verify::StateAccess::CallsCpp, [] { return false; },
+            *c.system, c.lowered->image, verify::StateAccess::Undetermined, [] { return false; },
             [](const char*, std::uint64_t, const char*) {});
         portfolio.use_cache(&memory);
         verify::PortfolioLimits limits;
