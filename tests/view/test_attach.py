@@ -30,6 +30,7 @@ PHILOSOPHERS = ROOT / "models/classic/philosophers.bip"
 SAFE = ROOT / "models/classic/philosophers_safe.bip"
 TRAINS = ROOT / "models/timed/train_gate.bip"
 COUNTER = ROOT / "tests/serve/counter.bip"
+TEXTS = ROOT / "tests/serve/texts.bip"
 passed, failed = 0, 0
 
 
@@ -194,6 +195,27 @@ def running():
         with Client(model.where, 20) as client:
             client.ask("shutdown")
         check("the page's server ends with the model", served.process.wait(20) == 0, served.process.returncode)
+
+
+def texts():
+    """A model that gets 20,000 texts: neither it nor the page's server keeps those that no state has any more."""
+    def resident(process):
+        return int(re.search(r"VmRSS:\s+(\d+)", pathlib.Path(f"/proc/{process.pid}/status").read_text())[1])
+
+    with Model(BIPC, TEXTS) as model, Served(BIPC, "--attach", model.where, TEXTS) as served, Client(model.where, 20) as client:
+        w = Watched(served)
+        w.until("the model is seen", lambda: w.model and w.first)
+        before = []
+        for k in range(20_000):
+            if k == 5_000:
+                before = [resident(process) for process in (model.process, served.process)]
+            if not client.ask("post", port="c.add", values=[str(k) * 100])["ok"]:
+                return check("a text is posted", False, k)
+        w.until("the last text is seen", lambda: any("19999" in str(step[3]) for step in w.run.steps[-3:]))
+        grown = [resident(process) - was for process, was in zip((model.process, served.process), before)]
+        # 15,000 texts are 7 MB.
+        check("texts are freed", max(grown) < 4096, f"{grown} kB more")
+        w.page.close()
 
 
 def clocks():
