@@ -33,6 +33,11 @@ Connector = collections.namedtuple("Connector", "leaves trigger guard moves")  #
 # Of one atom; `waits`: row of the transition whose `resume` it waits for, or None. `fresh`: it went on at this instant.
 State = collections.namedtuple("State", "place value clock waits")
 
+# What follows a state: steps with the states after them (None: a fault), those in which an atom goes on, the next ns (or None).
+# `is_last`: an atom that waits cannot go on later.
+Expanded = collections.namedtuple("Expanded", "steps resumed later is_last")
+NEVER = 1 << 62  # ns
+
 
 class Fault(Exception):
     """A run ends in an error."""
@@ -154,6 +159,7 @@ class Oracle:
         self.atoms, self.connectors = atoms, connectors
         self.deadlock = self.lock = self.error = self.has_no_state = False
         self.stable = []  # states whose candidates are known
+        self.expanded = {}
 
     def may_resume(self, state):
         """The atoms that may go on now. An action returns at any instant at which its `resume` holds."""
@@ -252,40 +258,60 @@ class Oracle:
             return 0
         return age
 
-    def misses(self, demand):
-        """Does a run miss the demand (request or None for the beginning, response, ns)? None: too many states."""
-        first = tuple(State(0, atom.first, 0, None) for atom in self.atoms)
-        start = first, self.look(demand, first, None, None, True)
-        known, todo = {start}, [start]
-        while todo:
-            state, age = todo.pop()
+    def expand(self, state):
+        """What follows a state, computed once; None: a run ends there in an error."""
+        if state not in self.expanded:
             try:
                 candidates = self.candidates(state)
             except Fault:
-                continue
-            if age is not None and age > demand[2]:
-                return True
+                self.expanded[state] = None
+                return None
             resuming = self.may_resume(state)
-            following = [(state[:a] + (state[a]._replace(waits=None),) + state[a + 1:], age) for a in resuming]
-            later = self.may_pass(state, candidates)
-            if later is not None:
-                following.append((later, None if age is None else age + 1))
-            elif not candidates and age is not None and not any(self.is_last(state, a) for a in resuming):
-                return True
+            steps = []  # candidate, and the state after it; None: its action faults
             for candidate in candidates:
-                at_step = self.look(demand, state, candidate, age)
                 try:
-                    after = self.fire(state, candidate)
+                    steps.append((candidate, self.fire(state, candidate)))
                 except Fault:
-                    continue
-                following.append((after, self.look(demand, after, None, at_step)))
+                    steps.append((candidate, None))
+            self.expanded[state] = Expanded(steps, [state[:a] + (state[a]._replace(waits=None),) + state[a + 1:] for a in resuming],
+                                            self.may_pass(state, candidates), any(self.is_last(state, a) for a in resuming))
+        return self.expanded[state]
+
+    def worst_age(self, request, response, most=MOST):
+        """The largest age that a request (None: the beginning) reaches without a response; NEVER if it may have none at all, or one
+        older than `most`. None: too many states."""
+        demand = request, response, most
+        first = tuple(State(0, atom.first, 0, None) for atom in self.atoms)
+        start = first, self.look(demand, first, None, None, True)
+        known, todo, worst = {start}, [start], 0
+        while todo:
+            state, age = todo.pop()
+            found = self.expand(state)
+            if found is None:
+                continue
+            if age is not None:
+                worst = max(worst, age)
+                # Nothing follows, or too late.
+                if age > most or (found.later is None and not found.steps and not found.is_last):
+                    return NEVER
+            following = [(after, age) for after in found.resumed]
+            if found.later is not None:
+                following.append((found.later, None if age is None else age + 1))
+            for candidate, after in found.steps:
+                if after is not None:
+                    following.append((after, self.look(demand, after, None, self.look(demand, state, candidate, age))))
             for new in following:
                 if new not in known:
                     known.add(new)
                     todo.append(new)
             if len(known) > 3 * MOST_STATES:
                 return None
-        return False
+        return worst
+
+    def misses(self, demand):
+        """Does a run miss the demand (request or None for the beginning, response, ns)? None: too many states."""
+        worst = self.worst_age(*demand)
+        return None if worst is None else worst > demand[2]
 
     def run(self):
         """False: too many states."""
@@ -293,27 +319,24 @@ class Oracle:
         known, todo = {first}, [first]
         while todo:
             state = todo.pop()
-            try:
-                candidates = self.candidates(state)
-            except Fault:
+            found = self.expand(state)
+            if found is None:
                 self.error = True
                 self.has_no_state |= state == first
                 continue
             self.stable.append(state)
-            resuming = self.may_resume(state)
-            following = [state[:a] + (state[a]._replace(waits=None),) + state[a + 1:] for a in resuming]
-            later = self.may_pass(state, candidates)
-            if later is not None:
-                following.append(later)
-            if not candidates:
+            following = list(found.resumed)
+            if found.later is not None:
+                following.append(found.later)
+            if not found.steps:
                 # Nobody makes an action return before the last instant.
-                self.lock |= later is None and not any(self.is_last(state, a) for a in resuming)
-                self.deadlock |= later == state and not resuming
-            for candidate in candidates:
-                try:
-                    following.append(self.fire(state, candidate))
-                except Fault:
+                self.lock |= found.later is None and not found.is_last
+                self.deadlock |= found.later == state and not found.resumed
+            for _, after in found.steps:
+                if after is None:
                     self.error = True
+                else:
+                    following.append(after)
             for new in following:
                 if new not in known:
                     known.add(new)
@@ -356,14 +379,12 @@ def condition_text(condition):
 
 
 def sharp(r, oracle, request, response):
-    """The demand with the least limit that holds, or the next smaller one; any limit if all hold or none."""
-    answers = {}
-    for within in (0, MOST, *range(1, MOST)):
-        answers[within] = oracle.misses((request, response, within))
-        if within == MOST and (answers[0] in (False, None) or answers[MOST] in (True, None)):
-            return request, response, r.randint(0, MOST)
-    least = min(within for within in answers if answers[within] is False)
-    return request, response, least - r.randint(0, 1)
+    """The demand with the least limit that holds, or the next smaller one; any limit if all hold or none. With the oracle's answer:
+    is it missed? None: too many states."""
+    worst = oracle.worst_age(request, response)
+    within = r.randint(0, MOST) if worst in (None, 0, NEVER) else worst - r.randint(0, 1)
+    demand = request, response, within
+    return demand, oracle.misses(demand) if worst is None else worst > within
 
 
 def demand_text(demand):
@@ -374,11 +395,20 @@ def demand_text(demand):
 
 # ---- the comparison
 def ask(path, *words):
-    done = subprocess.run([BIPC, *words, "--backend=interp", "--json", path], capture_output=True, text=True, timeout=120)
+    done = subprocess.run([BIPC, *words, "--backend=interp", "--json", path], capture_output=True, text=True, timeout=600)
     try:
         return json.loads(done.stdout), done.stderr
     except ValueError:
         return None, done.stderr
+
+
+def ask_all(path, properties):
+    """The verdicts about deadlocks, errors and each property, in one process as a user asks of a model that states them."""
+    stated = path + ".prop"
+    pathlib.Path(stated).write_text("".join(f"property p{k} {{ {text} }}\n" for k, text in enumerate(properties)))
+    found, problem = ask(path, "verify", "--properties", stated)
+    rows = {row["name"]: row for row in found["verdicts"]} if found else {}
+    return rows.get("deadlock"), [rows.get(f"p{k}") for k in range(len(properties))], problem
 
 
 def check(seed):
@@ -398,10 +428,9 @@ def check(seed):
         explored, problem = ask(path, "explore")
         if explored is None:
             return ["refused"], f"seed {seed}: explore: {problem}\n{text}"
-        verdict, _ = ask(path, "verify")
         errors, _ = ask(path, "verify", "--property", "errors")
-        answers = [ask(path, "verify", "--property", demand_text(demand)) for demand in demands]
-        about_states = [ask(path, "verify", "--property", f"never {condition_text(never)}") for never in nevers]
+        verdict, answers, problem = ask_all(path, [demand_text(demand) for demand, _ in demands] + [f"never {condition_text(never)}" for never in nevers])
+    answers, about_states = answers[:len(demands)], answers[len(demands):]
     expected = (oracle.deadlock, oracle.lock, oracle.error)
     found = (explored["deadlocks"] > 0, explored["time_locks"] > 0, explored["errors"] > 0)
     words = "deadlock %s, time lock %s, error %s"
@@ -417,14 +446,14 @@ def check(seed):
     if errors is None or errors["verdict"] != ("error" if oracle.error else "error-free"):
         difference += f"\nverify --property errors: {errors and errors['verdict']}"
     kinds = []
-    for never, (answer, problem) in zip(nevers, about_states):
+    for never, answer in zip(nevers, about_states):
         wanted = "violated" if any(oracle.is_true(never, state, None) for state in oracle.stable) else "holds"
         wanted = "no-state" if oracle.has_no_state else wanted
         kinds.append(f"never: {wanted}")
         if answer is None or answer["verdict"] != wanted:
             difference += f"\n`never {condition_text(never)}`: {answer and answer['text']}{problem}, the oracle says {wanted}"
-    for demand, (answer, problem) in zip(demands, answers):
-        wanted = "no-state" if oracle.has_no_state else {None: "large", True: "violated", False: "holds"}[oracle.misses(demand)]
+    for (demand, is_missed), answer in zip(demands, answers):
+        wanted = "no-state" if oracle.has_no_state else {None: "large", True: "violated", False: "holds"}[is_missed]
         kinds.append(f"within: {wanted}")
         if wanted == "large":
             continue
