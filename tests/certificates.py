@@ -16,7 +16,7 @@ def compile_arguments(arguments):
     for argument in it:
         if argument in COMPILE_OPTIONS:
             kept += [argument, next(it, "")]
-        elif argument in ("--property", "--timeout", "--memory", "--backend", "--cache", "--fair"):
+        elif argument in ("--property", "--timeout", "--memory", "--backend", "--cache", "--fair", "--for-all"):
             next(it, None)
         elif not argument.startswith("-") or argument.startswith(COMPILE_OPTIONS):
             kept.append(argument)
@@ -43,7 +43,8 @@ def problem_of_certificate(bipc, certcheck, arguments, cwd=None, timeout=600):
             return None
         if asked.returncode != 0 or not certificate.exists():
             return f"no certificate, exit code {asked.returncode}: {(asked.stdout + asked.stderr).strip()[-500:]}"
-        made = subprocess.run([bipc, "check", "--emit=system", *compile_arguments(arguments)], **run)
+        sizes = [*arguments[arguments.index("--for-all"):][:2]] if "--for-all" in arguments else None
+        made = subprocess.run([bipc, *(["verify", *sizes] if sizes else ["check"]), "--emit=system", *compile_arguments(arguments)], **run)
         system.write_text(made.stdout, encoding="utf-8")
         try:
             done = subprocess.run([certcheck, str(system), str(certificate)], **run)

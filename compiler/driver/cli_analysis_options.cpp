@@ -66,7 +66,6 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
                    "from the first that compiles or from NUMBER on; --root TYPE chooses the compound")
       ->excludes("--property")
       ->excludes("--properties")
-      ->excludes("--certificate")
       ->excludes("--partial")
       ->type_name("'N [>= NUMBER]'");
   command->add_flag("--all-steps", a.all_steps,

@@ -5,7 +5,6 @@
 // has been replayed before it is printed; everything else is unknown, with the reason. Ctrl-C ends the command with the
 // facts known so far.
 #include <cstdio>
-#include <filesystem>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -24,6 +23,7 @@
 #include "compiler/driver/report.hpp"
 #include "compiler/driver/verdict_table.hpp"
 #include "compiler/driver/verify_sizes.hpp"
+#include "compiler/driver/write_certificate.hpp"
 #include "compiler/pipeline/load_properties.hpp"
 #include "compiler/system/system.hpp"
 #include "runtime/include/bip/assert.hpp"
@@ -31,17 +31,6 @@
 namespace bip::driver {
 
 namespace {
-
-// A certificate of an earlier run says what this one refutes.
-void remove_certificate(Compilation& c, const std::string& path) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) return;
-  if (std::filesystem::remove(path, error)) {
-    print_error_words(fmt::format("note: `{}` held an earlier certificate and was removed", path));
-  } else {
-    c.diags.report(Diag::kB5004, {}, path, error.message());
-  }
-}
 
 // The run that violates the property, if one was found and a file was asked for.
 void write_counterexample(const VerifyArguments& arguments, Compilation& c, const library::Verdict& verdict) {
@@ -82,12 +71,7 @@ std::vector<DataRef> data_of(const std::vector<NamedQuestion>& questions) {
 }
 
 void write_files(const VerifyArguments& arguments, Compilation& c, const library::Verdict& verdict) {
-  if (!verdict.certificate.empty()) {
-    const Result<bool> written = write_file(arguments.certificate, verdict.certificate);
-    if (!written) c.diags.report(Diag::kB5004, {}, arguments.certificate, written.error());
-  } else if (!arguments.certificate.empty() && verdict.exit_code == kViolated) {
-    remove_certificate(c, arguments.certificate);
-  }
+  write_certificate(c, arguments.certificate, verdict);
   write_counterexample(arguments, c, verdict);
 }
 

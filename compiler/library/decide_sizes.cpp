@@ -12,6 +12,8 @@
 #include "compiler/library/verify_text.hpp"
 #include "compiler/pipeline/error_sources.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
+#include "compiler/system/bsys.hpp"
+#include "compiler/verify/evidence/word_certificate.hpp"
 #include "compiler/verify/net/net.hpp"
 #include "compiler/verify/sizes/sized_compound.hpp"
 #include "compiler/verify/sizes/word_problem.hpp"
@@ -24,6 +26,8 @@ namespace {
 
 // Sizes tried for the first that compiles; those decided one by one at least, and where no proof was found.
 constexpr std::int32_t kSizesTried = 8, kSizesAtLeast = 3, kSizesWithoutProof = 10;
+// Beyond the description's least size, for certcheck to compare.
+constexpr std::int64_t kSizesCompared = 2;
 
 class SizeDecider {
  public:
@@ -32,9 +36,11 @@ class SizeDecider {
       : request_(request), model_(model), type_(type), asked_(asked), token_(token.within(request.timeout)) {}
 
   SizeVerdict decide();
+  SizeVerdict print();
 
  private:
   [[nodiscard]] std::unique_ptr<Compilation> compiled(std::int64_t size) const;
+  [[nodiscard]] std::unique_ptr<Compilation> compile_first();
   // False: the verdict is complete.
   [[nodiscard]] bool decide_one(Compilation& c, std::int64_t size);
   [[nodiscard]] bool decide_up_to(std::int64_t size);
@@ -53,6 +59,9 @@ class SizeDecider {
   std::optional<std::int64_t> deadlock_;
   std::size_t nodes_ = 0;
   bool can_fault_ = false;
+  std::vector<std::string> certificates_;  // of the sizes from first_ on
+  std::string certificate_of_all_;
+  std::int64_t least_of_all_ = 0;
   std::string reason_;
   std::string run_data_;
 };
@@ -91,7 +100,6 @@ bool SizeDecider::decide_one(Compilation& c, std::int64_t size) {
   VerifyRequest one = request_;
   one.property.clear();
   one.reuses = false;
-  one.wants_certificate = false;
   one.stats = false;
   if (one.backend == Backend::Auto) one.backend = Backend::Interp;
   one.timeout = std::max(token_.seconds_left(), 0.0);
@@ -102,6 +110,7 @@ bool SizeDecider::decide_one(Compilation& c, std::int64_t size) {
   can_fault_ = can_fault_ || can_end_in_error(*c.system);
   if (verdict.is_answered && verdict.exit_code == kOk) {
     next_ = size + 1;
+    certificates_.push_back(std::move(verdict.certificate));
     return true;
   }
   if (verdict.is_answered && verdict.exit_code == kViolated) {
@@ -133,8 +142,8 @@ bool SizeDecider::decide_up_to(std::int64_t size) {
   return true;
 }
 
-// The first size that compiles, and what it answers.
-bool SizeDecider::find_first() {
+// Of the first size that compiles; null: none does.
+std::unique_ptr<Compilation> SizeDecider::compile_first() {
   const std::int32_t low = asked_.least.value_or(1);
   const std::int32_t high = asked_.least ? low : kSizesTried;
   for (std::int32_t size = low; size <= high; ++size) {
@@ -145,9 +154,15 @@ bool SizeDecider::find_first() {
     }
     out_.refused.reset();
     first_ = next_ = size;
-    return decide_one(*c, size);
+    return c;
   }
-  return false;
+  return nullptr;
+}
+
+// The first size that compiles, and what it answers.
+bool SizeDecider::find_first() {
+  const std::unique_ptr<Compilation> c = compile_first();
+  return c != nullptr && decide_one(*c, first_);
 }
 
 // All sizes from the description's least one on; false: reason_ says why not.
@@ -172,10 +187,15 @@ bool SizeDecider::prove_all() {
     reason_ = problem.error();
     return false;
   }
-  const verify::WordAnswer found = verify::prove_words(*problem, token_);
+  const verify::WordAnswer found = verify::prove_words(
+      *problem, token_, request_.wants_certificate ? verify::WordEvidence::Sets : verify::WordEvidence::None);
   nodes_ = found.nodes;
   switch (found.outcome) {
-    case verify::WordAnswer::Outcome::Proved: return decide_up_to(least - 1);
+    case verify::WordAnswer::Outcome::Proved:
+      least_of_all_ = least;
+      if (request_.wants_certificate)
+        certificate_of_all_ = verify::certificate_of_sizes(*sized, net, found, c->root_name);
+      return decide_up_to(least - 1);
     case verify::WordAnswer::Outcome::TooLarge: reason_ = found.reason; return false;
     case verify::WordAnswer::Outcome::Candidate:
       reason_ = "no invariant excludes " + verify::candidate_text(*sized, net, *problem, found, asked_.parameter);
@@ -192,6 +212,11 @@ SizeVerdict SizeDecider::decide() {
         asked_.parameter, first_, nodes_, asked_.parameter, first_, next_ - 1);
     if (can_fault_) text += kErrorsNotAsked;
     answer(kOk, "deadlock-free", std::move(text));
+    if (request_.wants_certificate) {
+      for (std::int64_t size = first_; size < least_of_all_; ++size)
+        out_.verdict.certificate += certificates_[static_cast<std::size_t>(size - first_)];
+      out_.verdict.certificate += certificate_of_all_;
+    }
     return std::move(out_);
   }
   if (out_.verdict.is_answered) return std::move(out_);
@@ -200,6 +225,58 @@ SizeVerdict SizeDecider::decide() {
   reason_ = reason;
   answer(kUnknown, "unknown", fmt::format("unknown: {}{}\n", reason_, sizes_text()));
   return std::move(out_);
+}
+
+// Without an answer: what would be asked.
+SizeVerdict SizeDecider::print() {
+  if (compile_first() == nullptr) return std::move(out_);
+  Result<verify::SizedCompound> sized = verify::describe_sizes(*model_.model, type_);
+  if (!sized) {
+    reason_ = sized.error();
+    answer(kUnknown, "unknown", fmt::format("unknown: {}\n", reason_));
+    return std::move(out_);
+  }
+  std::string text;
+  const std::int64_t least = sized->least_size();
+  for (std::int64_t size = std::min(first_, least); size <= least + kSizesCompared; ++size) {
+    std::unique_ptr<Compilation> c = compiled(size);
+    if (c->diags.has_errors()) {
+      out_.refused = std::move(c);
+      return std::move(out_);
+    }
+    text += system::print(*c->system);
+    text += size == least ? verify::for_all_rows(*sized, *model_.model, type_)
+                          : fmt::format("(size {} {})\n", asked_.parameter, size);
+  }
+  answer(kOk, "systems", std::move(text));
+  return std::move(out_);
+}
+
+// The compound type that the root names, or the only one whose one parameter is the size; none: the verdict says why.
+const CompoundType* sized_type(const Compilation& model, const std::string& root, const SizeQuestion& asked,
+                               SizeVerdict& none) {
+  BIP_ASSERT(model.model.has_value(), "the file has a model");
+  const std::string named = root.substr(0, root.find('('));
+  const CompoundType* type = nullptr;
+  std::size_t count = 0;
+  std::string names;
+  for (const CompoundType& row : model.model->compound_types) {
+    const bool is_own = row.decl->name.range.file == model.model->packages.back().file;
+    const bool has_size =
+        row.params.size() == 1 && row.params.front().type == Type::Int && row.params.front().name == asked.parameter;
+    if (!is_own || !has_size || (!named.empty() && row.name != named)) continue;
+    type = &row;
+    names += (count++ == 0 ? "`" : ", `") + row.name + "`";
+  }
+  if (count == 1) return type;
+  if (count == 0) {
+    none.usage_error = fmt::format("no compound type{} has one parameter, `int {}`",
+                                   named.empty() ? "" : " `" + named + "`", asked.parameter);
+  } else {
+    none.usage_error =
+        fmt::format("{} have a parameter `int {}`: choose one by `--root {}`", names, asked.parameter, type->name);
+  }
+  return nullptr;
 }
 
 }  // namespace
@@ -228,30 +305,15 @@ Result<SizeQuestion> read_size_question(const std::string& text) {
 
 SizeVerdict decide_for_all_sizes(const VerifyRequest& request, const Compilation& model, const std::string& root,
                                  const SizeQuestion& asked, const verify::CancellationToken& token) {
-  BIP_ASSERT(model.model.has_value(), "the file has a model");
-  const std::string named = root.substr(0, root.find('('));
-  const CompoundType* type = nullptr;
-  std::size_t count = 0;
-  std::string names;
-  for (const CompoundType& row : model.model->compound_types) {
-    const bool is_own = row.decl->name.range.file == model.model->packages.back().file;
-    const bool has_size =
-        row.params.size() == 1 && row.params.front().type == Type::Int && row.params.front().name == asked.parameter;
-    if (!is_own || !has_size || (!named.empty() && row.name != named)) continue;
-    type = &row;
-    names += (count++ == 0 ? "`" : ", `") + row.name + "`";
-  }
   SizeVerdict none;
-  if (count == 1) {
-    return SizeDecider(request, model, *type, asked, token).decide();
-  } else if (count == 0) {
-    none.usage_error = fmt::format("no compound type{} has one parameter, `int {}`",
-                                   named.empty() ? "" : " `" + named + "`", asked.parameter);
-  } else {
-    none.usage_error =
-        fmt::format("{} have a parameter `int {}`: choose one by `--root {}`", names, asked.parameter, type->name);
-  }
-  return none;
+  const CompoundType* type = sized_type(model, root, asked, none);
+  return type == nullptr ? std::move(none) : SizeDecider(request, model, *type, asked, token).decide();
+}
+
+SizeVerdict print_all_sizes(const Compilation& model, const std::string& root, const SizeQuestion& asked) {
+  SizeVerdict none;
+  const CompoundType* type = sized_type(model, root, asked, none);
+  return type == nullptr ? std::move(none) : SizeDecider({}, model, *type, asked, {}).print();
 }
 
 }  // namespace bip::library

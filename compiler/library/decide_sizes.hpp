@@ -1,5 +1,6 @@
 // Decides deadlock-freedom of a compound for every size: `bipc verify --for-all n`. Small sizes are decided one by one,
-// by the engines for one system, all others at once (compiler/verify/sizes).
+// by the engines for one system, all others at once (compiler/verify/sizes). A certificate is those of the small sizes,
+// one after the other, and the one of all others.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -27,5 +28,9 @@ struct SizeVerdict {
 [[nodiscard]] SizeVerdict decide_for_all_sizes(const VerifyRequest& request, const Compilation& model,
                                                const std::string& root, const SizeQuestion& asked,
                                                const verify::CancellationToken& token);
+
+/// Returns, as the text of a verdict, the systems that certcheck reads beside the certificate: of each size below the
+/// description's least one, from the first on; of that one, with what says how it grows; and of two greater ones.
+[[nodiscard]] SizeVerdict print_all_sizes(const Compilation& model, const std::string& root, const SizeQuestion& asked);
 
 }  // namespace bip::library

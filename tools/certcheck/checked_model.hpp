@@ -80,6 +80,14 @@ struct Tree {
       if (!items[k].is_list && !items[k].is_string && items[k].text == word) return true;
     return false;
   }
+  /// A word "-7" or "7".
+  [[nodiscard]] int number() const {
+    int value = 0;
+    const char* const end = text.data() + text.size();
+    const auto [last, error] = std::from_chars(text.data(), end, value);
+    const bool is_small = !is_list && error == std::errc() && last == end && value > -10000 && value < 10000;
+    return is_small ? value : throw Rejected("a small number was expected, not " + quoted(text));
+  }
   /// A word "7:name" or "7" as 7.
   [[nodiscard]] std::size_t row() const {
     std::uint32_t value = 0;
@@ -295,6 +303,14 @@ struct Bound {
   std::int64_t limit = 0;
 };
 using Zone = std::vector<Bound>;
+/// A row of an automaton that reads sets of modes, by atom: first those outside of the arrays, then position by
+/// position.
+struct SetRow {
+  std::string line;
+  Text promise;  // trap, at-most, at-least: of the first; of others none
+  std::size_t from = kNone, position = 0, to = 0;
+  std::map<std::size_t, Modes> modes;
+};
 struct Certificate {
   std::string claim, fairness = "none";     // the latter of claims about runs
   std::optional<std::size_t> rounds;        // of claims about runs without states: no run has more
@@ -305,17 +321,35 @@ struct Certificate {
   std::set<std::u32string> states;                    // all that a search has reached: by atom a row of locals
   std::map<std::u32string, std::vector<Zone>> zones;  // with time: of each state, one of these holds
   std::vector<std::vector<bool>> is_told;             // with time, by atom and variable: states say it; else: any value
+  std::vector<SetRow> set_rows;                       // of a proof for all sizes
   std::vector<Class> classes;                         // none: the certificate says nothing of modes
   Rows class_of;                                      // by atom
   std::vector<Modes> reachable;
 };
 
-[[nodiscard]] Certificate read_certificate(const Model& model, std::istream& text);
+/// Is nothing expected after it?
+enum class Last { Yes, No };
+[[nodiscard]] Certificate read_certificate(const Model& model, std::istream& text, Last last = Last::Yes);
 /// Is it a proof? Says how much was checked; throws Rejected or NotCheckable (states.cpp). Z3 is slow to give up what
 /// it holds.
+[[nodiscard]] std::string check(const Model& model, const Certificate& certificate, z3::context& z);
 [[nodiscard]] std::string check(const Model& model, std::istream& certificate, z3::context& z);
+/// The same of a text with several systems, for all sizes of one (sizes.cpp), or with one.
+[[nodiscard]] std::string check_all(const std::string& systems, std::istream& certificates, z3::context& z);
 /// The same for a model with time (zones.cpp): of states with zones.
 void check_zones(const Model& model, const Certificate& certificate, z3::context& z);
+/// Modes of the first of these sizes, with rows that say how it grows, exclude a deadlock from it on (words.cpp). The
+/// others are compared with what the rows say.
+void check_words(const std::vector<const Model*>& models, const Certificate& certificate, z3::context& z);
+/// From which mode to which.
+using Moves = std::vector<std::pair<std::size_t, std::size_t>>;
+/// What an atom begins in, and the moves of its ports from modes that it can be in: to those, or to none (kNone).
+struct AtomMoves {
+  std::vector<Moves> by_port;
+  Modes first;
+};
+/// By atom, whatever its connectors do.
+[[nodiscard]] std::vector<AtomMoves> moves_of(const Model& model, const Certificate& certificate, z3::context& z);
 /// Modes are closed, reachable ones and sets are kept by every step (structure.cpp).
 void check_structure(const Model& model, const Certificate& certificate, z3::context& z);
 

@@ -21,7 +21,7 @@ class CertificateReader {
     c_.reachable.resize(m_.atoms.size());
   }
 
-  Certificate run(std::istream& text) {
+  Certificate run(std::istream& text, Last last) {
     std::string line;
     while (std::getline(text, line) && line != "end") {
       ++line_;
@@ -35,7 +35,8 @@ class CertificateReader {
         throw Rejected(place() + ": " + e.what());
       }
     }
-    if (line != "end" || text.eof() || text.get() != EOF) throw Rejected("its last row is not `end`");
+    if (line != "end" || text.eof() || (last == Last::Yes && text.get() != EOF))
+      throw Rejected("its last row is not `end`");
     if (c_.claim.empty()) throw Rejected("the certificate does not say what it proves");
     if (!c_.classes.empty() && contains(c_.class_of, kNone)) throw Rejected("a component has no row");
     if (!c_.states.empty() && !(c_.classes.empty() && c_.facts.empty() && c_.sets.empty()))
@@ -61,7 +62,9 @@ class CertificateReader {
         {"zone", {1, &CertificateReader::zone_row}},
         {"fairness", {2, &CertificateReader::fairness_row}},
         {"rounds", {2, &CertificateReader::rounds_row}},
-        {"turn", {2, &CertificateReader::turn_row}}};
+        {"turn", {2, &CertificateReader::turn_row}},
+        {"begin", {3, &CertificateReader::set_row}},
+        {"next", {4, &CertificateReader::set_row}}};
     const Text head = words_.empty() ? Text() : words_[0];
     if (line == "method exhaustive") throw NotCheckable("the evidence is a search of all states");
     if (head == "root" || head == "method") return;
@@ -84,6 +87,22 @@ class CertificateReader {
   void rounds_row() {
     need(words_.size() == 2 && !c_.rounds, "not the number of rounds");
     c_.rounds = static_cast<std::size_t>(number(words_[1], 0, kMostBits));
+  }
+  // "begin trap 0 ROOT.a:1", "next 0 2 1 ROOT.b[2]:0 ROOT.c[2]:3"
+  void set_row() {
+    static const std::vector<Text> kPromises{"trap", "at-most", "at-least"};
+    const bool is_first = words_[0] == "begin";
+    SetRow& row = c_.set_rows.emplace_back();
+    row.line = place();
+    need(!is_first || contains(kPromises, words_[1]), "no promise");
+    const auto count = [&](std::size_t k) { return static_cast<std::size_t>(number(words_[k], 0)); };
+    if (is_first) row.promise = *std::ranges::find(kPromises, words_[1]);
+    else row.from = count(1), row.position = count(2);
+    row.to = count(is_first ? 2 : 3);
+    for (std::size_t k = is_first ? 3 : 4; k < words_.size(); ++k) {
+      const auto [path, number] = split(words_[k], words_[k].rfind(':'));
+      row.modes[atom_of(path)].insert(mode(atom_of(path), number));
+    }
   }
   // An atom; or a connector, if it is none of a port alone, and ports.
   void turn_row() {
@@ -309,6 +328,8 @@ class CertificateReader {
 
 }  // namespace
 
-Certificate read_certificate(const Model& model, std::istream& text) { return CertificateReader(model).run(text); }
+Certificate read_certificate(const Model& model, std::istream& text, Last last) {
+  return CertificateReader(model).run(text, last);
+}
 
 }  // namespace certcheck

@@ -252,7 +252,11 @@ class States {
 }  // namespace
 
 std::string check(const Model& model, std::istream& text, z3::context& z) {
-  const Certificate c = read_certificate(model, text);
+  return check(model, read_certificate(model, text), z);
+}
+
+std::string check(const Model& model, const Certificate& c, z3::context& z) {
+  if (!c.set_rows.empty()) throw Rejected("rows about all sizes, of a system of one size");
   const std::string components = std::to_string(model.atoms.size()) + " components, ";
   if (!c.classes.empty()) check_structure(model, c, z);
   if (model.is_timed) check_zones(model, c, z);

@@ -10,8 +10,6 @@
 namespace certcheck {
 namespace {
 
-/// From which mode to which.
-using Moves = std::vector<std::pair<std::size_t, std::size_t>>;
 /// What a choice does to a trap: nothing (0), take from it (1), put into it (2), of parts the most; to a sum: by how
 /// much it changes it.
 using Effects = std::set<long>;
@@ -21,21 +19,22 @@ class Structure {
   Structure(const Model& model, const Certificate& certificate, z3::context& z)
       : m_(model), c_(certificate), terms_(model, z) {}
 
-  void run() {
+  std::vector<AtomMoves> moves_by_atom() {
     for (std::size_t atom = 0; atom < m_.atoms.size(); ++atom)
-      group(m_.atoms[atom], c_.classes[c_.class_of[atom]], c_.reachable[atom]);
+      group(m_.atoms[atom], c_.classes.at(c_.class_of[atom]), c_.reachable[atom]);
+    std::vector<AtomMoves> result;
+    for (const AtomMoves* group : group_of_) result.push_back(*group);
+    return result;
+  }
+  void run() {
+    (void)moves_by_atom();
     check_reachable();
     for (const Fact& set : c_.sets) check_set(set);
   }
 
  private:
-  /// Components of one class and with the same arguments that can be in the same modes: modes may overlap, and which
-  /// one a move meets is judged for those.
-  struct Group {
-    std::vector<Moves> by_port;  // from modes that can be reached
-    Modes first;
-  };
-
+  // Components of one class and with the same arguments that can be in the same modes: modes may overlap, and which one
+  // a move meets is judged for those.
   void group(const Atom& atom, const Class& row, const Modes& reachable) {
     const AtomType& type = m_.atom_types[atom.type];
     std::string args;
@@ -198,12 +197,16 @@ class Structure {
   const Model& m_;
   const Certificate& c_;
   Terms terms_;
-  std::map<std::tuple<const Class*, Modes, std::string>, Group> groups_;
-  std::vector<const Group*> group_of_;  // by atom
-  std::vector<bool> possible_, used_;   // by node
+  std::map<std::tuple<const Class*, Modes, std::string>, AtomMoves> groups_;
+  std::vector<const AtomMoves*> group_of_;  // by atom
+  std::vector<bool> possible_, used_;       // by node
 };
 
 }  // namespace
+
+std::vector<AtomMoves> moves_of(const Model& model, const Certificate& certificate, z3::context& z) {
+  return Structure(model, certificate, z).moves_by_atom();
+}
 
 void check_structure(const Model& model, const Certificate& certificate, z3::context& z) {
   Structure(model, certificate, z).run();

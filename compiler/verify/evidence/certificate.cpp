@@ -129,6 +129,12 @@ std::string literal_text(const StateBit& bit, bool value, const System& system) 
   return out + '.' + type.variables[bit.row].name + ':' + std::to_string(bit.position);
 }
 
+std::string structure_rows(const Net& net, const Proof& proof) {
+  std::string out;
+  add_structure(net, proof, out);
+  return out;
+}
+
 std::string invariant_rows(const Net& net, const Proof* proof, const AffineInvariants& affine,
                            const TransitionSystem& machine, const System& system) {
   std::string out;

@@ -20,6 +20,8 @@ namespace bip::verify {
 /// Returns the rows of modes, reachable modes and invariants, if there is a proof, of equations and of ranges.
 [[nodiscard]] std::string invariant_rows(const Net& net, const Proof* proof, const AffineInvariants& affine,
                                          const TransitionSystem& machine, const System& system);
+/// Returns the rows of modes, reachable modes and invariants.
+[[nodiscard]] std::string structure_rows(const Net& net, const Proof& proof);
 /// Returns "ROOT.a@EATS", "!ROOT.a.n:3".
 [[nodiscard]] std::string literal_text(const StateBit& bit, bool value, const System& system);
 

@@ -87,8 +87,9 @@ class SizeReader {
     }
     const bool is_nested = std::any_of(self.begin(), self.end(), [](const SizeValue& v) { return v.of_position != 0; });
     if (is_nested) return fail(fmt::format("the loop at {} is inside another one over all positions", at(item)));
+    // Beyond the last position a round is another round's once more, which the word prover would not see.
     if (!low.is_constant() || !high.is_from_end() || low.constant < 0 || low.constant > out_.margin ||
-        std::abs(high.constant) > out_.margin)
+        high.constant > 0 || -high.constant > out_.margin)
       return fail(fmt::format("the bounds of the loop at {} are not a constant and `{}` less a constant", at(item),
                               size_name()));
     self.push_back(SizeValue::linear(1, 0, 0));
@@ -269,6 +270,12 @@ class SizeReader {
 };
 
 }  // namespace
+
+std::string element_path(const SizedFamily& family, std::int64_t element) {
+  std::string path = "ROOT." + family.name;
+  if (family.kind != ArrayKind::None) path += fmt::format("[{}]", element);
+  return path;
+}
 
 Result<SizedCompound> describe_sizes(const Model& model, const CompoundType& type) {
   BIP_ASSERT(type.params.size() == 1, "{} parameters", type.params.size());

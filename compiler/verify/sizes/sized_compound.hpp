@@ -38,6 +38,8 @@ struct SizedFamily {
   ArrayKind kind = ArrayKind::None;
   std::int64_t count = 1;  // Fixed
 };
+/// "ROOT.station[2]"
+[[nodiscard]] std::string element_path(const SizedFamily& family, std::int64_t element);
 struct SizedCompound {
   std::int64_t margin = 1;
   std::vector<SizedFamily> families;

@@ -19,12 +19,6 @@ namespace {
 constexpr double kMostInteractions = 256;
 constexpr std::size_t kMostTriggers = 6;
 
-std::string element_path(const SizedFamily& family, std::int64_t element) {
-  std::string path = "ROOT." + family.name;
-  if (family.kind != ArrayKind::None) path += fmt::format("[{}]", element);
-  return path;
-}
-
 std::unordered_map<std::string, AtomId> atoms_by_path(const System& system) {
   std::unordered_map<std::string, AtomId> atoms;
   for (std::size_t a = 0; a < system.atoms.size(); ++a) atoms.emplace(system.atoms[AtomId(a)].path, AtomId(a));

@@ -18,6 +18,8 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <set>
+#include <tuple>
 #include <unordered_map>
 
 #include "runtime/include/bip/assert.hpp"
@@ -34,9 +36,6 @@ constexpr std::size_t kMostLetterModes = 14, kMostLetters = 4096, kMostRuns = 20
 constexpr u32 kNoState = 0xffffffffu;
 constexpr const char* kTooLarge = "the automaton of all invariants is too large";
 
-// What a set of modes promises: a reachable state has one of them; at most, or at least, as many as the initial state.
-enum class SetKind : u8 { Trap, AtMost, AtLeast };
-
 constexpr u8 kBlocked = 0;
 // Traps, and whether there is a step.
 constexpr u8 kNeutral = 1, kHit = 2;
@@ -45,16 +44,16 @@ constexpr u8 kNoChange = 8, kLeastSum = 5, kGreatestSum = 11, kSumTooLarge = 255
 // Counts: how many more there are than initially. A run that is further behind ends; one more is enough.
 constexpr u8 kEven = 4, kFurthestBehind = 3, kOneMore = 5;
 
-u8 neutral(SetKind kind) { return kind == SetKind::Trap ? kNeutral : kNoChange; }
+u8 neutral(SetPromise kind) { return kind == SetPromise::Trap ? kNeutral : kNoChange; }
 
-u8 joined(SetKind kind, u8 a, u8 b) {
+u8 joined(SetPromise kind, u8 a, u8 b) {
   if (a == kBlocked || b == kBlocked) return kBlocked;
-  if (kind == SetKind::Trap) return std::max(a, b);
+  if (kind == SetPromise::Trap) return std::max(a, b);
   const int sum = int(a) + int(b) - int(kNoChange);
   return sum > kGreatestSum ? kSumTooLarge : static_cast<u8>(std::max(sum, int(kLeastSum)));
 }
 
-bool is_complete(SetKind kind, u8 value) { return value > neutral(kind); }
+bool is_complete(SetPromise kind, u8 value) { return value > neutral(kind); }
 
 constexpr std::size_t kKindByte = 0, kFlagByte = 1, kFirstByte = 2;
 using RunBytes = std::string;
@@ -63,7 +62,7 @@ using RunState = RunBytes;   // kind, flag, by event what it has so far, then th
 
 u8 byte(const RunBytes& bytes, std::size_t k) { return static_cast<u8>(bytes[k]); }
 void set_byte(RunBytes& bytes, std::size_t k, u8 value) { bytes[k] = static_cast<char>(value); }
-SetKind kind_of(const RunBytes& bytes) { return static_cast<SetKind>(bytes[kKindByte]); }
+SetPromise kind_of(const RunBytes& bytes) { return static_cast<SetPromise>(bytes[kKindByte]); }
 
 // Of one kind, no value of `a` is greater, and its flag is not less.
 bool is_at_least_as_good(const RunBytes& a, const RunBytes& b) {
@@ -101,13 +100,14 @@ struct Letters {
   std::vector<std::vector<u32>> all;   // modes by atom
   std::vector<u32> no_step;            // by letter: its signature
   std::vector<std::vector<u32>> sets;  // by letter: signatures of the best sets, of traps those that it does not meet
+  std::vector<std::vector<u32>> bits;  // by letter: a set for each of these
 };
 
 class WordProver {
  public:
   /// `counts`: sets that bound a count take part, too.
-  WordProver(const WordProblem& problem, bool counts, const CancellationToken& cancellation)
-      : problem_(problem), counts_(counts), cancellation_(cancellation) {}
+  WordProver(const WordProblem& problem, bool counts, WordEvidence evidence, const CancellationToken& cancellation)
+      : problem_(problem), counts_(counts), evidence_(evidence), cancellation_(cancellation) {}
 
   WordAnswer prove();
 
@@ -124,8 +124,8 @@ class WordProver {
   [[nodiscard]] bool is_active(std::size_t e, std::size_t zone) const;
   [[nodiscard]] bool list_letters(Letters& letters, const std::vector<WordAtom>& atoms);
   [[nodiscard]] Signature signature_of_modes(const Letters& letters, const std::vector<u32>& modes) const;
-  [[nodiscard]] Signature signature_of_set(const Letters& letters, SetKind kind, u32 set) const;
-  [[nodiscard]] u8 flag_of_set(const Letters& letters, SetKind kind, u32 set, const std::vector<u32>& modes) const;
+  [[nodiscard]] Signature signature_of_set(const Letters& letters, SetPromise kind, u32 set) const;
+  [[nodiscard]] u8 flag_of_set(const Letters& letters, SetPromise kind, u32 set, const std::vector<u32>& modes) const;
   [[nodiscard]] bool leave_out_local(const Letters& letters, Signature& signature) const;
   [[nodiscard]] RunState initial_state(const Signature& singles) const;
   [[nodiscard]] std::optional<RunState> read(const RunState& state, std::size_t zone, const Signature& letter) const;
@@ -135,12 +135,14 @@ class WordProver {
   u32 state_row(const RunState& state);
   u32 signature_row(const Signature& signature);
   u32 set_row(std::vector<u32> runs);
-  void add_node(const Node& node);
+  u32 add_node(const Node& node);
   void add_children(u32 at);
   [[nodiscard]] WordAnswer candidate(const Node& last) const;
+  [[nodiscard]] std::vector<WordSetRow> needed_sets();
 
   const WordProblem& problem_;
   bool counts_ = false;
+  WordEvidence evidence_ = WordEvidence::None;
   const CancellationToken& cancellation_;
   std::vector<std::int64_t> base_offset_;  // by event: least offset of a loop's window
   std::vector<std::size_t> width_;         // by event: letters of its window; 1: not a loop, or no neighbours
@@ -159,6 +161,8 @@ class WordProver {
   std::size_t transitions_ = 0;
   std::vector<Node> nodes_;
   std::map<std::pair<std::size_t, std::pair<u32, u32>>, u32> node_rows_;
+  std::vector<u32> begins_;                                 // by letter outside of arrays: its node
+  std::vector<std::vector<std::pair<u32, u32>>> incoming_;  // by node, if sets are wanted: nodes before, and letters
   std::string reason_;
 };
 
@@ -220,7 +224,7 @@ bool WordProver::is_active(std::size_t e, std::size_t zone) const {
 
 Signature WordProver::signature_of_modes(const Letters& letters, const std::vector<u32>& modes) const {
   Signature out(places_, static_cast<char>(kNeutral));
-  set_byte(out, kKindByte, static_cast<u8>(SetKind::Trap));
+  set_byte(out, kKindByte, static_cast<u8>(SetPromise::Trap));
   set_byte(out, kFlagByte, 0);
   for (std::size_t a = 0; a < modes.size(); ++a) {
     if ((*letters.atoms)[a].is_final[modes[a]] == 0) set_byte(out, kFlagByte, 1);
@@ -228,13 +232,13 @@ Signature WordProver::signature_of_modes(const Letters& letters, const std::vect
   for (const LetterPart& part : letters.parts) {
     if (part.is_optional) continue;
     const bool is_sure = (*letters.atoms)[part.atom].modes->is_sure[part.port][modes[part.atom]] != 0;
-    set_byte(out, part.place, joined(SetKind::Trap, byte(out, part.place), is_sure ? kHit : kBlocked));
+    set_byte(out, part.place, joined(SetPromise::Trap, byte(out, part.place), is_sure ? kHit : kBlocked));
   }
   return out;
 }
 
 // Without the flag.
-Signature WordProver::signature_of_set(const Letters& letters, SetKind kind, u32 set) const {
+Signature WordProver::signature_of_set(const Letters& letters, SetPromise kind, u32 set) const {
   Signature out(places_, static_cast<char>(neutral(kind)));
   set_byte(out, kKindByte, static_cast<u8>(kind));
   set_byte(out, kFlagByte, 0);
@@ -244,10 +248,10 @@ Signature WordProver::signature_of_set(const Letters& letters, SetKind kind, u32
     for (const Move& move : (*letters.atoms)[part.atom].modes->moves[part.port]) {
       const int takes = static_cast<int>(set >> (first + move.from) & 1);
       const int puts = static_cast<int>(set >> (first + move.to) & 1);
-      if (kind == SetKind::Trap) {
+      if (kind == SetPromise::Trap) {
         if (puts == 0) value = std::max(value, takes != 0 ? kHit : kNeutral);
       } else {
-        const int change = kind == SetKind::AtMost ? puts - takes : takes - puts;
+        const int change = kind == SetPromise::AtMost ? puts - takes : takes - puts;
         value = std::max(value, static_cast<u8>(int(kNoChange) + change));
       }
     }
@@ -258,7 +262,7 @@ Signature WordProver::signature_of_set(const Letters& letters, SetKind kind, u32
 }
 
 // Traps: 1 if the set is marked initially. Counts: how many more of the modes it has than the initial state.
-u8 WordProver::flag_of_set(const Letters& letters, SetKind kind, u32 set, const std::vector<u32>& modes) const {
+u8 WordProver::flag_of_set(const Letters& letters, SetPromise kind, u32 set, const std::vector<u32>& modes) const {
   bool is_marked = false;
   int more = 0;
   for (std::size_t a = 0; a < modes.size(); ++a) {
@@ -267,17 +271,17 @@ u8 WordProver::flag_of_set(const Letters& letters, SetKind kind, u32 set, const 
     const bool all = !initial.empty() && std::all_of(initial.begin(), initial.end(), has);
     const bool any = initial.empty() || std::any_of(initial.begin(), initial.end(), has);
     is_marked = is_marked || all;
-    if (kind == SetKind::AtMost) more += int(has(modes[a])) - int(any);
+    if (kind == SetPromise::AtMost) more += int(has(modes[a])) - int(any);
     else more += int(all) - int(has(modes[a]));
   }
-  if (kind == SetKind::Trap) return is_marked ? 1 : 0;
+  if (kind == SetPromise::Trap) return is_marked ? 1 : 0;
   return static_cast<u8>(std::clamp(int(kEven) + more, 0, int(kOneMore)));
 }
 
 // What only this letter takes part in is decided here: false if it is complete.
 bool WordProver::leave_out_local(const Letters& letters, Signature& signature) const {
   if (&letters == &singles_) return true;
-  const SetKind kind = kind_of(signature);
+  const SetPromise kind = kind_of(signature);
   const auto zone = static_cast<std::size_t>(&letters - zones_.data());
   for (std::size_t e = 0; e < problem_.events.size(); ++e) {
     if (is_local_[e] == 0) continue;
@@ -306,8 +310,8 @@ bool WordProver::list_letters(Letters& letters, const std::vector<WordAtom>& ato
   }
   // All sets once, then for each letter the best of each signature.
   std::map<Signature, std::vector<u32>> sets;
-  for (const SetKind kind : {SetKind::Trap, SetKind::AtMost, SetKind::AtLeast}) {
-    if (kind != SetKind::Trap && !counts_) break;
+  for (const SetPromise kind : {SetPromise::Trap, SetPromise::AtMost, SetPromise::AtLeast}) {
+    if (kind != SetPromise::Trap && !counts_) break;
     for (u32 set = 0; set < (u32(1) << letters.modes); ++set) {
       Signature signature = signature_of_set(letters, kind, set);
       if (leave_out_local(letters, signature)) sets[std::move(signature)].push_back(set);
@@ -317,19 +321,27 @@ bool WordProver::list_letters(Letters& letters, const std::vector<WordAtom>& ato
     u32 mask = 0;
     for (std::size_t a = 0; a < own.size(); ++a) mask |= u32(1) << (letters.first_mode[a] + own[a]);
     std::vector<Signature> found;
+    std::map<Signature, u32> set_of;
     for (const auto& [signature, rows] : sets) {
-      const SetKind kind = kind_of(signature);
+      const SetPromise kind = kind_of(signature);
       std::optional<u8> flag;
+      u32 chosen = 0;
       for (const u32 set : rows) {
-        if (kind == SetKind::Trap && (set & mask) != 0) continue;
-        flag = std::max(flag.value_or(0), flag_of_set(letters, kind, set, own));
+        if (kind == SetPromise::Trap && (set & mask) != 0) continue;
+        const u8 its_flag = flag_of_set(letters, kind, set, own);
+        if (!flag || its_flag > *flag) chosen = set;
+        flag = std::max(flag.value_or(0), its_flag);
       }
       if (!flag) continue;
       found.push_back(signature);
       set_byte(found.back(), kFlagByte, *flag);
+      set_of.emplace(found.back(), chosen);
     }
-    std::vector<u32>& best = letters.sets.emplace_back();
-    for (const Signature& signature : best_of(found)) best.push_back(signature_row(signature));
+    std::vector<u32>&best = letters.sets.emplace_back(), &bits = letters.bits.emplace_back();
+    for (const Signature& signature : best_of(found)) {
+      best.push_back(signature_row(signature));
+      bits.push_back(set_of.at(signature));
+    }
     letters.no_step.push_back(signature_row(signature_of_modes(letters, own)));
     if (cancellation_.is_over()) {
       reason_ = "the limit of time is met";
@@ -356,9 +368,9 @@ RunState WordProver::initial_state(const Signature& singles) const {
 
 // nullopt: an event is complete, or the run ends.
 std::optional<RunState> WordProver::read(const RunState& state, std::size_t zone, const Signature& letter) const {
-  const SetKind kind = kind_of(state);
+  const SetPromise kind = kind_of(state);
   RunState next = state;
-  if (kind == SetKind::Trap) {
+  if (kind == SetPromise::Trap) {
     set_byte(next, kFlagByte, std::max(byte(state, kFlagByte), byte(letter, kFlagByte)));
   } else {
     const int more = int(byte(state, kFlagByte)) + int(byte(letter, kFlagByte)) - int(kEven);
@@ -407,7 +419,7 @@ u32 WordProver::next(u32 state, std::size_t zone, u32 signature) {
 
 // After the last letter: no event is complete, and the set promises what the word breaks.
 bool WordProver::is_accepted(const RunState& state) const {
-  const SetKind kind = kind_of(state);
+  const SetPromise kind = kind_of(state);
   for (std::size_t e = 0; e < problem_.events.size(); ++e) {
     if (!event(e).is_loop && is_complete(kind, byte(state, kFirstByte + e))) return false;
     const std::size_t w = width_[e];
@@ -416,7 +428,7 @@ bool WordProver::is_accepted(const RunState& state) const {
       if (is_complete(kind, joined(kind, begun, wrapped))) return false;
     }
   }
-  return byte(state, kFlagByte) == (kind == SetKind::Trap ? 1 : kOneMore);
+  return byte(state, kFlagByte) == (kind == SetPromise::Trap ? 1 : kOneMore);
 }
 
 u32 WordProver::state_row(const RunState& state) {
@@ -450,9 +462,15 @@ u32 WordProver::set_row(std::vector<u32> runs) {
   return row->second;
 }
 
-void WordProver::add_node(const Node& node) {
-  const auto row = static_cast<u32>(nodes_.size());
-  if (node_rows_.try_emplace({node.zone, {node.dead, node.runs}}, row).second) nodes_.push_back(node);
+u32 WordProver::add_node(const Node& node) {
+  const auto [at, is_new] =
+      node_rows_.try_emplace({node.zone, {node.dead, node.runs}}, static_cast<u32>(nodes_.size()));
+  if (is_new) nodes_.push_back(node);
+  if (evidence_ == WordEvidence::Sets) {
+    incoming_.resize(nodes_.size());
+    if (node.letter != 0) incoming_[at->second].emplace_back(node.parent, node.letter - 1);
+  }
+  return at->second;
 }
 
 // One for each letter after which no step is complete; after the middle zone comes itself again, or the next one.
@@ -490,6 +508,78 @@ WordAnswer WordProver::candidate(const Node& last) const {
   return answer;
 }
 
+// Of each word without a step that comes to its end one run that excludes it, back to the beginning: at each node the
+// runs that those after it need, each by one set for each letter. Of sets that bound a count it does not matter how
+// many of them a word has.
+std::vector<WordSetRow> WordProver::needed_sets() {
+  std::set<std::pair<u32, u32>> needed;  // node, run
+  std::vector<std::pair<u32, u32>> open;
+  const auto need = [&](u32 node, u32 run) {
+    if (needed.emplace(node, run).second) open.emplace_back(node, run);
+  };
+  for (u32 at = 0; at < nodes_.size(); ++at) {
+    if (nodes_[at].zone != zone_count() || !is_accepted(states_[nodes_[at].dead])) continue;
+    const std::vector<u32>& runs = sets_[nodes_[at].runs];
+    const auto run = std::find_if(runs.begin(), runs.end(), [this](u32 r) { return is_accepted(states_[r]); });
+    BIP_ENSURE(run != runs.end(), "node {} is excluded", at);
+    need(at, *run);
+  }
+  // Zone of the next letter, and the run.
+  std::map<std::pair<std::size_t, RunState>, u32> numbers;
+  const auto number = [&](std::size_t zone, u32 run) {
+    RunState state = states_[run];
+    if (kind_of(state) != SetPromise::Trap) set_byte(state, kFlagByte, 0);
+    return numbers.try_emplace({zone, std::move(state)}, static_cast<u32>(numbers.size())).first->second;
+  };
+  std::set<std::tuple<std::size_t, u32, u32, u32, u8>> rows;  // 0 or the letter's zone + 1, from, set, to, kind
+  const auto link = [&](u32 node, u32 run, u32 before, u32 letter, bool is_needed) {
+    const std::size_t zone = nodes_[before].zone;
+    const Letters& letters = zones_[zone];
+    for (const u32 from : sets_[nodes_[before].runs]) {
+      if (is_needed && !needed.contains({before, from})) continue;
+      for (std::size_t k = 0; k < letters.sets[letter].size(); ++k) {
+        if (next(from, zone, letters.sets[letter][k]) != run) continue;
+        rows.emplace(zone + 1, number(zone, from), letters.bits[letter][k], number(nodes_[node].zone, run),
+                     static_cast<u8>(kind_of(states_[run])));
+        need(before, from);
+        return true;
+      }
+    }
+    return false;
+  };
+  while (!open.empty() && reason_.empty()) {
+    const auto [node, run] = open.back();
+    open.pop_back();
+    if (cancellation_.is_over()) reason_ = "the limit of time is met";
+    for (const auto& [before, letter] : incoming_[node]) {
+      const bool is_linked = link(node, run, before, letter, true) || link(node, run, before, letter, false);
+      BIP_ENSURE(is_linked, "run {} of node {} comes from node {}", run, node, before);
+    }
+    for (std::size_t s = 0; s < begins_.size(); ++s) {
+      if (begins_[s] != node) continue;
+      const std::vector<u32>& sets = singles_.sets[s];
+      const auto set = std::find_if(sets.begin(), sets.end(), [&, this, run = run](u32 row) {
+        return state_row(initial_state(signatures_[row])) == run;
+      });
+      BIP_ENSURE(set != sets.end(), "run {} of node {} begins with a set", run, node);
+      rows.emplace(0, 0, singles_.bits[s][static_cast<std::size_t>(set - sets.begin())], number(0, run),
+                   static_cast<u8>(kind_of(states_[run])));
+    }
+  }
+  std::vector<WordSetRow> out;
+  for (const auto& [zone, from, set, to, kind] : rows) {
+    const Letters& letters = zone == 0 ? singles_ : zones_[zone - 1];
+    WordSetRow& row =
+        out.emplace_back(WordSetRow{zone == 0, static_cast<SetPromise>(kind), from, to, zone == 0 ? 0 : zone - 1, {}});
+    for (u32 atom = 0; atom < letters.first_mode.size(); ++atom) {
+      for (u32 mode = 0; mode < (*letters.atoms)[atom].modes->modes.size(); ++mode) {
+        if ((set >> (letters.first_mode[atom] + mode) & 1) != 0) row.modes.emplace_back(atom, mode);
+      }
+    }
+  }
+  return out;
+}
+
 WordAnswer WordProver::prove() {
   WordAnswer answer;
   lay_out();
@@ -504,7 +594,7 @@ WordAnswer WordProver::prove() {
     std::vector<u32> runs;
     for (const u32 set : singles_.sets[s]) runs.push_back(state_row(initial_state(signatures_[set])));
     const u32 row = set_row(std::move(runs));
-    add_node({0, state_row(initial_state(no_step)), row, 0, 0, static_cast<u32>(s)});
+    begins_.push_back(add_node({0, state_row(initial_state(no_step)), row, 0, 0, static_cast<u32>(s)}));
   }
   for (u32 at = 0; at < nodes_.size() && reason_.empty(); ++at) {
     if (nodes_.size() > kMostNodes) reason_ = kTooLarge;
@@ -517,6 +607,7 @@ WordAnswer WordProver::prove() {
         std::any_of(runs.begin(), runs.end(), [this](u32 run) { return is_accepted(states_[run]); });
     if (is_accepted(states_[nodes_[at].dead]) && !is_excluded) return candidate(nodes_[at]);
   }
+  if (reason_.empty() && evidence_ == WordEvidence::Sets) answer.sets = needed_sets();
   answer.outcome = reason_.empty() ? WordAnswer::Outcome::Proved : WordAnswer::Outcome::TooLarge;
   answer.nodes = nodes_.size();
   answer.reason = reason_;
@@ -525,12 +616,12 @@ WordAnswer WordProver::prove() {
 
 }  // namespace
 
-WordAnswer prove_words(const WordProblem& problem, const CancellationToken& cancellation) {
+WordAnswer prove_words(const WordProblem& problem, const CancellationToken& cancellation, WordEvidence evidence) {
   BIP_ASSERT(problem.zones.size() == static_cast<std::size_t>(2 * problem.margin + 1), "{} zones",
              problem.zones.size());
-  WordAnswer answer = WordProver(problem, false, cancellation).prove();
+  WordAnswer answer = WordProver(problem, false, evidence, cancellation).prove();
   if (answer.outcome != WordAnswer::Outcome::Candidate) return answer;
-  WordAnswer counted = WordProver(problem, true, cancellation).prove();
+  WordAnswer counted = WordProver(problem, true, evidence, cancellation).prove();
   // A candidate says more than a limit does.
   return counted.outcome == WordAnswer::Outcome::TooLarge ? answer : counted;
 }

@@ -13,6 +13,7 @@
 // Cost: exponential in the modes of one letter and in the connectors between neighbours; bounded by limits.
 #pragma once
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "compiler/verify/net/modes.hpp"
@@ -46,15 +47,31 @@ struct WordProblem {
   std::vector<std::vector<WordAtom>> zones;  // by zone (2 * margin + 1 of them), by sized array
   std::vector<WordEvent> events;
 };
+/// What a set of modes promises of a reachable word: it has one of them (Trap); at most, or at least, as many as the
+/// initial one.
+enum class SetPromise : std::uint8_t { Trap, AtMost, AtLeast };
+/// A row of an automaton that reads sets of modes: first of the components outside of the arrays, then letter by
+/// letter. The middle zone comes any number of times, at least once. It ends in states without rows, after the last
+/// zone.
+struct WordSetRow {
+  bool is_first = false;  // the set of the components outside of the arrays; `from` and `zone` say nothing
+  SetPromise promise = SetPromise::Trap;
+  std::uint32_t from = 0, to = 0;
+  std::size_t zone = 0;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> modes;  // by atom of the letter
+};
+enum class WordEvidence : std::uint8_t { None, Sets };
 struct WordAnswer {
   enum class Outcome : std::uint8_t { Proved, Candidate, TooLarge } outcome = Outcome::TooLarge;
   std::size_t nodes = 0;               // of the subset construction
   std::vector<std::uint32_t> singles;  // Candidate: modes in which no step is possible and every trap holds
   std::vector<std::vector<std::uint32_t>> letters;  // by position, by sized array
   std::string reason;                               // TooLarge
+  std::vector<WordSetRow> sets;  // Proved, and wanted: each word without a step breaks the promise of a word of these
 };
 
 /// Decides all sizes from 2 * margin + 1 on.
-[[nodiscard]] WordAnswer prove_words(const WordProblem& problem, const CancellationToken& cancellation);
+[[nodiscard]] WordAnswer prove_words(const WordProblem& problem, const CancellationToken& cancellation,
+                                     WordEvidence evidence = WordEvidence::None);
 
 }  // namespace bip::verify

@@ -1,5 +1,8 @@
 // All sizes at once: values of index code, and words of hand-made components.
 #include <algorithm>
+#include <set>
+#include <utility>
+#include <vector>
 
 #include <catch2/catch.hpp>
 
@@ -95,6 +98,57 @@ TEST_CASE("a ring with a token is free of deadlocks, one without or full of toke
   const WordAnswer full = prove_words(ring(plain, holder, {0, 1, 2}), {});
   REQUIRE(full.outcome == WordAnswer::Outcome::Candidate);
   CHECK(full.letters == std::vector<std::vector<std::uint32_t>>(3, {kHolds}));
+}
+
+// The words of three letters that the rows read: by position the modes of its one component.
+std::vector<std::vector<std::set<std::uint32_t>>> words_of_sets(const std::vector<WordSetRow>& rows) {
+  std::vector<std::pair<std::uint32_t, std::vector<std::set<std::uint32_t>>>> words;
+  for (const WordSetRow& row : rows) {
+    if (row.is_first) words.push_back({row.to, {}});
+  }
+  for (std::size_t zone = 0; zone < 3; ++zone) {
+    std::vector<std::pair<std::uint32_t, std::vector<std::set<std::uint32_t>>>> longer;
+    for (const auto& [state, word] : words) {
+      for (const WordSetRow& row : rows) {
+        if (row.is_first || row.from != state || row.zone != zone) continue;
+        longer.emplace_back(row.to, word).second.emplace_back();
+        for (const auto& [atom, mode] : row.modes) longer.back().second.back().insert(mode);
+      }
+    }
+    words = std::move(longer);
+  }
+  std::vector<std::vector<std::set<std::uint32_t>>> out;
+  for (auto& [state, word] : words) out.push_back(std::move(word));
+  return out;
+}
+
+TEST_CASE("a proof has an automaton of the sets that it needs") {
+  const std::vector<std::vector<Move>> moves = {{{kHolds, kWaits}}, {{kWaits, kHolds}}};
+  const ModeClass plain = component(2, kWaits, moves), holder = component(2, kHolds, moves);
+  const WordAnswer proof = prove_words(ring(plain, holder, {0}), {}, WordEvidence::Sets);
+  REQUIRE(proof.outcome == WordAnswer::Outcome::Proved);
+  CHECK(prove_words(ring(plain, holder, {0}), {}).sets.empty());
+  const auto words = words_of_sets(proof.sets);
+  for (const auto& word : words) {
+    CHECK((word[0].contains(kHolds) || word[1].contains(kWaits) || word[2].contains(kWaits)));
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::size_t next = (i + 1) % 3;
+      if (word[i].contains(kHolds) || word[next].contains(kWaits))
+        CHECK((word[i].contains(kWaits) || word[next].contains(kHolds)));
+    }
+  }
+  // In both of these nothing is possible, and a trap is empty.
+  for (const std::uint32_t mode : {kWaits, kHolds}) {
+    CHECK(std::any_of(words.begin(), words.end(), [&](const auto& word) {
+      return std::none_of(word.begin(), word.end(), [&](const auto& set) { return set.contains(mode); });
+    }));
+  }
+  // The middle letter comes any number of times.
+  CHECK(std::any_of(proof.sets.begin(), proof.sets.end(), [&](const WordSetRow& row) {
+    return !row.is_first && row.zone == 1 && std::any_of(proof.sets.begin(), proof.sets.end(), [&](const auto& other) {
+      return !other.is_first && other.from == row.to && other.zone == 1;
+    });
+  }));
 }
 
 TEST_CASE("a line is a ring without the connector from the last to the first") {
