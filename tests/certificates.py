@@ -6,7 +6,7 @@ import tempfile
 
 COMPILE_OPTIONS = ("--root", "-I")
 # Refused by name (B1900).
-WITHOUT_CERTIFICATE = ("a certificate for a model with time", "a certificate for a property of runs of a model with floats", "a certificate for a property with `within`")
+WITHOUT_CERTIFICATE = ("a certificate for a model with time", "a certificate for a property of runs of a model with floats")
 NOT_CHECKABLE = ("the evidence is a search of all states", "C++ functions get references to variables")
 
 

@@ -14,6 +14,9 @@
 #include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/pipeline/limits.hpp"
 #include "compiler/system/system.hpp"
+#include "compiler/system/uses_time.hpp"
+#include "compiler/verify/evidence/certificate.hpp"
+#include "compiler/verify/evidence/reached_zones.hpp"
 #include "compiler/verify/net/unread_data.hpp"
 #include "compiler/verify/property/expression.hpp"
 #include "runtime/core/text.hpp"
@@ -25,11 +28,7 @@ namespace bip::library {
 namespace {
 
 // What has no answer yet is said. False: it was.
-bool is_observable(const VerifyRequest& request, Compilation& c, const verify::Formula& formula) {
-  if (request.wants_certificate) {
-    c.diags.report(Diag::kB1900, c.root_range, "a certificate for a property with `within`");
-    return false;
-  }
+bool is_observable(Compilation& c, const verify::Formula& formula) {
   for (const verify::Property& condition : formula.states) {
     for (const verify::PropertyNode& node : condition.nodes) {
       if (node.kind != verify::PropertyKind::CanConnector && node.kind != verify::PropertyKind::CanPort) continue;
@@ -97,7 +96,7 @@ Verdict decide_response(const VerifyRequest& request, Compilation& c, const veri
                         const std::string& note, const verify::CancellationToken& token) {
   const verify::Formula& formula = question.formula;
   BIP_ASSERT(formula.bounded, "a property without a limit of time");
-  if (!is_observable(request, c, formula)) return {};
+  if (!is_observable(c, formula)) return {};
   if (has_undetermined_values(*c.system)) return unknown_because_of_values(*c.system);
   const verify::CancellationToken cancellation = token.within(request.timeout);
   Executor executor(MachineCode::Fresh);
@@ -114,8 +113,35 @@ Verdict decide_response(const VerifyRequest& request, Compilation& c, const veri
   options.bytes = request.megabytes * kMega;
   options.is_stopped = [&] { return cancellation.is_over(); };
   options.unread_cells = verify::find_unread_cells(*c.system, image, data_of(question));
-  const rt::ZoneReport found = rt::explore_response(image, options, response);
+  std::optional<verify::ZoneCollector> zones;
+  rt::ZoneReport found;
+  if (request.wants_certificate) {
+    zones.emplace(*c.system, image, options.unread_cells, request.megabytes * (kMega / 2),
+                  verify::ZoneObserver::OfResponse);
+    found = rt::explore_response(image, options, response,
+                                 [&](const rt::ListedLocation& location) { zones->add(location); });
+  } else {
+    found = rt::explore_response(image, options, response);
+  }
   const bool is_complete = found.end == rt::ExploreEnd::Complete && found.inexact.empty();
+  std::string certificate;
+  if (zones && !found.has_match && found.inexact.empty() && !cancellation.is_cancelled()) {
+    std::string refused = zones->problem();
+    if (refused.empty() && found.has_error && can_fault_in_guards(*c.system))
+      refused = "guards of connectors or priorities that end in an error";
+    if (!refused.empty()) refused = "a certificate for a model with time and " + refused;
+    const std::string rows = std::move(*zones).rows();
+    const std::optional<std::string> text = is_complete && !rows.empty()
+                                                ? verify::certificate_of_response(formula, rows, *c.system, c.root_name)
+                                                : std::nullopt;
+    if (refused.empty() && !text)
+      refused = "a certificate for a model with time whose zones are too many for --timeout and --memory";
+    if (!refused.empty()) {
+      c.diags.report(Diag::kB1900, c.root_range, refused).note(system::first_timed(*c.system));
+      return {};
+    }
+    certificate = *text;
+  }
   const std::string size = rt::counted(found.zones, "zone") + " of " + rt::counted(found.locations, "location");
   nlohmann::ordered_json json{{"format", "bipc-verdict"}, {"version", 1}, {"verdict", "unknown"}};
   json["property"] = formula.text;
@@ -156,6 +182,7 @@ Verdict decide_response(const VerifyRequest& request, Compilation& c, const veri
   json["text"] = text;
   Verdict verdict = verdict_of(json, text, exit_code);
   verdict.counterexample = std::move(run);
+  if (exit_code == kOk) verdict.certificate = std::move(certificate);
   return verdict;
 }
 

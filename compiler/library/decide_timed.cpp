@@ -67,18 +67,6 @@ bool has_resume(const System& system) {
   });
 }
 
-// Which of several faults, or of a fault and a false guard, comes first is not for a checker to know.
-bool can_fault_in_guards(const System& system) {
-  const auto can_fault = [&](ExprId guard, StmtId up) { return lower::code_facts(system.code, guard, up).may_fault; };
-  if (std::any_of(system.priorities.begin(), system.priorities.end(),
-                  [&](const Priority& rule) { return can_fault(rule.guard, {}); }))
-    return true;
-  return std::any_of(system.connector_types.begin(), system.connector_types.end(), [&](const ConnectorType& type) {
-    return std::any_of(type.clauses.begin(), type.clauses.end(),
-                       [&](const Clause& clause) { return can_fault(clause.guard, clause.up); });
-  });
-}
-
 // Describes the state at the end of the path.
 std::string broken_text(const rt::Image& image, const verify::Property& property, const rt::TimedPath& path) {
   rt::Core core(image);
@@ -126,6 +114,17 @@ nlohmann::ordered_json parts_json(const verify::TimeProof& proof) {
 }
 
 }  // namespace
+
+bool can_fault_in_guards(const System& system) {
+  const auto can_fault = [&](ExprId guard, StmtId up) { return lower::code_facts(system.code, guard, up).may_fault; };
+  if (std::any_of(system.priorities.begin(), system.priorities.end(),
+                  [&](const Priority& rule) { return can_fault(rule.guard, {}); }))
+    return true;
+  return std::any_of(system.connector_types.begin(), system.connector_types.end(), [&](const ConnectorType& type) {
+    return std::any_of(type.clauses.begin(), type.clauses.end(),
+                       [&](const Clause& clause) { return can_fault(clause.guard, clause.up); });
+  });
+}
 
 std::string limit_text(const rt::ZoneReport& found, const verify::CancellationToken& cancellation) {
   if (!found.inexact.empty()) return found.inexact + ", which zones cannot follow";

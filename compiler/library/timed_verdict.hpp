@@ -12,6 +12,9 @@ namespace bip::library {
 /// Why a search of zones has no answer.
 [[nodiscard]] std::string limit_text(const rt::ZoneReport& found, const verify::CancellationToken& cancellation);
 [[nodiscard]] Verdict verdict_of(const nlohmann::ordered_json& json, std::string text, int exit_code);
+/// Why a certificate of a zone graph says less than it should: guards of connectors or priorities that can fault, for
+/// which of several faults, or of a fault and a false guard, comes first is not for a checker to know.
+[[nodiscard]] bool can_fault_in_guards(const System& system);
 /// Of a model with C++ or random numbers, which zones cannot follow.
 [[nodiscard]] Verdict unknown_because_of_values(const System& system);
 

@@ -87,7 +87,14 @@ MissedResponse follow_response(const Image& image, const ExploreOptions& options
 }
 
 ZoneReport explore_response(const Image& image, const ExploreOptions& options, const TimedResponse& response) {
-  ZoneReport report = ZoneSearch(image, options, nullptr, &response).run();
+  return explore_response(image, options, response, {});
+}
+
+ZoneReport explore_response(const Image& image, const ExploreOptions& options, const TimedResponse& response,
+                            const std::function<void(const ListedLocation&)>& visit) {
+  ZoneSearch search(image, options, nullptr, &response);
+  ZoneReport report = search.run();
+  if (visit) search.visit_locations(report, visit);
   if (report.has_match && report.are_paths_known)
     report.are_paths_known = follow_response(image, options, report.match, response).is_missed;
   return report;

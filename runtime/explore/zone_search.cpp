@@ -515,23 +515,27 @@ ZoneReport ZoneSearch::run() {
 
 ZoneReport explore_zones(const Image& image, const ExploreOptions& options) { return ZoneSearch(image, options).run(); }
 
+void ZoneSearch::visit_locations(const ZoneReport& report, const std::function<void(const ListedLocation&)>& visit) {
+  if (report.end != ExploreEnd::Complete || !report.inexact.empty() || report.has_match) return;
+  for (u32 row = 0; row < locations_.size(); ++row) {
+    const Location& at = locations_[row];
+    if (at.nodes.empty()) continue;
+    ListedLocation listed{&at.state, {}, at.leaders, {}, at.is_pending};
+    for (u32 atom = 0; atom < image_.atoms.size; ++atom) {
+      const u32 transitions = image_.atom_types[image_.atoms[atom].type].transitions.size;
+      const u32 waits = at.waits[atom];
+      listed.waits.push_back(waits == kNone ? 0 : waits == kAfterInitial ? transitions + 1 : waits + 1);
+    }
+    for (const u32 node : at.nodes) listed.zones.push_back(&nodes_[node].zone);
+    visit(listed);
+  }
+}
+
 ZoneReport explore_zones(const Image& image, const ExploreOptions& options,
                          const std::function<void(const ListedLocation&)>& visit) {
   ZoneSearch search(image, options);
   ZoneReport report = search.run();
-  if (report.end != ExploreEnd::Complete || !report.inexact.empty() || report.has_match) return report;
-  for (u32 row = 0; row < search.locations().size(); ++row) {
-    const Location& at = search.locations()[row];
-    if (at.nodes.empty()) continue;
-    ListedLocation listed{&at.state, {}, at.leaders, {}};
-    for (u32 atom = 0; atom < image.atoms.size; ++atom) {
-      const u32 transitions = image.atom_types[image.atoms[atom].type].transitions.size;
-      const u32 waits = at.waits[atom];
-      listed.waits.push_back(waits == kNone ? 0 : waits == kAfterInitial ? transitions + 1 : waits + 1);
-    }
-    for (const u32 node : at.nodes) listed.zones.push_back(&search.nodes()[node].zone);
-    visit(listed);
-  }
+  search.visit_locations(report, visit);
   return report;
 }
 

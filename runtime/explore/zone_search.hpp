@@ -32,6 +32,8 @@ class ZoneSearch {
   ZoneSearch(const Image& image, const ExploreOptions& options, const PartQuestion* part = nullptr,
              const TimedResponse* response = nullptr);
   ZoneReport run();
+  /// After it, if the graph is complete and there is no match: all locations that have zones.
+  void visit_locations(const ZoneReport& report, const std::function<void(const ListedLocation&)>& visit);
   PartReport run_part();
   /// After it: the graph.
   [[nodiscard]] const std::deque<ZoneNode>& nodes() const { return nodes_; }

@@ -59,6 +59,7 @@ struct ListedLocation {
   const State* state = nullptr;  // its `time` is of no meaning
   std::vector<u32> waits, leaders;
   std::vector<const Zone*> zones;
+  bool is_pending = false;  // of a response: a request waits; the last clock is that of the observer
 };
 /// The same; visits all locations that have zones, in the order of finding, if the graph is complete and the predicate
 /// holds nowhere. The set of these points is closed under steps and under time, but for steps that end in an error.
@@ -78,6 +79,10 @@ struct TimedResponse {
 /// further instant beyond the limit that goes on for ever (Zeno) misses nothing.
 [[nodiscard]] ZoneReport explore_response(const Image& image, const ExploreOptions& options,
                                           const TimedResponse& response);
+/// The same; visits all locations that have zones if the graph is complete and no run misses the demand.
+[[nodiscard]] ZoneReport explore_response(const Image& image, const ExploreOptions& options,
+                                          const TimedResponse& response,
+                                          const std::function<void(const ListedLocation&)>& visit);
 /// Where a path misses the demand.
 struct MissedResponse {
   bool is_missed = false;

@@ -306,6 +306,7 @@ class Oracle:
                     todo.append(new)
             if len(known) > 3 * MOST_STATES:
                 return None
+        self.points = known
         return worst
 
     def misses(self, demand):

@@ -6,7 +6,8 @@
 The systems and the oracle, which visits every state at every ns, are those of test_timed.py. Three tests of each system:
 what bipc proves (no deadlock, no errors, a place that is never reached) is accepted; a certificate that has been changed (a row lost, a
 bound, a place, a value, what an action waits for) is not, if a state that the oracle has reached is not in it any more; the certificate of a property that is
-always true is not accepted for another claim that the oracle refutes. BIPC and CERTCHECK name the programs, JOBS the number of processes. Python's library
+always true is not accepted for another claim that the oracle refutes. The same of limits of time, with the least limit that
+holds: the oracle's points have the age of the oldest request, too, and a smaller limit or another demand is what it refutes. BIPC and CERTCHECK name the programs, JOBS the number of processes. Python's library
 only. To see it go red: let `stays` in tools/certcheck/zones.cpp return at once, or leave out its tick.
 """
 import collections
@@ -20,10 +21,10 @@ import sys
 import tempfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from test_timed import BIPC, MOST, Oracle, make_system, text_of  # noqa: E402
+from test_timed import BIPC, MOST, Fault, Oracle, demand_text, make_condition, make_system, sharp, text_of  # noqa: E402
 
 CERTCHECK = os.environ.get("CERTCHECK") or str(pathlib.Path(BIPC).with_name("certcheck"))
-MUTATIONS = 12
+MUTATIONS, DEMANDS = 12, 3
 ALWAYS = "never a0.v == 77"
 # What bipc may say instead of a certificate: only where the oracle has found an error.
 REFUSED = "guards of connectors or priorities that end in an error"
@@ -64,8 +65,8 @@ def read_rows(certificate):
     return rows
 
 
-def is_in(state, atoms, rows, is_told):
-    said = {}
+def is_in(state, atoms, rows, is_told, age=None):
+    said = {"observer.waits": str(0 if age is None else 1)}
     for a, s in enumerate(state):
         said[f"ROOT.a{a}"] = f"s{s.place}"
         said[f"ROOT.a{a}.v"] = str(s.value)
@@ -74,22 +75,28 @@ def is_in(state, atoms, rows, is_told):
     key = tuple(sorted((k, v) for k, v in said.items() if k in is_told))
 
     def value(clock):
+        if clock == "observer.since":
+            return age
         return 0 if clock is None else state[int(re.fullmatch(r"ROOT\.a(\d+)\.x", clock)[1])].clock
-    return any(all((value(x) - value(y) <= int(n)) if op == "<" else (value(x) - value(y) >= int(n)) for x, y, op, n in zone)
-               for zone in rows.get(key, ()))
+
+    def holds(x, y, op, n):
+        if age is None and "observer.since" in (x, y):
+            return True  # nothing waits
+        return value(x) - value(y) <= int(n) if op == "<" else value(x) - value(y) >= int(n)
+    return any(all(holds(*bound) for bound in zone) for zone in rows.get(key, ()))
 
 
-def misses_a_state(oracle, certificate):
-    """Is a state that the oracle has reached not in it? Clocks above all constants are not looked at, nor states in which a guard faults."""
+def misses_a_state(points, atoms, certificate):
+    """Is a state that the oracle has reached, with the age of a request, not in it? Clocks above all constants are not looked at, nor states in which a guard faults."""
     try:
         rows = read_rows(certificate)
     except (AttributeError, TypeError):
         return True
     is_told = {k for key in rows for k, _ in key}
-    for state in oracle.stable:
+    for state, age in points:
         if any(s.clock > MOST for s in state):
             continue
-        if not is_in(state, oracle.atoms, rows, is_told):
+        if not is_in(state, atoms, rows, is_told, age):
             return True
     return False
 
@@ -112,6 +119,65 @@ def mutate(r, certificate):
     return "\n".join(lines) + "\n"
 
 
+def claim_text(condition):
+    kind, *args = condition
+    if kind in ("!", "&&"):
+        return f"({'not' if kind == '!' else 'and'} {' '.join(claim_text(part) for part in args)})"
+    return {"at": "(at ROOT.a{} s{})", "data": "(eq (data ROOT.a{} v) {})", "happens": "(happens ROOT.c{})",
+            "port": "(happens-port ROOT.a{} p{})"}[kind].format(*args)
+
+
+def is_stable(oracle, state):
+    try:
+        oracle.candidates(state)
+    except Fault:
+        return False
+    return True
+
+
+def check_demands(folder, seed, oracle, counts, bad):
+    """Of limits of time that hold."""
+    r = random.Random(f"demands {seed}")
+
+    def random_demand():
+        request = None if r.random() < 0.2 else make_condition(r, oracle.atoms, oracle.connectors)
+        return sharp(r, oracle, request, make_condition(r, oracle.atoms, oracle.connectors))
+    for _ in range(DEMANDS):
+        demand, other = random_demand(), random_demand()
+        if oracle.misses(demand) is not False:
+            continue
+        points = [(state, age) for state, age in oracle.points if is_stable(oracle, state)]
+        certificate, code, said = prove(folder, demand_text(demand))
+        if certificate is None:
+            counts["limits refused by bipc"] += 1
+            if not oracle.has_no_state and ("error[B1900]" not in said or REFUSED not in said or not oracle.error):
+                bad.append(f"{demand_text(demand)}: {code}: {said}")
+            continue
+        code, said = certcheck(folder, certificate)
+        if code != 0:
+            bad.append(f"{demand_text(demand)}: not accepted: {said}\n{certificate}")
+            continue
+        counts["limits accepted"] += 1
+        if misses_a_state(points, oracle.atoms, certificate):
+            bad.append(f"{demand_text(demand)}: a point that is reached is not in the certificate\n{certificate}")
+        for _ in range(MUTATIONS):
+            changed = mutate(r, certificate)
+            if not misses_a_state(points, oracle.atoms, changed):
+                continue
+            counts["limits changed, not enough"] += 1
+            code, said = certcheck(folder, changed)
+            if code not in (1, 4):
+                bad.append(f"{demand_text(demand)}: accepted without a reached point: {said}\n{changed}")
+        for request, response, within in ((*demand[:2], demand[2] - 1), other):
+            if within < 0 or oracle.misses((request, response, within)) is not True:
+                continue
+            counts["limits forged"] += 1
+            claim = f"claim within {within}ns {'first' if request is None else claim_text(request)} {claim_text(response)}"
+            code, said = certcheck(folder, re.sub("^claim .*", claim, certificate, flags=re.M))
+            if code not in (1, 4):
+                bad.append(f"{claim} is accepted: {said}\n{certificate}")
+
+
 def check(seed):
     """(counts, a difference or "")"""
     atoms, connectors = make_system(random.Random(seed))
@@ -119,6 +185,7 @@ def check(seed):
     if not oracle.run():
         return collections.Counter(large=1), ""
     r = random.Random(f"certificates {seed}")
+    points = [(state, None) for state in oracle.stable]
     a = r.randrange(len(atoms))
     place = r.randrange(atoms[a].places)
     is_reached = any(state[a].place == place for state in oracle.stable)
@@ -142,17 +209,18 @@ def check(seed):
                 bad.append(f"{question}: not accepted: {said}\n{certificate}")
                 continue
             counts["accepted"] += 1
-            if misses_a_state(oracle, certificate):
+            if misses_a_state(points, atoms, certificate):
                 bad.append(f"{question}: a state that is reached is not in the certificate\n{certificate}")
             for _ in range(MUTATIONS):
                 changed = mutate(r, certificate)
-                if not misses_a_state(oracle, changed):
+                if not misses_a_state(points, atoms, changed):
                     counts["changed, enough"] += 1
                     continue
                 counts["changed, not enough"] += 1
                 code, said = certcheck(folder, changed)
                 if code not in (1, 4):
                     bad.append(f"{question}: accepted without a reached state: {said}\n{changed}")
+        check_demands(folder, seed, oracle, counts, bad)
         # The last one holds always.
         wrong = ([("deadlock-free")] if oracle.deadlock or oracle.lock else []) + (["error-free"] if oracle.error else [])
         wrong += [f"never (at ROOT.a{a} s{place})"] if is_reached else []
@@ -179,7 +247,7 @@ def main():
                 print(difference)
     print(", ".join(f"{kind}: {n}" for kind, n in sorted(counts.items())))
     # What decides nothing is no test.
-    wanted = ("accepted", "changed, not enough", "forged deadlock-free", "forged never")
+    wanted = ("accepted", "changed, not enough", "forged deadlock-free", "forged never", "limits accepted", "limits changed, not enough", "limits forged")
     if count >= 40 and any(counts[kind] < count // 8 for kind in wanted):
         bad += 1
         print("too few certificates of some kind")

@@ -224,6 +224,22 @@ class ModelReader {
 }  // namespace
 
 void read_model(std::string text, Model& model) {
+Model with_observer(const Model& model) {
+  static const Tree kNothing{true, false, {}, {}};
+  Model result = model;
+  AtomType type;
+  type.name = "observer";
+  type.variables = {{"waits", "bool"}, {"to", "float"}, {"is-set", "bool"}, {"speed", "float"}, {"since", "clock"}};
+  type.initial = {kNone, {}, {}, &kNothing, &kNothing, &kNothing, &kNothing};
+  type.clocks = {{"since", 1, 1}};
+  type.first_clock = 4;
+  type.waits = 5;
+  result.atoms.push_back({"observer", result.atom_types.size(), &kNothing});
+  result.atom_types.push_back(std::move(type));
+  result.first_port.push_back(result.first_port.back());
+  return result;
+}
+
   model.text = std::move(text);
   model.tree = read_trees(model.text);
   ModelReader(model).run();

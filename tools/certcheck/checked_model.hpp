@@ -251,6 +251,10 @@ struct Model {
 /// The model keeps the text, and points into it.
 void read_model(std::string text, Model& model);
 
+/// The model with one more atom, `observer`: a bool `waits` and a clock `since`, which no step touches. Points into the
+/// model.
+[[nodiscard]] Model with_observer(const Model& model);
+
 /// Types whose values are followed; of float and FFI data nothing is known.
 [[nodiscard]] inline bool is_exact(Text type) { return type == "int" || type == "bool" || type == "string"; }
 

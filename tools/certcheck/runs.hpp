@@ -44,10 +44,6 @@ class Formula {
   std::size_t root_bit_ = kNone;
 };
 
-/// Is what the leaf is about what happens: does the step have that connector, or does the port take part?
-[[nodiscard]] expr happens(const Model& model, const Terms& terms, const Tree& leaf, std::size_t connector,
-                           const std::map<std::size_t, expr>& parts);
-
 /// The steps of listed states, and whether a fair run through them violates the claim.
 class Runs {
  public:

@@ -251,13 +251,26 @@ class States {
 
 }  // namespace
 
+// Is the claim, in the third row, a limit of time?
+static bool is_observed(std::istream& text) {
+  const auto start = text.tellg();
+  std::string line;
+  for (int k = 0; k < 3; ++k) std::getline(text, line);
+  text.clear();
+  text.seekg(start);
+  return line.starts_with("claim within ");
+}
+
 std::string check(const Model& model, std::istream& text, z3::context& z) {
-  return check(model, read_certificate(model, text), z);
+  if (!model.is_timed || !is_observed(text)) return check(model, read_certificate(model, text), z);
+  const Model observed = with_observer(model);
+  return check(observed, read_certificate(observed, text), z);
 }
 
 std::string check(const Model& model, const Certificate& c, z3::context& z) {
   if (!c.set_rows.empty()) throw Rejected("rows about all sizes, of a system of one size");
-  const std::string components = std::to_string(model.atoms.size()) + " components, ";
+  const std::size_t observers = model.atoms.empty() || model.atoms.back().path != "observer" ? 0 : 1;
+  const std::string components = std::to_string(model.atoms.size() - observers) + " components, ";
   if (!c.classes.empty()) check_structure(model, c, z);
   if (model.is_timed) check_zones(model, c, z);
   else States(model, c, z).run();

@@ -16,6 +16,10 @@ struct Step {
   std::map<std::size_t, Local> now, next;  // of the atoms that may move; what is known of them if the step is taken
 };
 
+/// Is what the leaf is about what happens: does the step have that connector, or does the port take part?
+[[nodiscard]] expr happens(const Model& model, const Terms& terms, const Tree& leaf, std::size_t connector,
+                           const std::map<std::size_t, expr>& parts);
+
 class System {
  public:
   System(const Model& model, const Terms& terms)
@@ -102,9 +106,21 @@ class System {
   }
   /// What a claim says of the state.
   [[nodiscard]] expr claim(const Tree& e) {
-    expr fault = t_.truth(false);
-    return t_.evaluate(e, {{}, {}, [this](const Tree& leaf) { return about(leaf); }}, t_.truth(true), fault);
+    if (!Tree{true, false, {}, {e}}.find({"happens", "happens-port"}).empty())
+      throw Rejected("a state does not happen");
+    return claim(e, nullptr);
   }
+  /// Of a point: the state alone, in which nothing happens, or with a step that leaves it.
+  [[nodiscard]] expr claim(const Tree& e, const Step* step) {
+    expr fault = t_.truth(false);
+    const auto leaf_of = [this, step](const Tree& leaf) {
+      if (leaf.head() != "happens" && leaf.head() != "happens-port") return about(leaf);
+      return step == nullptr ? t_.truth(false) : happens(m_, t_, leaf, step->connector, step->parts);
+    };
+    return t_.evaluate(e, {{}, {}, leaf_of}, t_.truth(true), fault);
+  }
+  /// The state that `claim` speaks of, if it does not say what can be done.
+  void stand(const State& now) { now_ = now; }
   /// The run has ended with an error in this state; with one in a connector's guard, too.
   [[nodiscard]] expr state_fault() const { return state_fault_; }
   [[nodiscard]] expr guard_fault() const { return guard_fault_; }

@@ -166,7 +166,8 @@ class Terms {
       const Tree& result = (*m_.functions.at(e.at(1).row()))["result"];
       return fresh(result.items.empty() ? "int" : result.at(1).text);
     }
-    if (s.about && (op == "at" || op == "data" || op == "can-port" || op == "can")) return s.about(e);
+    static const std::vector<Text> kLeaves{"at", "data", "can-port", "can", "happens", "happens-port"};
+    if (s.about && contains(kLeaves, op)) return s.about(e);
     const expr a = evaluate(e.at(1), s, when, fault);
     if (op == "to-float") return value_of(a) ? real(*value_of(a)) : unknown("float", op, a, a);
     if (op == "neg" && is_vague(a)) return real_of(a) ? real(-*real_of(a)) : unknown("float", op, a, a);

@@ -22,6 +22,13 @@ class Zones {
     }
     if (is_about("deadlock-free") || is_about("error-free")) return;
     claim_ = read_trees(c_.claim);
+    if (claim_.head() == "within") {
+      if (claim_.items.size() != 4 || m_.atoms.back().path != "observer")
+        throw Rejected("the claim " + quoted(c_.claim));
+      if (!claim_.find({"can", "can-port"}).empty()) throw NotCheckable("a limit of time for what can be done");
+      limit_ = claim_.at(1).ticks();
+      return;
+    }
     if (claim_.items.size() != 2 || claim_.items[0].text != "never") throw Rejected("the claim " + quoted(c_.claim));
   }
 
@@ -35,6 +42,7 @@ class Zones {
         local[type.waits + 1] = terms_.constant("int", static_cast<int>(first.size()) - 1);
     }
     if (is_about("error-free")) demand(fault, "the run ends before its first state");
+    if (limit_) observe(system_, first, nullptr, first, terms_.truth(true));
     stays(no(fault), first, "the first state is not among those that the certificate lists");
     for (const auto& [key, zones] : c_.zones) {
       terms_.begin();
@@ -88,8 +96,12 @@ class Zones {
     system_.each_step([&](const Step& step) {
       if (is_about("error-free") && terms_.may_be(both(step.possible, step.fault)))
         throw Rejected("a step ends with an error");
-      stays(both(step.possible, no(step.fault)), replaced(now, step.next),
-            "a step leads out of what the certificate allows");
+      State next = replaced(now, step.next);
+      if (limit_) {
+        observe(system_, now, &step, next, terms_.truth(false));
+        observe(after_, next, nullptr, next, terms_.truth(false));
+      }
+      stays(both(step.possible, no(step.fault)), next, "a step leads out of what the certificate allows");
     });
     expr resumes = terms_.truth(false), must_resume = resumes;
     for (const auto& [leader, is_over] : groups) {
@@ -106,12 +118,19 @@ class Zones {
     may_pass = both(may_pass, no(must_resume));
     stays(both(may_pass, both(no(system_.is_urgent(true)), no(opens))), later,
           "time leads out of what the certificate allows");
-    if (!claim_.items.empty())
+    const expr waits = limit_ ? now.back()[0] : terms_.truth(false);
+    if (limit_)
+      demand(both(waits, (now.back()[m_.atom_types.back().first_clock] > z_.int_val(*limit_)).simplify()),
+             "a state that the certificate allows comes too late");
+    else if (!claim_.items.empty())
       demand(system_.claim(claim_.items[1]), "a state that the certificate allows is what should never be");
-    if (!is_about("deadlock-free")) return;
+    if (!is_about("deadlock-free") && !limit_) return;
     const expr is_stuck = no(system_.has_step()),
-               may_stop = either(no(may_pass), either(system_.is_urgent(false), may_open));
-    demand(both(both(is_stuck, may_stop), no(must_resume)), "a state that the certificate allows locks time");
+               may_stop = either(no(may_pass), either(system_.is_urgent(false), may_open)),
+               is_locked = both(both(is_stuck, may_stop), no(must_resume));
+    // What is waited for does not come after the end of a run.
+    if (limit_) return demand(both(is_locked, waits), "a state that the certificate allows ends before it comes");
+    demand(is_locked, "a state that the certificate allows locks time");
     // Where no step ever comes, time brings all clocks beyond any bound, in states that are listed, too.
     expr is_far = both(is_stuck, no(either(resumes, system_.is_final())));
     for (std::size_t a = 0; a < now.size(); ++a) {
@@ -120,6 +139,17 @@ class Zones {
         is_far = both(is_far, now[a][k] > z_.int_val(kFar));
     }
     demand(is_far, "a state that the certificate allows has no step");
+  }
+
+  // What the observer makes of a point: a state (`is_first`: of a run), or a step that leaves it.
+  void observe(System& system, const State& at, const Step* step, State& next, const expr& is_first) {
+    system.stand(at);
+    const Tree &request = claim_.at(2), &response = claim_.at(3);
+    const expr asked = request.text == "first" && !request.is_list ? is_first : system.claim(request, step);
+    const expr is_open = no(system.claim(response, step));
+    expr &waits = next.back()[0], &since = next.back()[m_.atom_types.back().first_clock];
+    since = choose(both(no(waits), both(asked, is_open)), z_.int_val(0), since);
+    waits = both(is_open, either(waits, asked));
   }
 
   // Where `when` holds, and the run does not end in an error, this is a listed state in one of its zones.
@@ -190,6 +220,7 @@ class Zones {
   Terms terms_;
   System system_, after_;
   Tree claim_;
+  std::optional<std::int64_t> limit_;  // of a claim that something comes within it; the last atom observes
   bool has_open_ = false;
 };
 

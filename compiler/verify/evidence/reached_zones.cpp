@@ -18,8 +18,8 @@ constexpr std::int64_t kUnsaid = INT64_MIN;
 }  // namespace
 
 ZoneCollector::ZoneCollector(const System& system, const rt::Image& image,
-                             const std::vector<std::uint32_t>& unread_cells, std::size_t bytes)
-    : columns_(state_columns(system, image, unread_cells)), clocks_(1), bytes_(bytes) {
+                             const std::vector<std::uint32_t>& unread_cells, std::size_t bytes, ZoneObserver observer)
+    : columns_(state_columns(system, image, unread_cells)), clocks_(1), observer_(observer), bytes_(bytes) {
   if (!system::first_inner_priority(system).empty()) problem_ = "priorities below connectors";
   for (const StateColumn& column : columns_) {
     if (problem_.empty() && !column.is_nameable)
@@ -33,7 +33,8 @@ ZoneCollector::ZoneCollector(const System& system, const rt::Image& image,
     for (const Clock& clock : system.atom_types[instance.type].clocks)
       clocks_.push_back(instance.path + '.' + clock.name);
   }
-  last_.assign(columns_.size() + 2 * busy_atoms_.size(), kUnsaid);
+  if (observer == ZoneObserver::OfResponse) clocks_.emplace_back("observer.since");
+  last_.assign(columns_.size() + 2 * busy_atoms_.size() + 1, kUnsaid);
 }
 
 void ZoneCollector::append(const rt::Zone& zone) {
@@ -69,6 +70,9 @@ void ZoneCollector::add(const rt::ListedLocation& location) {
     if (std::exchange(last_[at + 1], location.leaders[atom]) != location.leaders[atom])
       rows_ += ' ' + busy_atoms_[atom] + ".resume-with=" + std::to_string(location.leaders[atom]);
   }
+  const int waits = location.is_pending ? 1 : 0;
+  if (observer_ == ZoneObserver::OfResponse && std::exchange(last_[at], waits) != waits)
+    rows_ += " observer.waits=" + std::to_string(waits);
   rows_ += '\n';
   for (const rt::Zone* zone : location.zones) append(*zone);
   is_too_long_ = rows_.size() > bytes_;

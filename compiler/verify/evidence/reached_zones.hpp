@@ -3,6 +3,7 @@
 // Cost: the text; the differences of two clocks that follow from the bounds of each are left out.
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -11,12 +12,15 @@
 
 namespace bip::verify {
 
+/// Does an observer of a limit of time run beside the zone graph?
+enum class ZoneObserver : std::uint8_t { None, OfResponse };
+
 class ZoneCollector {
  public:
   /// Refers to `system`, which must outlive it. `unread_cells`: data that may have any value (unread_data.hpp).
   /// `bytes`: of the text.
   ZoneCollector(const System& system, const rt::Image& image, const std::vector<std::uint32_t>& unread_cells,
-                std::size_t bytes);
+                std::size_t bytes, ZoneObserver observer = ZoneObserver::None);
   /// Returns what of the model no row can say or the checker cannot follow, with its name; empty if there is nothing.
   [[nodiscard]] const std::string& problem() const { return problem_; }
   void add(const rt::ListedLocation& location);
@@ -29,7 +33,8 @@ class ZoneCollector {
   std::vector<StateColumn> columns_;
   std::vector<std::string> busy_atoms_;  // by atom: its path if its type has time, else empty
   std::vector<std::string> clocks_;      // by clock + 1: "ROOT.a.x"
-  std::vector<std::int64_t> last_;       // of each column, then of each busy atom: what the row before says
+  std::vector<std::int64_t> last_;       // of columns, busy atoms and the observer: what the row before says
+  ZoneObserver observer_;
   std::size_t bytes_;
   std::string rows_, problem_;
   bool is_too_long_ = false;
