@@ -22,7 +22,8 @@ class ModelReader {
       m_.strings.emplace(row->at(2).text, static_cast<int>(row->at(1).row()));
     m_.functions = m_.tree.all("function");
     for (const Tree* row : m_.functions)
-      if (!(*row)["ref"].items.empty()) throw NotCheckable("C++ functions get references to variables");
+      if (!(*row)["ref"].items.empty() && !row->has_word("draw", 3))
+        throw NotCheckable("C++ functions get references to variables");
     for (const Tree* row : m_.tree.all("atom-type")) {
       try {
         atom_type(*row);
@@ -57,7 +58,7 @@ class ModelReader {
     type.invariants = row.all("invariant");
     only(row,
          {"slot", "port", "place", "initial", "do", "final", "transition", "priority", "invariant", "merged", "clock",
-          "resume"},
+          "resume", "draws"},
          3, type.name);
     for (const Tree* place : row.all("place")) type.variables.push_back({place->at(2).text, "bool"});
     type.places = type.variables.size();
@@ -223,7 +224,6 @@ class ModelReader {
 
 }  // namespace
 
-void read_model(std::string text, Model& model) {
 Model with_observer(const Model& model) {
   static const Tree kNothing{true, false, {}, {}};
   Model result = model;
@@ -240,6 +240,7 @@ Model with_observer(const Model& model) {
   return result;
 }
 
+void read_model(std::string text, Model& model) {
   model.text = std::move(text);
   model.tree = read_trees(model.text);
   ModelReader(model).run();

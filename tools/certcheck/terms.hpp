@@ -162,8 +162,10 @@ class Terms {
     const Text op = e.head();
     if (op == "self" || op == "bind") return variable(e, s, op == "self");
     if (op == "call") {
-      for (std::size_t k = 2; k < e.items.size(); ++k) (void)evaluate(e.items[k], s, when, fault);
-      const Tree& result = (*m_.functions.at(e.at(1).row()))["result"];
+      Local args;
+      for (std::size_t k = 2; k < e.items.size(); ++k) args.push_back(evaluate(e.items[k], s, when, fault));
+      const Tree &function = *m_.functions.at(e.at(1).row()), &result = function["result"];
+      if (function.has_word("draw", 3)) return drawn(function.at(2).text, result.at(1).text, args, when, fault);
       return fresh(result.items.empty() ? "int" : result.at(1).text);
     }
     static const std::vector<Text> kLeaves{"at", "data", "can-port", "can", "happens", "happens-port"};
@@ -430,6 +432,39 @@ class Terms {
   [[nodiscard]] expr real(double value) const { return z_.bv_val(std::bit_cast<std::uint64_t>(value), kVagueBits); }
   static std::optional<double> real_of(const expr& e) {
     return is_vague(e) && e.is_numeral() ? std::optional(std::bit_cast<double>(e.get_numeral_uint64())) : std::nullopt;
+  }
+  // What a distribution of std.chance can give; the first argument is the generator, which nothing else reads. Numbers
+  // that it cannot have are errors, perhaps: where they are constants the compiler has looked at them.
+  [[nodiscard]] expr drawn(Text name, Text type, const Local& args, const expr& when, expr& fault) const {
+    if (name == "uniform" && type == "int") {
+      const expr value = fresh(type), &low = args.at(1), &high = args.at(2);
+      fault = either(fault, both(when, (high < low).simplify()));
+      return choose((low <= value && value <= high).simplify(), value, low);
+    }
+    std::vector<std::optional<double>> numbers;
+    for (const expr& arg : args) numbers.push_back(real_of(arg));
+    const auto is_within = [&](std::size_t k, double least, double most) {
+      return numbers.at(k) && *numbers[k] >= least && *numbers[k] <= most;
+    };
+    constexpr double kMost = std::numeric_limits<double>::max(), kLeast = std::numeric_limits<double>::denorm_min();
+    const bool is_table = name == "table", is_normal = name == "normal" && args.size() == 3;
+    bool is_sound = name == "flip"          ? is_within(1, 0, 1)
+                    : name == "exponential" ? is_within(1, kLeast, kMost)
+                    : is_normal             ? is_within(1, -kMost, kMost) && is_within(2, 0, kMost)
+                    : name == "uniform"     ? is_within(1, -kMost, kMost) && is_within(2, *numbers[1], kMost)
+                                            : is_table;
+    std::optional<expr> value;
+    double total = 0;
+    for (std::size_t k = 1; k + 1 < args.size() && is_table; k += 2) {
+      is_sound = is_sound && is_within(k + 1, 0, kMost);
+      total += numbers[k + 1].value_or(0);
+      if (numbers[k + 1] == 0.0) continue;
+      value = value ? choose(fresh("bool"), args[k], *value) : args[k];
+    }
+    if (!is_sound || (is_table && total <= 0)) fault = either(fault, both(when, fresh("bool")));
+    if (is_table) return value ? *value : fresh(type);
+    if (name == "flip" && (numbers.at(1) == 0.0 || numbers[1] == 1.0)) return truth(numbers[1] == 1.0);
+    return fresh(type);
   }
   // The same operation on the same terms has the same value, whatever that is: of a guard and its negation one holds.
   [[nodiscard]] expr unknown(Text type, Text op, const expr& a, const expr& b) const {
