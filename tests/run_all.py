@@ -133,6 +133,7 @@ def groups(options):
         ("genom", [script("genom", "tests/genom/test_genom.py", weight=30), script("dala", "tests/genom/test_dala.py", weight=30),
                    script("rules", "tests/rules/test_rules.py", weight=10), script("constructs", "tests/genom/test_constructs.py", weight=3), script("codels", "tests/genom/test_c_codels.py", weight=10), script("cxx_codels", "tests/genom/test_cxx_codels.py", weight=10), script("mission", "models/dala/run", alone=True), script("crash", "models/dala/run", "--processes", "--mission", "models/dala/mission/crash.txt", alone=True), script("faults", "tests/genom/test_dala_faults.py", alone=True)]),
         ("serve", [script("serve", "tests/serve/test_serve.py", alone=True), script("stepping", "tests/serve/test_stepping.py"), script("requests", "tests/serve/test_requests.py"), script("watchdog", "tests/serve/test_watchdog.py", alone=True), script("processes", "tests/serve/test_processes.py", weight=10)]),
+        ("ros1", [script("component", "tests/ros1/test_ros1.py", alone=True)]),
         ("ros2", [script("component", "tests/ros2/test_ros2.py", "component", alone=True), script("mission", "tests/ros2/test_ros2.py", "mission", alone=True)]),
         ("distributed", [script("distributed", "tests/distributed/test_processes.py", alone=True), script("hosts", "tests/distributed/test_hosts.py", alone=True)]),
         # Sanitizers make system calls and allocate by themselves, need much address space, and trace the process to find leaks.

@@ -172,18 +172,23 @@ def topics(level, client, package):
     record = Program(["rosbag", "record", "-O", bag, "/track/place", "/track/follow/result"], level.work, "record.log")
     reader = rospy.Subscriber("/track/place", package.classes["GeometryPoint"], places.append)
     check("a poster is a topic", until(lambda: places), places)
-    until(lambda: "Subscribed" in record.text() or "Recording" in record.text())
-    until(lambda: record.text().count("Subscribing") >= 1, 5)
-    time.sleep(1)
+    # It makes the file when the first message comes; the last place comes at once.
+    # A recorder gets what comes after it has connected: nothing tells that here.
+    time.sleep(2)
+    check("rosbag records", until(lambda: list(pathlib.Path(level.work).glob("place.bag*"))), record.text())
     client.do("track/follow", package.goal("TrackFollow", path=[package.point(0.02, 0.01)], tolerance=0.001, laps=1))
     check("it shows what the port holds later", until(lambda: any((round(p.x, 3), round(p.y, 3)) == (0.02, 0.01) for p in places)), places[-1:])
+    for _ in range(3):
+        time.sleep(1)
+        client.do("track/follow", package.goal("TrackFollow", path=[package.point(0.03, 0.01)], tolerance=0.001, laps=1))
     reader.unregister()
-    time.sleep(1)
+    time.sleep(1)  # what has been sent may not have been recorded
     record.end(signal.SIGINT)
+    check("and closes its file", until(lambda: os.path.exists(bag)), record.text())
     with rosbag.Bag(bag) as file:
         rows = {topic: [message for _, message, _ in file.read_messages(topics=[topic])] for topic in ("/track/place", "/track/follow/result")}
         types = {topic: info.msg_type for topic, info in file.get_type_and_topic_info().topics.items()}
-    check("rosbag records posters and results", len(rows["/track/place"]) > 0 and len(rows["/track/follow/result"]) == 1, {key: len(row) for key, row in rows.items()})
+    check("rosbag records posters and results", len(rows["/track/place"]) > 0 and len(rows["/track/follow/result"]) > 0, {key: len(row) for key, row in rows.items()})
     check("with their types", types.get("/track/follow/result") == "track_msgs/TrackFollowActionResult", types)
     check("and reads them by the definitions that it got", rows["/track/follow/result"] and rows["/track/follow/result"][0].result.report == "OK", rows["/track/follow/result"])
 
