@@ -77,6 +77,17 @@ void add_generation(CLI::App* command, GenomArguments& a) {
           [](std::string& text) { return text == "module" || text == "codel" ? "" : not_one_of(text, "module|codel"); },
           ""))
       ->type_name("module|codel");
+  command
+      ->add_option(
+          "--as-in-the-paper", a.design,
+          "how modules wait for what they interrupt, and how their timers tick, in Section V of the paper: the "
+          "first design, which deadlocks, or the repaired one")
+      ->check(CLI::Validator(
+          [](std::string& text) {
+            return text == "first" || text == "repaired" ? "" : not_one_of(text, "first|repaired");
+          },
+          ""))
+      ->type_name("first|repaired");
   command->add_option("--tick", a.tick_ms, "length of a tick in milliseconds (default: clock period of the module)")
       ->check(is_real(1e-6, 1e6))
       ->type_name("MS");
@@ -122,6 +133,8 @@ void add_rules(CLI::App& app, GenomArguments& a) {
       "--left-out", a.lists_left_out,
       "write no BIP but list the services of which a rule says nothing, and which interrupt its services, "
       "are interrupted by them, or write the same poster");
+  command->add_flag("--reduced", a.reduced,
+                    "write the modules reduced to what the rules are about, of which --prove asks");
   command->add_option("--timeout", a.timeout, "time limit of --prove in seconds of processor time (default: 60)")
       ->check(is_number(1, 100000000))
       ->type_name("S");

@@ -12,6 +12,7 @@
 #include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/serve/model_server.hpp"
+#include "compiler/serve/service_calls.hpp"
 
 namespace bip::driver {
 
@@ -65,6 +66,7 @@ int command_serve(const ServeArguments& arguments) {
     requests.codel_times = reinterpret_cast<decltype(requests.codel_times)>(::dlsym(library, "bip_codel_times"));
     requests.input_problem = reinterpret_cast<decltype(requests.input_problem)>(::dlsym(library, "bip_input_problem"));
   }
+  const serve::ServiceCalls calls(controller.requests(), c.lowered->library);
   controller.real_time_priority = arguments.real_time_priority;
   controller.on_problem = [](const std::string& problem) { print_error_words(fmt::format("warning: {}", problem)); };
   if (!arguments.trace_path.empty() && !controller.trace(arguments.trace_path, arguments.trace_format)) {

@@ -89,6 +89,9 @@ genom::TranslateOptions translate_options(const GenomArguments& a, const std::ve
   o.generate.lock = a.lock == "module"  ? genom::LockGranularity::Module
                     : a.lock == "codel" ? genom::LockGranularity::Codel
                                         : genom::LockGranularity::ByGeneration;
+  o.generate.design = a.design == "first"      ? genom::Design::First
+                      : a.design == "repaired" ? genom::Design::Repaired
+                                               : genom::Design::Ours;
   o.generate.tick_us = static_cast<std::int64_t>(a.tick_ms * 1000.0);
   o.generate.control_period = a.control_period;
   o.generate.poster_period = a.poster_period;

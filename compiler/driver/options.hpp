@@ -228,11 +228,13 @@ struct GenomArguments {
   std::int64_t kill_after = 0;      // ns
   std::int64_t module_memory = 0;   // MB
   std::string lock;                 // "", "module" or "codel"
+  std::string design;               // "", or of the paper "first" or "repaired"
   double tick_ms = 0;
   std::int64_t control_period = 1;
   std::int64_t poster_period = 1;
   std::int64_t oldest = 100;
   bool prove = false;           // of rules: can they be met?
+  bool reduced = false;         // of rules: the modules reduced to what they are about
   bool lists_left_out = false;  // of rules: which services are like theirs?
   std::uint64_t timeout = 60;
 };

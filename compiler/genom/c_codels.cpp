@@ -1,7 +1,5 @@
-// See c_codels.hpp. Everything is found once (`Resolver`): which data a codel's arguments are, and of which type.
-//
-// Names in C are those of genom3: `demo_state` for `demo::state`, `demo_ids`, `demo_ids_body_s` for a struct inside of
-// the IDS, `demo_pause_main`, `demo_e_far(&detail, self)`, a port is a struct of functions.
+// See c_codels.hpp. Types and names are those of c_mapping.hpp and cxx_mapping.hpp, what codels are called with is
+// found by codel_arguments.hpp.
 #include "compiler/genom/c_codels.hpp"
 
 #include <fmt/format.h>
@@ -10,12 +8,15 @@
 #include <map>
 #include <set>
 
+#include "compiler/genom/c_mapping.hpp"
+#include "compiler/genom/codel_arguments.hpp"
 #include "compiler/genom/codel_processes.hpp"
 #include "compiler/genom/codels.hpp"
 #include "compiler/genom/cxx_mapping.hpp"
 #include "compiler/genom/names.hpp"
 #include "compiler/genom/plan.hpp"
-#include "compiler/genom/port_services.hpp"
+#include "compiler/genom/remote_services.hpp"
+#include "compiler/genom/standard_services.hpp"
 
 namespace bip::genom {
 namespace {
@@ -23,231 +24,6 @@ namespace {
 using idl::Component;
 using idl::Direction;
 using idl::Kind;
-
-// ---- types in C
-
-// "double name[3]".
-std::string declared(const Component& c, std::size_t type, const std::string& name) {
-  const idl::Type& t = c.types[type];
-  switch (t.kind) {
-    case Kind::Array: return declared(c, t.element, fmt::format("{}[{}]", name, t.bound));
-    case Kind::String: return t.bound == 0 ? "char *" + name : fmt::format("char {}[{}]", name, t.bound + 1);
-    case Kind::Native: return fmt::format("{} *{}", t.c_name, name);
-    case Kind::Primitive:
-    case Kind::Sequence:
-    case Kind::Optional:
-    case Kind::Struct:
-    case Kind::Union:
-    case Kind::Enum:
-    case Kind::Alias: break;
-  }
-  return t.c_name + " " + name;
-}
-
-std::string members_text(const Component& c, const std::vector<idl::Member>& members, const std::string& indent) {
-  std::string out;
-  for (const idl::Member& m : members) out += indent + declared(c, m.type, m.name) + ";\n";
-  return out.empty() ? indent + "char genom_nothing;\n" : out;
-}
-
-// A type that several components know is defined once in a program.
-std::string guarded_definition(const std::string& name, const std::string& text) {
-  return fmt::format("\n#ifndef GENOM_TYPE_{0}\n#define GENOM_TYPE_{0}\n{1}#endif\n", name, text);
-}
-
-std::string definition(const Component& c, const idl::Type& t) {
-  switch (t.kind) {
-    case Kind::Primitive:
-    case Kind::String:
-    case Kind::Array: return {};
-    case Kind::Alias:
-      return guarded_definition(t.c_name, fmt::format("typedef {};\n", declared(c, t.element, t.c_name)));
-    case Kind::Native: return guarded_definition(t.c_name, fmt::format("typedef struct {0} {0};\n", t.c_name));
-    case Kind::Enum: {
-      std::string list;
-      for (const std::string& e : t.enumerators) list += (list.empty() ? "" : ", ") + t.prefix + e;
-      return guarded_definition(t.c_name, fmt::format("typedef enum {0} {{ {1} }} {0};\n", t.c_name, list));
-    }
-    case Kind::Struct:
-      return guarded_definition(
-          t.c_name, fmt::format("typedef struct {0} {{\n{1}}} {0};\n", t.c_name, members_text(c, t.members, "  ")));
-    case Kind::Union:
-      return guarded_definition(
-          t.c_name, fmt::format("typedef struct {0} {{\n  {1};\n  union {{\n{2}  }} _u;\n}} {0};\n", t.c_name,
-                                declared(c, t.element, "_d"), members_text(c, t.members, "    ")));
-    case Kind::Optional:
-      return guarded_definition(t.c_name, fmt::format("typedef struct {0} {{\n  bool _present;\n  {1};\n}} {0};\n",
-                                                      t.c_name, declared(c, t.element, "_value")));
-    case Kind::Sequence:
-      return guarded_definition(
-          t.c_name, t.bound == 0
-                        ? fmt::format("typedef struct {0} {{\n  uint32_t _maximum, _length;\n  {1};\n  void "
-                                      "(*_release)(void *);\n}} {0};\n",
-                                      t.c_name, declared(c, t.element, "*_buffer"))
-                        : fmt::format("typedef struct {0} {{\n  uint32_t _maximum, _length;\n  {1};\n}} {0};\n",
-                                      t.c_name, declared(c, t.element, fmt::format("_buffer[{}]", t.bound))));
-  }
-  return {};
-}
-
-bool is_passed_by_value(const idl::Type& t) {
-  return t.kind == Kind::Primitive || t.kind == Kind::Enum || t.kind == Kind::Native;
-}
-// In C the name of it is a pointer already.
-bool decays(const idl::Type& t) { return t.kind == Kind::Array || (t.kind == Kind::String && t.bound != 0); }
-
-// The type of a parameter, without its name.
-std::string parameter_type(const Component& c, std::size_t type, Direction direction) {
-  const idl::Type& plain = c.plain(type);
-  const bool is_in = direction == Direction::In;
-  std::string text;
-  if (is_in && plain.kind == Kind::Native) return fmt::format("const {} *", plain.c_name);
-  if (is_in && plain.kind == Kind::String) return "const char *";
-  if (decays(plain)) text = c.types[type].kind == Kind::Alias ? c.types[type].c_name + " " : declared(c, type, "");
-  else if (is_in && is_passed_by_value(plain)) return c.types[type].c_name;
-  else text = declared(c, type, "*");
-  return (is_in ? "const " : "") + text;
-}
-
-// ---- what codels are called with
-
-struct Argument {
-  std::string type, value;
-  std::string value_of(std::size_t owner) const {
-    std::string text = value;
-    if (const std::size_t at = text.find('@'); at != std::string::npos) text.replace(at, 1, std::to_string(owner));
-    return text;
-  }
-};
-
-// Names of one component.
-class Names {
- public:
-  explicit Names(const Component& c) : c_(c) {}
-
-  // The member that a path leads to from one of `members`; nothing if it leads nowhere.
-  [[nodiscard]] std::optional<std::size_t> follow(const std::vector<idl::Member>& members,
-                                                  const std::vector<std::string>& path, std::string& text) const {
-    const std::vector<idl::Member>* here = &members;
-    std::optional<std::size_t> type;
-    for (const std::string& step : path) {
-      if (step.starts_with("[")) {
-        if (!type || c_.plain(*type).kind != Kind::Array) return std::nullopt;
-        type = c_.plain(*type).element;
-        text += step;
-      } else {
-        if (type) {
-          if (c_.plain(*type).kind != Kind::Struct) return std::nullopt;
-          here = &c_.plain(*type).members;
-        }
-        const auto found = std::find_if(here->begin(), here->end(), [&](const auto& m) { return m.name == step; });
-        if (found == here->end()) return std::nullopt;
-        type = found->type;
-        text += "." + step;
-      }
-    }
-    return type;
-  }
-
-  [[nodiscard]] std::vector<idl::Member> locals_of(const idl::Service& s) const {
-    std::vector<idl::Member> all;
-    for (const idl::Parameter& p : s.parameters) all.push_back({p.name, type_of(s, p).value_or(0), {}});
-    all.insert(all.end(), s.locals.begin(), s.locals.end());
-    return all;
-  }
-  [[nodiscard]] std::optional<std::size_t> type_of(const idl::Service& s, const idl::Parameter& p) const {
-    std::string ignored;
-    return s.is_attribute ? follow(c_.ids, p.path, ignored) : std::optional(p.type);
-  }
-
-  // `@` stands for the owner.
-  [[nodiscard]] std::optional<Argument> argument(const idl::Argument& a, const std::vector<idl::Member>& locals) const {
-    const std::string ids = "ids_" + c_.name;
-    if (a.place == idl::Place::Remote) return Argument{};  // of a service of another component
-    if (a.path.empty() && c_.is_cxx)
-      return Argument{(a.direction == Direction::In ? "const " : "") + c_.name + "_ids&", ids};
-    if (a.path.empty()) return Argument{(a.direction == Direction::In ? "const " : "") + c_.name + "_ids *", "&" + ids};
-    const auto data = [&](const std::vector<idl::Member>& members, const std::string& base) -> std::optional<Argument> {
-      std::string value = base;
-      const std::optional<std::size_t> type = follow(members, a.path, value);
-      if (!type) return std::nullopt;
-      if (c_.is_cxx) return Argument{cxx_parameter_type(c_, *type, a.direction), value};
-      const idl::Type& t = c_.plain(*type);
-      const bool is_plain =
-          decays(t) || (a.direction == Direction::In && (is_passed_by_value(t) || t.kind == Kind::String));
-      return Argument{parameter_type(c_, *type, a.direction), is_plain ? value : "&" + value};
-    };
-    using enum idl::Place;
-    if (a.place == Any || a.place == Local) {
-      if (auto found = data(locals, "data_@")) return found;
-    }
-    if (a.place == Any || a.place == Ids) {
-      if (auto found = data(c_.ids, ids)) return found;
-    }
-    if (a.place == Any || a.place == Port) {
-      for (const idl::Port& p : c_.ports) {
-        if (p.name != a.path.front() || a.path.size() != 1) continue;
-        if (c_.is_cxx)
-          return Argument{fmt::format("const {}_{}&", c_.name, p.name), fmt::format("port_{}_{}", c_.name, p.name)};
-        return Argument{fmt::format("const {}_{} *", c_.name, p.name), fmt::format("&port_{}_{}", c_.name, p.name)};
-      }
-    }
-    return std::nullopt;
-  }
-
-  template <class Owner>
-  [[nodiscard]] const idl::Codel* codel(const Owner& owner, const std::string& name) const {
-    const auto found =
-        std::find_if(owner.codels.begin(), owner.codels.end(), [&](const auto& k) { return k.name == name; });
-    return found == owner.codels.end() ? nullptr : &*found;
-  }
-
- private:
-  const Component& c_;
-};
-
-template <class Row>
-const Row* find_row(const std::vector<Row>& rows, const std::string& name) {
-  const auto found = std::find_if(rows.begin(), rows.end(), [&](const Row& r) { return r.name == name; });
-  return found == rows.end() ? nullptr : &*found;
-}
-
-// ---- headers
-
-std::string types_header(const Component& c) {
-  std::string out = fmt::format(
-      "/* Types of {0}, as genom3 names them in C. Written by `bipc genom --codels`. */\n#ifndef GENOM_{0}_C_TYPES_H\n"
-      "#define GENOM_{0}_C_TYPES_H\n#include \"bip/genom3.h\"\n\n#ifdef __cplusplus\nextern \"C\" {{\n#endif\n",
-      c.name);
-  for (const idl::Constant& k : c.constants)
-    out += fmt::format("\n#ifndef {0}\n#define {0} ({1})\n#endif\n", k.c_name, k.value);
-  for (const idl::Type& t : c.types) out += definition(c, t);
-  for (const idl::Exception& e : c.exceptions) {
-    std::string text = fmt::format("extern const genom_event {}_id;\n", e.c_name);
-    if (e.members.empty()) {
-      text += fmt::format("genom_event {}(genom_context self);\n", e.c_name);
-    } else {
-      text += fmt::format(
-          "typedef struct {0}_detail {{\n{1}}} {0}_detail;\ngenom_event {0}(const {0}_detail *detail, genom_context "
-          "self);\n",
-          e.c_name, members_text(c, e.members, "  "));
-    }
-    out += guarded_definition(e.c_name, text);
-  }
-  return out + "\n#ifdef __cplusplus\n}\n#endif\n#endif\n";
-}
-
-std::string port_struct(const Component& c, const idl::Port& p) {
-  const char* const id = p.is_multiple ? "const char *id, " : "";
-  std::string out = fmt::format("\ntypedef struct {}_{} {{\n  {};\n", c.name, p.name,
-                                declared(c, p.type, fmt::format("*(*data)({}genom_context self)", id)));
-  out += fmt::format("  genom_event (*{})({}genom_context self);\n", p.is_out ? "write" : "read", id);
-  if (p.is_multiple)
-    out +=
-        "  genom_event (*open)(const char *id, genom_context self);\n  genom_event (*close)(const char *id, "
-        "genom_context self);\n";
-  return out + fmt::format("}} {}_{};\n", c.name, p.name);
-}
 
 // States of all services and tasks.
 std::set<std::string> states_of(const Module& m) {
@@ -263,7 +39,7 @@ std::set<std::string> states_of(const Module& m) {
 // One prototype a codel.
 std::string prototypes(const Module& m) {
   const Component& c = *m.component;
-  const Names names(c);
+  const CodelArguments names(c);
   std::string out;
   std::set<std::string> done;
   const auto add = [&](const std::vector<idl::Codel>& codels, const std::vector<idl::Member>& locals) {
@@ -296,53 +72,14 @@ std::string component_header(const Module& m) {
       "GENOM_AC_{0}_H\n"
       "#include \"{0}_c_types.h\"\n\n#ifdef __cplusplus\nextern \"C\" {{\n#endif\n",
       c.name);
-  out += fmt::format("\ntypedef struct {0}_ids {{\n{1}}} {0}_ids;\n", c.name, members_text(c, c.ids, "  "));
-  for (const idl::Port& p : c.ports) out += port_struct(c, p);
+  out += fmt::format("\ntypedef struct {0}_ids {{\n{1}}} {0}_ids;\n", c.name, c_members(c, c.ids, "  "));
+  for (const idl::Port& p : c.ports) out += c_port_struct(c, p);
+  for (const idl::Service* const s : called_remotes(c)) out += remote_struct(c, *s);
   out += "\n" + event_declarations(m) + "\n" + prototypes(m);
   return out + "\n#ifdef __cplusplus\n}\n#endif\n#endif\n";
 }
 
 // ---- the C++ in between
-
-std::string members_functions(const Component& c, std::set<std::string>& done) {
-  if (c.is_cxx) return cxx_members_functions(c, done);
-  std::string out;
-  const auto visits = [](const std::vector<idl::Member>& members) {
-    std::string text;
-    for (const idl::Member& m : members) text += fmt::format(" f(\"{0}\", v.{0});", m.name);
-    return text;
-  };
-  const auto function = [&](const std::string& type, const std::string& body) {
-    if (done.insert(type).second)
-      out += fmt::format("template <class F>\nvoid genom_members({}& v, F f) {{{} (void)v, (void)f; }}\n", type, body);
-  };
-  for (const idl::Type& t : c.types) {
-    if (t.kind == Kind::Struct) function(t.c_name, visits(t.members));
-    if (t.kind == Kind::Enum && done.insert(t.c_name).second) {
-      std::string rows;
-      for (const std::string& e : t.enumerators) rows += fmt::format("{{\"{}\", {}{}}}, ", e, t.prefix, e);
-      out += fmt::format(
-          "inline auto genom_enumerators({0}) {{\n  static constexpr std::pair<const char*, {0}> kRows[] = {{{1}}};\n  "
-          "return "
-          "std::span(kRows);\n}}\n",
-          t.c_name, rows);
-    }
-    if (t.kind != Kind::Union) continue;
-    std::string body = " f(\"_d\", v._d);\n  switch (v._d) {\n";
-    bool has_default = false;
-    for (const idl::Member& m : t.members) {
-      for (const std::string& label : m.labels) body += fmt::format("    case {}:\n", label);
-      if (m.labels.empty()) body += "    default:\n";
-      has_default = has_default || m.labels.empty();
-      body += fmt::format("      return f(\"{0}\", v._u.{0});\n", m.name);
-    }
-    function(t.c_name, body + (has_default ? "  }\n" : "    default: break;\n  }\n"));
-  }
-  for (const idl::Exception& e : c.exceptions) {
-    if (!e.members.empty()) function(e.c_name + "_detail", visits(e.members));
-  }
-  return out;
-}
 
 // Of what a port holds.
 std::string port_type(const Component& c, const idl::Port& p) {
@@ -357,14 +94,15 @@ class Glue {
   std::string run() {
     out_ = fmt::format(
         "// Between {0}.bip and the codels of its components. Written by `bipc genom --codels`.\n#include "
-        "\"{0}_codels.hpp\"\n\n#include \"bip/genom3_{1}.hpp\"\n",
+        "\"{0}_codels.hpp\"\n\n#include \"bip/genom3_{1}.hpp\"\n#include \"bip/genom3_remotes.hpp\"\n",
         options_.package, options_.processes.are_own || are_mixed() ? "bytes" : "codels");
     if (options_.processes.are_own) here_ = "here_";
     for (const Module& m : modules_)
       out_ += fmt::format("#include \"ac{}.h{}\"\n", m.component->name, m.component->is_cxx ? "pp" : "");
     out_ += "\n";
     std::set<std::string> done;
-    for (const Module& m : modules_) out_ += members_functions(*m.component, done);
+    for (const Module& m : modules_)
+      out_ += m.component->is_cxx ? cxx_members_functions(*m.component, done) : c_members_functions(*m.component, done);
     out_ += "\nnamespace g3 = bip::genom3;\n\nextern \"C\" {\n";
     events();
     out_ += "}\n\nnamespace {\n";
@@ -373,10 +111,14 @@ class Glue {
       out_ += fmt::format("\n// ---- {}\n{}_ids ids_{};\n", m.component->name, m.component->name, m.component->name);
       for (const idl::Port& p : m.component->ports) port(*m.component, p);
     }
+    for (const Module& m : modules_) out_ += remote_functions(modules_, *m.component);
     for (std::size_t i = 0; i < modules_.size(); ++i) data(i);
     start();
     out_ += "}  // namespace\n\nstatic void take_input(int owner);\n";
-    for (const Module& m : modules_) connects(*m.component);
+    for (const Module& m : modules_) {
+      connects(*m.component);
+      out_ += connect_service_function(*m.component);
+    }
     for (std::size_t i = 0; i < modules_.size(); ++i) codels(i);
     requests();
     if (!options_.processes.are_own) return std::move(out_);
@@ -421,7 +163,7 @@ class Glue {
 
   void exceptions() {
     struct Row {
-      std::string in_c = "nullptr", in_cxx = "nullptr";
+      std::string in_c = "nullptr", in_cxx = "nullptr", again = "nullptr", object_again = "nullptr";
     };
     std::vector<std::string> names;
     std::map<std::string, Row> all;
@@ -435,11 +177,18 @@ class Glue {
             "[](std::string& json, const void* detail) {{ g3::to_json(json, *static_cast<const {}_detail*>(detail)); "
             "}}",
             is_cxx ? e.full_name : e.c_name);
+        (is_cxx ? at->second.object_again : at->second.again) = fmt::format(
+            "[](const g3::Json* json, genom_context self) {{ {}_detail detail{{}}; g3::clear(detail); if (json != "
+            "nullptr) g3::from_json(*json, detail, \"detail\"); return {}; }}",
+            is_cxx ? e.full_name : e.c_name,
+            is_cxx ? fmt::format("::genom::raise({}(detail), self)", e.full_name)
+                   : fmt::format("self->raise({}_id, &detail, sizeof detail, self)", e.c_name));
       }
     }
     std::string rows;
     for (const std::string& name : names)
-      rows += fmt::format("    {{{}_id, {}, {}}},\n", name, all[name].in_c, all[name].in_cxx);
+      rows += fmt::format("    {{{}_id, {}, {}, {}, {}}},\n", name, all[name].in_c, all[name].in_cxx, all[name].again,
+                          all[name].object_again);
     out_ += fmt::format("const g3::ExceptionRow kExceptions[] = {{\n{}}};\n", rows);
   }
 
@@ -456,13 +205,13 @@ class Glue {
   void data(std::size_t i) {
     const Plan& plan = plans_[i];
     const Component& c = *modules_[i].component;
-    const Names names(c);
+    const CodelArguments names(c);
     out_ += "\n";
     const auto one = [&](const std::string& name, const std::vector<idl::Member>& members,
                          const std::vector<std::size_t>& owners, const Activity& activity,
                          const std::vector<std::string>& reports) {
       out_ += fmt::format("struct Data_{}_{} {{\n{}}}", c.name, name,
-                          c.is_cxx ? cxx_members(c, members, "  ") : members_text(c, members, "  "));
+                          c.is_cxx ? cxx_members(c, members, "  ") : c_members(c, members, "  "));
       std::string list;
       for (const std::size_t owner : owners) list += fmt::format("{} data_{}", list.empty() ? "" : ",", owner);
       out_ += list + ";\n";
@@ -595,9 +344,9 @@ class Glue {
     out_ += "  return true;\n}();\n";
   }
 
-  // The codel of the service that port_services.hpp adds.
+  // The codel of `connect_port`.
   void connects(const Component& c) {
-    if (!has_port_services(c)) return;
+    if (!connects_ports(c)) return;
     std::string rows;
     for (const idl::Port& p : c.ports) {
       if (!p.is_out)
@@ -607,7 +356,7 @@ class Glue {
     out_ += fmt::format(
         "\nstatic constexpr g3::InPortRow kInPorts_{0}[] = {{\n{1}}};\nextern \"C\" genom_event {2}({3} local, {3} "
         "remote, genom_context self) {{ return g3::connect_port(kInPorts_{0}, local, remote, self); }}\n",
-        c.name, rows, connect_function(c), text);
+        c.name, rows, connect_function(c, kConnectPort), text);
   }
 
   struct Owner {
@@ -620,13 +369,13 @@ class Glue {
     const Plan& plan = plans_[i];
     const Module& m = modules_[i];
     const Component& c = *m.component;
-    const Names names(c);
+    const CodelArguments names(c);
     std::map<std::string, std::vector<Owner>> steps, controls;
     const auto add = [&](auto& into, const auto& owner_row, const std::vector<idl::Member>& locals, const Name& codel,
                          std::size_t owner, const std::string& behaviour, const std::string& outputs,
                          const std::string& before) {
       if (!codel.is_set()) return;
-      const idl::Codel& called = *names.codel(owner_row, codel.text);
+      const idl::Codel& called = *find_row(owner_row.codels, codel.text);
       std::string call = codel.text + "(";
       for (const idl::Argument& a : called.arguments) call += names.argument(a, locals)->value_of(owner) + ", ";
       auto& all = into[codel.text];
@@ -642,7 +391,11 @@ class Glue {
         const std::size_t owner = plan.owner_of_activity(activity);
         const std::string outputs = fmt::format("outputs_{}(data_{})", id, owner);
         add(controls, row, locals, service.validate.name, owner, behaviour, "", fmt::format("take_input({}); ", owner));
-        for (const genom::Codel& codel : service.body) add(controls, row, locals, codel.name, owner, behaviour, "", "");
+        // In a process of its own it is called once more, with its input, when that was started again.
+        const bool is_repeated = is_connection(c, service.name.text);
+        for (const genom::Codel& codel : service.body)
+          add(controls, row, locals, codel.name, owner, behaviour, "",
+              is_repeated ? fmt::format("take_input({}); ", owner) : "");
         for (const State& state : service.activity.states)
           add(steps, row, locals, state.codel.name, owner, behaviour, outputs, "");
       }
@@ -751,7 +504,7 @@ class Glue {
 
 bool check_data(const Component& c, Diagnostics& diags) {
   const std::size_t errors = diags.error_count();
-  const Names names(c);
+  const CodelArguments names(c);
   const auto text = [](const std::vector<std::string>& steps) {
     std::string path;
     for (const std::string& step : steps) path += (path.empty() || step.starts_with("[") ? "" : ".") + step;
@@ -776,7 +529,7 @@ bool check_data(const Component& c, Diagnostics& diags) {
 
 std::optional<std::size_t> type_of_parameter(const Component& component, const idl::Service& service,
                                              const idl::Parameter& parameter) {
-  return Names(component).type_of(service, parameter);
+  return CodelArguments(component).type_of(service, parameter);
 }
 
 bool check_c_codels(const std::vector<Module>& modules, Diagnostics& diags) {
@@ -784,7 +537,10 @@ bool check_c_codels(const std::vector<Module>& modules, Diagnostics& diags) {
     // Of GenoM 3 what is wrong has been reported.
     if (!m.component && m.generation == 2) diags.report(Diag::kB6014, m.name.range, "component of GenoM 3");
   }
-  return std::all_of(modules.begin(), modules.end(), [](const Module& m) { return m.component.has_value(); });
+  const std::size_t errors = diags.error_count();
+  check_remotes(modules, diags);
+  return diags.error_count() == errors &&
+         std::all_of(modules.begin(), modules.end(), [](const Module& m) { return m.component.has_value(); });
 }
 
 std::vector<std::pair<std::string, std::string>> c_codel_files(const std::vector<Module>& modules,
@@ -793,7 +549,7 @@ std::vector<std::pair<std::string, std::string>> c_codel_files(const std::vector
   for (const Module& m : modules) {
     const Component& c = *m.component;
     files.emplace_back(c.name + (c.is_cxx ? "_cxx_types.hpp" : "_c_types.h"),
-                       c.is_cxx ? cxx_types_header(c) : types_header(c));
+                       c.is_cxx ? cxx_types_header(c) : c_types_header(c));
     files.emplace_back(fmt::format("ac{}.h{}", c.name, c.is_cxx ? "pp" : ""),
                        c.is_cxx ? cxx_component_header(c, event_declarations(m), prototypes(m)) : component_header(m));
   }

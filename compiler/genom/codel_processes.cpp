@@ -8,6 +8,7 @@
 #include "compiler/genom/codels.hpp"
 #include "compiler/genom/names.hpp"
 #include "compiler/genom/plan.hpp"
+#include "compiler/genom/standard_services.hpp"
 
 namespace bip::genom {
 namespace {
@@ -77,9 +78,10 @@ class ProcessWriter {
   }
 
   // Its number.
-  std::size_t row(const std::string& name, std::int64_t limit_ms, const std::string& body, bool is_codel = false) {
-    rows_ += fmt::format("    {{\"{}\", {}, []([[maybe_unused]] bip::processes::Call& call) {{ {} }}{}}},\n", name,
-                         limit_ms, body, is_codel ? ", true" : "");
+  std::size_t row(const std::string& name, std::int64_t limit_ms, const std::string& body, bool is_codel = false,
+                  bool is_repeated = false) {
+    rows_ += fmt::format("    {{\"{}\", {}, []([[maybe_unused]] bip::processes::Call& call) {{ {} }}{}{}}},\n", name,
+                         limit_ms, body, is_codel ? ", true" : "", is_repeated ? ", true" : "");
     return row_count_++;
   }
   [[nodiscard]] std::int64_t plain_limit() const { return limit_of({}, options_); }
@@ -105,10 +107,19 @@ class ProcessWriter {
                                 take, function)
                   : fmt::format("{}bip::guarded_control(\"{}\", kCodelOwners[call.owner], [] {{ return {}(); }});",
                                 take, f.name, f.name),
-              true);
+              true, is_repeated(f));
       calls_ += fmt::format("{}int {}(int owner) {{ return {}.control({}, owner{}); }}\n", inline_, function, level_, k,
                             options_.calls_c ? ", " + fmt::format(fmt::runtime(input), "owner") : "");
     }
+  }
+
+  [[nodiscard]] bool is_repeated(const CodelFunction& f) const {
+    return std::any_of(modules_.begin(), modules_.end(), [&](const Module& m) {
+      const auto is_that = [&](const char* service) {
+        return is_connection(*m.component, service) && f.name == bip_name(connect_function(*m.component, service));
+      };
+      return m.component && (is_that(kConnectPort) || is_that(kConnectService));
+    });
   }
 
   // The controller has the inputs, so that they outlive a process.

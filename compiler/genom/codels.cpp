@@ -229,6 +229,10 @@ std::string codel_header(const std::vector<Module>& modules, const GenerateOptio
         budgets);
   out +=
       "extern \"C\" __attribute__((used)) inline const char* bip_codel_times() { return bip::codel_times_text(); }\n";
+  if (options.calls_c)
+    out +=
+        "extern \"C\" __attribute__((used)) inline void bip_set_service_caller(bip::ServiceCaller caller) { "
+        "bip::service_caller() = caller; }\n";
   if (options.executive == Executive::Served)
     out +=
         "extern \"C\" __attribute__((used)) inline const char* bip_reply_result(const char* whose, int is_activity) {\n"

@@ -128,8 +128,16 @@ struct ValueRow {
   std::vector<std::string> values;
 };
 
+/// What is to be true of all states, which the prover is asked: `always`, or `never` the condition.
+struct PromiseRow {
+  std::string name;
+  bool is_never = false;
+  Condition condition;
+};
+
 struct Constraints {
   std::vector<Constraint> rows;
+  std::vector<PromiseRow> promises;
   std::vector<ParameterRow> parameters;
   std::vector<StopwatchRow> stopwatches;
   std::vector<PairRow> pairs;

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cctype>
 
+#include "compiler/genom/remote_services.hpp"
+
 namespace bip::genom {
 namespace {
 
@@ -259,6 +261,7 @@ std::string cxx_component_header(const Component& c, const std::string& events, 
       "#include \"{0}_cxx_types.hpp\"\n\nstruct {0}_ids {{\n{1}{2}}};\nnamespace {0} {{\nusing ids = ::{0}_ids;\n}}\n",
       c.name, aliases_of(c, c.name + "::ids", "  "), cxx_members(c, c.ids, "  "));
   for (const idl::Port& p : c.ports) out += cxx_port(c, p);
+  for (const idl::Service* const s : called_remotes(c)) out += remote_struct(c, *s);
   return out + fmt::format("\nextern \"C\" {{\n{}\n{}}}\n#endif\n", events, prototypes);
 }
 

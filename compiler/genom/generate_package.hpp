@@ -23,6 +23,11 @@ struct Processes {
   std::int64_t memory_mb = 0;      // of each; 0: no limit
 };
 
+/// How a module waits for what it interrupts, and how its timers tick. `First` and `Repaired` are the designs of the
+/// paper's Section V-A before and after Figure 11: the message box waits, in `abtI`, until what a request interrupts
+/// has ended. First: all timers of a module tick together, which deadlocks. Ours: the new activity waits, in `init`.
+enum class Design : std::uint8_t { Ours, First, Repaired };
+
 struct GenerateOptions {
   Flavour flavour = Flavour::Verification;
   Executive executive = Executive::Anybody;  // another one: execution flavour
@@ -32,6 +37,7 @@ struct GenerateOptions {
   std::string package;                       // of the execution flavour also the stem of its C++ files
   std::vector<std::string> sources;          // file names, for the first comment
   LockGranularity lock = LockGranularity::ByGeneration;
+  Design design = Design::Ours;
   Constraints constraints;   // of the functional level; services and posters by index
   std::int64_t tick_us = 0;  // 0: the clock of GenoM 2 modules, the greatest unit that divides all periods of GenoM 3
   std::int64_t control_period = 1;  // ticks between two looks at the message box

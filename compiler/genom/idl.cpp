@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "compiler/genom/codel_arguments.hpp"
 #include "compiler/genom/condition.hpp"
 #include "compiler/genom/cursor.hpp"
 #include "compiler/genom/names.hpp"
@@ -40,7 +41,7 @@ constexpr int kDeepest = 50;
 
 struct Unit {
   Component part;
-  std::vector<std::string> inherited;
+  std::vector<std::string> inherited, used;
 };
 
 class Reader {
@@ -75,19 +76,40 @@ class Reader {
     while (!in_.at_end() && ok_) declaration();
     if (!ok_ || has_unknown_ || !component_) return std::nullopt;
     Unit unit = std::move(*component_);
-    std::set<std::string> done;
-    for (std::size_t i = 0; i < unit.inherited.size(); ++i) {
-      const auto found = units_.find(unit.inherited[i]);
-      if (found == units_.end() || !done.insert(unit.inherited[i]).second) continue;
-      inherit(unit, found->second);
-    }
+    inherit_all(unit);
     unit.part.types = std::move(types_);
+    for (const std::string& name : unit.used) use(unit.part, name);
     unit.part.constants = std::move(constants_);
     unit.part.exceptions = std::move(exceptions_);
     return std::move(unit.part);
   }
 
  private:
+  void inherit_all(Unit& unit) const {
+    std::set<std::string> done;
+    for (std::size_t i = 0; i < unit.inherited.size(); ++i) {
+      const auto found = units_.find(unit.inherited[i]);
+      if (found == units_.end() || !done.insert(unit.inherited[i]).second) continue;
+      inherit(unit, found->second);
+    }
+  }
+
+  // Of an attribute the types are those of members of the interface's IDS.
+  void use(Component& part, const std::string& name) const {
+    const auto found = units_.find(name);
+    part.knows_remotes = part.knows_remotes && found != units_.end();
+    if (found == units_.end()) return;
+    Unit from = found->second;
+    inherit_all(from);
+    from.part.types = part.types;
+    const CodelArguments data(from.part);
+    for (const Service& s : from.part.services) {
+      Service remote{.name = s.name, .parameters = s.parameters, .locals = {}, .codels = {}};
+      for (Parameter& p : remote.parameters) p.type = data.type_of(s, p).value_or(p.type);
+      add_missing(part.remotes, {remote});
+    }
+  }
+
   template <class Row>
   static void add_missing(std::vector<Row>& rows, const std::vector<Row>& more) {
     for (const Row& row : more) {
@@ -247,6 +269,13 @@ class Reader {
     if (t.is("provides") || t.is("provide") || t.is("extends") || t.is("extend")) {
       in_.take();
       do unit_.inherited.push_back(word("the name of an interface"));
+      while (ok_ && in_.accept(","));
+      expect(";");
+      return;
+    }
+    if ((t.is("uses") || t.is("use")) && in_.peek(1).kind == TokenKind::Word) {
+      in_.take();
+      do unit_.used.push_back(word("the name of an interface"));
       while (ok_ && in_.accept(","));
       expect(";");
       return;
@@ -613,12 +642,12 @@ class Reader {
     a.range = in_.peek().range;
     if (in_.peek().kind == TokenKind::Word && is_direction(in_.peek(1)) && !is_direction(in_.peek())) {
       const Token place = in_.take();
-      a.place = place.is("ids")                                    ? Place::Ids
-                : place.is("local")                                ? Place::Local
-                : place.is("port")                                 ? Place::Port
-                : place.is("remote") && purpose_ == Purpose::Check ? Place::Remote
-                                                                   : Place::Any;
-      if (a.place == Place::Any) fail("`ids`, `local` or `port`");
+      a.place = place.is("ids")      ? Place::Ids
+                : place.is("local")  ? Place::Local
+                : place.is("port")   ? Place::Port
+                : place.is("remote") ? Place::Remote
+                                     : Place::Any;
+      if (a.place == Place::Any) fail("`ids`, `local`, `port` or `remote`");
     }
     if (!direction(a.direction)) return a;
     if (!in_.accept("::")) {

@@ -97,6 +97,9 @@ struct Component {
   std::vector<Port> ports;
   std::vector<Service> services;
   std::vector<Task> tasks;
+  // Services of the interfaces that it uses, which its codels may call. Attributes are there as functions.
+  std::vector<Service> remotes;
+  bool knows_remotes = true;  // the files of all these interfaces are here
 
   /// Without aliases.
   [[nodiscard]] const Type& plain(std::size_t type) const {
@@ -105,7 +108,7 @@ struct Component {
   }
 };
 
-/// Check: whether the description is right. Codels: for codels in C, which know less: no `any`, `fixed`, `remote`.
+/// Check: whether the description is right. Codels: for codels in C, which know less: no `any`, `fixed`.
 enum class Purpose : std::uint8_t { Check, Codels };
 /// The component of the description in `file`, with what it provides and extends. Nothing after an error.
 [[nodiscard]] std::optional<Component> read_idl(const std::vector<Token>& tokens, FileId file, Purpose purpose,

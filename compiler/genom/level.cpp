@@ -49,6 +49,7 @@ class LevelWriter {
     out_ += priorities_.empty() ? "" : "\n";
     for (const auto& [low, high] : priorities_)
       out_ += fmt::format("    priority {} {}:* < {}:*\n", names_.claim("first_" + high, "rule"), low, high);
+    promises();
     out_ += "  end\n";
     return std::move(requests_);
   }
@@ -182,12 +183,16 @@ class LevelWriter {
       const Task& t = p.module->tasks[i];
       if (!t.has_permanent() && t.reads.empty()) continue;
       std::vector<std::string> ports{prefix + "begin_" + p.tasks[i].component};
+      std::string guard;
       for (const Name& read : t.reads) {
         const auto poster = posters_.find(read.text);
-        if (poster != posters_.end()) add_port(ports, poster->second);
+        if (poster == posters_.end()) continue;
+        add_port(ports, poster->second);
+        if (const std::int64_t age = t.freshness[static_cast<std::size_t>(&read - t.reads.data())]; age > 0)
+          guard += fmt::format("{}{}.PosterAge < {}", guard.empty() ? "" : " && ", poster->second, age);
       }
       const std::string begin =
-          wire({.name = fmt::format("{}_begin_{}", p.component, p.tasks[i].component), .ports = ports});
+          wire({.name = fmt::format("{}_begin_{}", p.component, p.tasks[i].component), .ports = ports, .guard = guard});
       for (const auto& [s, stop] : stops_) {
         if (s.module == m && p.module->services[s.service].task_index == i) priorities_.emplace_back(begin, stop);
       }
@@ -506,6 +511,15 @@ class LevelWriter {
     }
     for (const std::string& silence : parts_.silences) ports.push_back(silence + ".tick");
     write_wire(out_, {.name = sync_, .ports = ports, .action = action});
+  }
+
+  // For `bipc verify`, which is not asked about programs.
+  void promises() {
+    if (constraints_.promises.empty() || options_.flavour == Flavour::Execution) return;
+    out_ += "\n    // What the rules promise.\n";
+    for (const PromiseRow& p : constraints_.promises)
+      out_ += fmt::format("    property {} {{ {} {} }}\n", names_.claim(p.name, "promise"),
+                          p.is_never ? "never" : "always", conditions_.property(p.condition));
   }
 
   std::string& out_;

@@ -41,26 +41,41 @@ std::string ten_thousandths(const std::string& fraction) {
 }
 
 std::string ConditionWriter::any_of(ServiceRef s, const char* what, const char* sign,
-                                    std::vector<std::string>& ports) const {
+                                    std::vector<std::string>* ports) const {
+  const Plan& p = plans_[s.module];
+  std::vector<std::string> all;
+  if (ports != nullptr) all = stats(s);
+  const bool is_control = p.module->services[s.service].kind == ServiceKind::Control;
+  for (const std::size_t activity : p.services[s.service].activities) {
+    if (ports == nullptr)
+      all.push_back(
+          fmt::format("{}.{}{}", p.component, p.activities[activity].component, is_control ? "" : ".controller"));
+  }
   std::string out;
-  const std::vector<std::string> all = stats(s);
   for (const std::string& stat : all) {
-    add_port(ports, stat);
+    if (ports != nullptr) add_port(*ports, stat);
     out += (out.empty() ? "" : std::string(" ") + sign + " ") + stat + "." + what;
   }
   return all.size() == 1 ? out : "(" + out + ")";
 }
 
-std::string ConditionWriter::read(const std::string& part, const char* what, std::vector<std::string>& ports) const {
-  add_port(ports, part + ".read");
+std::string ConditionWriter::read(const std::string& part, const char* what, std::vector<std::string>* ports) const {
+  if (ports == nullptr) return fmt::format("{}.{}", part, what);
+  add_port(*ports, part + ".read");
   return fmt::format("{}.read.{}", part, what);
 }
 
 std::string ConditionWriter::text(const Condition& c, std::vector<std::string>& ports) const {
+  return write(c, &ports);
+}
+std::string ConditionWriter::property(const Condition& c) const { return write(c, nullptr); }
+
+std::string ConditionWriter::write(const Condition& c, std::vector<std::string>* ports) const {
   const auto of_poster = [&](PosterRef poster, const std::string& what) {
     const Plan& p = plans_[poster.module];
+    if (ports == nullptr) return fmt::format("{}.{}.{}", p.component, p.posters[poster.poster], what);
     const std::string port = fmt::format("{}.read_{}", p.component, p.posters[poster.poster]);
-    add_port(ports, port);
+    add_port(*ports, port);
     return port + "." + what;
   };
   const auto poster_age = [&] { return of_poster(c.poster, "PosterAge"); };
@@ -97,8 +112,9 @@ std::string ConditionWriter::text(const Condition& c, std::vector<std::string>& 
     case ConditionKind::Missed: {
       const TaskRef task = options_.constraints.watched_tasks[c.row];
       const Plan& p = plans_[task.module];
+      if (ports == nullptr) return fmt::format("{}.{}.timer.missed", p.component, p.tasks[task.task].component);
       const std::string port = fmt::format("{}.missed_{}", p.component, p.tasks[task.task].component);
-      add_port(ports, port);
+      add_port(*ports, port);
       return port + ".missed";
     }
     case ConditionKind::Not: {
@@ -107,7 +123,7 @@ std::string ConditionWriter::text(const Condition& c, std::vector<std::string>& 
                            of.kind == ConditionKind::Active || of.kind == ConditionKind::Done ||
                            of.kind == ConditionKind::Silent || of.kind == ConditionKind::Failed ||
                            of.kind == ConditionKind::Missed || of.kind == ConditionKind::Not;
-      return is_bare ? "!" + text(of, ports) : "!(" + text(of, ports) + ")";
+      return is_bare ? "!" + write(of, ports) : "!(" + write(of, ports) + ")";
     }
     case ConditionKind::Operator: break;
   }
@@ -116,7 +132,7 @@ std::string ConditionWriter::text(const Condition& c, std::vector<std::string>& 
     const Condition& of = c.operands[i];
     const bool is_bare =
         of.kind != ConditionKind::Operator && of.kind != ConditionKind::Fresh && of.kind != ConditionKind::Below;
-    sides[i] = is_bare ? text(of, ports) : "(" + text(of, ports) + ")";
+    sides[i] = is_bare ? write(of, ports) : "(" + write(of, ports) + ")";
   }
   return fmt::format("{} {} {}", sides[0], c.text, sides[1]);
 }

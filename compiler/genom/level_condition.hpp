@@ -22,6 +22,8 @@ class ConditionWriter {
 
   /// The guard; ports that are not yet in `ports` are added.
   [[nodiscard]] std::string text(const Condition& condition, std::vector<std::string>& ports) const;
+  /// The same as a property has it, which names components and their data, not ports.
+  [[nodiscard]] std::string property(const Condition& condition) const;
   /// "NDD.stat_GoTo" of each instance.
   [[nodiscard]] std::vector<std::string> stats(ServiceRef s) const;
   /// `span` in ticks, at least one.
@@ -29,8 +31,10 @@ class ConditionWriter {
 
  private:
   [[nodiscard]] std::string any_of(ServiceRef s, const char* what, const char* sign,
-                                   std::vector<std::string>& ports) const;
-  [[nodiscard]] std::string read(const std::string& part, const char* what, std::vector<std::string>& ports) const;
+                                   std::vector<std::string>* ports) const;
+  [[nodiscard]] std::string read(const std::string& part, const char* what, std::vector<std::string>* ports) const;
+  // `ports`: null for a property.
+  [[nodiscard]] std::string write(const Condition& condition, std::vector<std::string>* ports) const;
 
   const std::vector<Plan>& plans_;
   const GenerateOptions& options_;

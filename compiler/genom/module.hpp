@@ -92,8 +92,9 @@ struct Task {
   std::int64_t delay_us = 0;
   Name permanent;  // GenoM 2: one codel, run in each cycle
   bool permanent_fails = true;
-  Activity activity;        // GenoM 3: the task's own codels; no states if it has none
-  std::vector<Name> reads;  // posters of other modules, "Module.Poster", read when a cycle begins
+  Activity activity;                    // GenoM 3: the task's own codels; no states if it has none
+  std::vector<Name> reads;              // posters of other modules, "Module.Poster", read when a cycle begins
+  std::vector<std::int64_t> freshness;  // by `reads`: a cycle begins only if it is younger; 0: however old it is
   [[nodiscard]] bool has_permanent() const { return permanent.is_set() || !activity.states.empty(); }
 };
 
@@ -130,6 +131,7 @@ struct Module {
   std::string data_type;                    // GenoM 2: its internal data, one of `structs` if it is described
   std::vector<CStruct> structs;             // GenoM 2; nothing of the translation depends on them
   std::optional<idl::Component> component;  // GenoM 3, if its codels are called in C
+  bool is_killed = false;                   // it has genom3's service `kill`, which stops its tasks, too
   bool is_open = false;                     // a header was missing: names that are not known may be declared there
   [[nodiscard]] bool has_init() const {
     for (const Service& s : services) {

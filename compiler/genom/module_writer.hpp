@@ -37,9 +37,7 @@ class ModuleWriter {
   [[nodiscard]] std::string accepted(const Service& s, std::size_t activity) const;
   [[nodiscard]] std::string answered(const std::string& answer, std::size_t k, std::size_t reports) const;
   void add_module_lock(std::vector<std::string>& ports, const char* what) const;
-  [[nodiscard]] bool waits(const Service& s) const {
-    return s.waits && !plan_.by_codel && s.kind == ServiceKind::Execution;
-  }
+  [[nodiscard]] bool waits(const Service& s) const { return plan_.gives_lock(s); }
 
   void parts(const GenerateOptions& options);
   void control_cycle();
@@ -47,6 +45,8 @@ class ModuleWriter {
   void admissions(std::size_t i);
   void admitted_once(std::size_t i);
   void order_guards(const Service& s, std::vector<std::string>& ports, std::string& guard) const;
+  void wait_for_interrupted(const Service& s, std::size_t activity, std::vector<std::string>& ports,
+                            std::string& guard) const;
   void validated(const Service& s, std::size_t activity);
   void interruptions(const Service& s, const ServicePlan& p);
   void finals(const Service& s, const ServicePlan& p);

@@ -76,8 +76,9 @@ bool yields(const Activity& activity, const ActivityPlan& a, std::size_t to, Nex
   return false;
 }
 
+// `is_killed`: of a task that is told to stop; it ends like one that does so by itself.
 ActivityPlan plan_activity(const Activity& activity, bool can_be_stopped, const std::vector<std::string>& reports,
-                           int generation) {
+                           int generation, bool is_killed = false) {
   const bool has_reports = !reports.empty();
   ActivityPlan a;
   Scope scope;
@@ -87,7 +88,7 @@ ActivityPlan plan_activity(const Activity& activity, bool can_be_stopped, const 
   a.async.assign(activity.states.size(), false);
   a.holds.assign(activity.states.size(), false);
   std::vector<std::size_t> todo{activity.start};
-  if (can_be_stopped) todo.push_back(activity.stop);
+  if (can_be_stopped || is_killed) todo.push_back(activity.stop);
   while (!todo.empty()) {
     const std::size_t row = todo.back();
     todo.pop_back();
@@ -137,6 +138,7 @@ class Planner {
     plan_.calls_c = options.calls_c;
     plan_.has_processes = options.processes.are_own;
     plan_.executive = options.executive;
+    plan_.design = options.design;
     plan_.type = types_.claim(type_name(module.name.text), "Module");
     plan_.component = bip_name(module.name.text);
   }
@@ -189,7 +191,8 @@ class Planner {
     plan.component = scope_.claim(bip_name(t.name.text), "task");
     plan.type = types_.claim(plan_.type + type_name(t.name.text), "Task");
     plan.scheduler = types_.claim(plan.type + "Scheduler", "Atom");
-    if (!t.activity.states.empty()) plan.permanent = plan_activity(t.activity, false, {}, module_.generation);
+    if (!t.activity.states.empty())
+      plan.permanent = plan_activity(t.activity, false, {}, module_.generation, module_.is_killed);
     plan.permanent.type = types_.claim(plan.type + "Permanent", "Atom");
     if (plan.permanent.has_async) plan.work_type = types_.claim(plan.type + "Work", "Atom");
     for (std::size_t k = 0; k < plan_.activities.size(); ++k) {

@@ -86,6 +86,7 @@ struct Plan {
   bool calls_c = false;        // codels get inputs of requests and give outputs
   bool has_processes = false;  // codels of each module run in a process of its own
   Executive executive = Executive::Anybody;
+  Design design = Design::Ours;
   bool is_launched_by_rules = false;  // rules say when activities begin
   std::string type;                   // of the module's compound; begins the names of its other types
   std::string component;              // in the functional level
@@ -102,6 +103,11 @@ struct Plan {
 
   [[nodiscard]] const Service& service_of(std::size_t activity) const {
     return module->services[activities[activity].service];
+  }
+  /// Does the message box wait for what a request interrupts, so that a module's lock goes back meanwhile?
+  [[nodiscard]] bool waits_in_box() const { return design != Design::Ours; }
+  [[nodiscard]] bool gives_lock(const Service& s) const {
+    return !by_codel && (waits_in_box() || (s.waits && s.kind == ServiceKind::Execution));
   }
   /// GenoM 2 refuses requests by the state of the whole module.
   [[nodiscard]] bool has_checks() const { return module->generation == 2; }

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 
 #include "compiler/genom/names.hpp"
 
@@ -170,6 +171,7 @@ class Resolver {
       for (Task& t : module_.tasks) {
         if (!is_about(line.subject, t.name.text)) continue;
         t.reads.insert(t.reads.end(), line.words.begin(), line.words.end());
+        t.freshness.resize(t.reads.size(), line.within);
         line.used = true;
       }
     }
@@ -321,10 +323,22 @@ std::vector<SideLine> parse_side_file(const SourceMap& sources, FileId file, Dia
       diags.report(Diag::kB6022, words[0].range, "this is no line of a side file")
           .help(
               "`codel NAME yields A B`, `codel NAME async 20 ms`, `trigger SERVICE waits`, `request SERVICE overtakes` "
-              "or `task TASK reads MODULE.POSTER`");
+              "or `task TASK reads MODULE.POSTER [within AGE]`");
       continue;
     }
-    lines.push_back({kind, words[1], {words.begin() + 3, words.end()}, false});
+    // `within N` after posters.
+    std::int64_t within = 0;
+    if (kind == "task" && words.size() > 5 && words[words.size() - 2].text == "within") {
+      const std::string& number = words.back().text;
+      const auto [rest, error] = std::from_chars(number.data(), number.data() + number.size(), within);
+      if (error != std::errc() || rest != number.data() + number.size() || within < 1 || within > 1'000'000) {
+        diags.report(Diag::kB6022, words.back().range, fmt::format("`{}` is no age of a poster", number))
+            .help("a number of steps of `PosterAge`, from 1 to 1000000");
+        continue;
+      }
+      words.resize(words.size() - 2);
+    }
+    lines.push_back({kind, words[1], {words.begin() + 3, words.end()}, false, within});
   }
   return lines;
 }

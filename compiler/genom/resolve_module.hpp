@@ -6,8 +6,10 @@
 //                                permanent codels; OTHER is an answer that its state does not permit
 //   codel NAME async [TIME]      it runs beside its task; when TIME is over it is given up
 //   trigger SERVICE waits        a constraint may make the trigger of SERVICE wait
-//   task TASK reads MODULE.POSTER …
+//   task TASK reads MODULE.POSTER … [within AGE]
+//                                its cycle begins only with posters that are younger, in steps of PosterAge
 #pragma once
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -21,6 +23,7 @@ struct SideLine {
   Name subject;
   std::vector<Name> words;
   bool used = false;
+  std::int64_t within = 0;  // of a task's posters: the age
 };
 /// Reads a side file; what is no line of it is reported.
 [[nodiscard]] std::vector<SideLine> parse_side_file(const SourceMap& sources, FileId file, Diagnostics& diags);

@@ -7,7 +7,7 @@
 #include "compiler/genom/codel_mapping.hpp"
 #include "compiler/genom/names.hpp"
 #include "compiler/genom/parse_genom.hpp"
-#include "compiler/genom/port_services.hpp"
+#include "compiler/genom/standard_services.hpp"
 
 namespace bip::genom {
 namespace {
@@ -67,7 +67,7 @@ std::optional<std::vector<Module>> read_modules(SourceMap& sources, const std::v
   if (options.generate.calls_c) {
     find_mappings(modules, options.codel_files, diags);
     for (Module& m : modules) {
-      if (m.component) add_port_services(m);
+      if (m.component) add_standard_services(m);
     }
   }
   for (Module& m : modules) resolve(m, side, options.instances, options.generate.flavour, diags);

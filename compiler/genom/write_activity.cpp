@@ -43,6 +43,9 @@ class ActivityWriter {
       out_ += fmt::format("\n    on start from ETHER to {}\n",
                           is_3_ ? places_[activity_.start] + "_PAUSED" : places_[activity_.start]);
       aborts();
+    } else if (is_killed()) {
+      aborts();
+      if (activity_plan_.ends) on("abt", "ETHER", "ETHER");
     }
     turns();
     answers();
@@ -52,12 +55,16 @@ class ActivityWriter {
 
  private:
   [[nodiscard]] bool stoppable() const { return service_ != nullptr; }
+  // A task's own codels, of a component that can be killed.
+  [[nodiscard]] bool is_killed() const { return service_ == nullptr && plan_.module->is_killed; }
   [[nodiscard]] std::string ended(std::size_t i) const { return places_[i] + (leaves(i) ? "_ENDS" : "_RUNS"); }
   // Is what happens between its turn and its answer seen by others?
   [[nodiscard]] bool leaves(std::size_t i) const { return plan_.by_codel || activity_plan_.async[i]; }
   // A task waits for its own codels, however long they take.
   [[nodiscard]] bool is_given_up() const { return stoppable() && activity_plan_.has_async; }
-  [[nodiscard]] bool remembers() const { return stoppable() && (plan_.by_codel || activity_plan_.has_async); }
+  [[nodiscard]] bool remembers() const {
+    return (stoppable() || is_killed()) && (plan_.by_codel || activity_plan_.has_async);
+  }
 
   void data() {
     if (activity_plan_.ends_not_ok) {
@@ -93,6 +100,8 @@ class ActivityWriter {
   void ports() {
     if (stoppable()) {
       port("start");
+      port("abt");
+    } else if (is_killed()) {
       port("abt");
     }
     for (std::size_t i = 0; i < places_.size(); ++i) {
@@ -138,7 +147,8 @@ class ActivityWriter {
 
   // GenoM 3: begins paused, stops paused, or somebody pauses for it.
   [[nodiscard]] bool has_paused(std::size_t i) const {
-    return is_3_ && ((stoppable() && (i == activity_.start || i == activity_.stop)) || yields(i, Next::Pause));
+    return is_3_ && ((stoppable() && (i == activity_.start || i == activity_.stop)) ||
+                     (is_killed() && activity_plan_.pauses && i == activity_.stop) || yields(i, Next::Pause));
   }
 
   void on(const std::string& port, const std::string& from, const std::string& to, const std::string& action = {},

@@ -76,7 +76,7 @@ void write_control(std::string& out, const Plan& plan) {
     any_invalid = any_invalid || (s.validate.name.is_set() && s.validate_fails);
     any_control = any_control || s.kind == ServiceKind::Control;
     any_execution = any_execution || s.kind == ServiceKind::Execution;
-    any_waits = any_waits || (s.waits && !plan.by_codel && s.kind == ServiceKind::Execution);
+    any_waits = any_waits || plan.gives_lock(s);
   }
   Box box;
   for (const char* name : {"err", "stop", "chck", "collect"}) box.signal(name);
@@ -111,7 +111,7 @@ void write_control(std::string& out, const Plan& plan) {
     const Service& s = m.services[i];
     const std::string& id = plan.services[i].id;
     const std::string guard = asked_for(s.name.text);
-    const bool waits = s.waits && !plan.by_codel && s.kind == ServiceKind::Execution;
+    const bool waits = plan.gives_lock(s);
     box.signal("admit_" + id);
     if (refuses(plan, i)) box.report("full_" + id);
     box.signal("abtInc_" + id);
@@ -136,7 +136,7 @@ void write_control(std::string& out, const Plan& plan) {
   if (any_control) {
     box.report("final");
     box.places += ", exec";
-    box.on("final", "exec", "laun");
+    box.on("final", "exec", plan.waits_in_box() && any_waits ? "back" : "laun");
   }
   if (any_waits) {
     box.signal("retake");

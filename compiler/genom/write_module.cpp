@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "compiler/genom/module_writer.hpp"
+#include "compiler/genom/standard_services.hpp"
 
 namespace bip::genom {
 namespace {
@@ -221,7 +222,9 @@ void ModuleWriter::request(std::size_t i) {
     const std::string& name = plan_.activities[activity].component;
     std::vector<std::string> trig{control("trig_" + p.id), of_activity(activity, "trig")};
     if (!is_execution) add_locks(trig, bodies(s), 0, "take");
-    wire({.name = "trig_" + name, .ports = trig, .action = accepted(s, activity), .exported = true});
+    std::string guard;
+    if (plan_.waits_in_box()) wait_for_interrupted(s, activity, trig, guard);
+    wire({.name = "trig_" + name, .ports = trig, .guard = guard, .action = accepted(s, activity), .exported = true});
     const std::string rejected = control("rej_" + p.id);
     wire({.name = "rej_" + name,
           .ports = {rejected, of_activity(activity, "rej")},
@@ -230,6 +233,18 @@ void ModuleWriter::request(std::size_t i) {
           .report = "REJECTED"});
   }
   if (!is_execution) finals(s, p);
+}
+
+// Nothing that it interrupts is active any more, but for itself.
+void ModuleWriter::wait_for_interrupted(const Service& s, std::size_t activity, std::vector<std::string>& ports,
+                                        std::string& guard) const {
+  for (const std::size_t other : s.interrupted) {
+    for (const std::size_t old : plan_.services[other].activities) {
+      if (old == activity) continue;
+      ports.push_back(of_activity(old, "stat"));
+      guard += (guard.empty() ? "!" : " && !") + ports.back() + ".active";
+    }
+  }
 }
 
 // To the first free instance, if the order of services allows it.
@@ -327,6 +342,9 @@ void ModuleWriter::interruptions(const Service& s, const ServicePlan& p) {
   }
   for (const std::size_t other : s.interrupted) {
     for (const std::size_t activity : plan_.services[other].activities) ports.push_back(of_activity(activity, "abt"));
+  }
+  for (std::size_t i = 0; module_.is_killed && s.name.text == kKill && i < module_.tasks.size(); ++i) {
+    if (!module_.tasks[i].activity.states.empty()) ports.push_back(of_task(i, "permanent_abt"));
   }
   wire(
       {.name = "abtInc_" + p.id, .ports = ports, .triggers = ports.size() > triggers ? triggers : 0, .exported = true});

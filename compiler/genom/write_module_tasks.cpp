@@ -36,7 +36,7 @@ void ModuleWriter::launches() {
     std::vector<std::string> ports{control("launch"), of_activity(k, "start"), of_task(s.task_index, "add")};
     for (const std::size_t other : s.interrupted) {
       for (const std::size_t activity : plan_.services[other].activities) {
-        if (activity != k) ports.push_back(of_activity(activity, "idle"));
+        if (activity != k && !plan_.waits_in_box()) ports.push_back(of_activity(activity, "idle"));
       }
     }
     wire({.name = "launch_" + plan_.activities[k].component, .ports = ports, .exported = plan_.is_launched_by_rules});
@@ -262,7 +262,7 @@ void ModuleWriter::time() {
   for (std::size_t k = 0; k < plan_.activities.size(); ++k) {
     if (plan_.services[plan_.activities[k].service].activity.has_async) ticks.push_back(of_activity(k, "watch_tick"));
   }
-  const std::size_t triggers = ticks.size();
+  const std::size_t triggers = plan_.design == Design::First ? 0 : ticks.size();
   ticks.push_back(control("tick"));
   wire({.name = "ModuleSync", .ports = ticks, .triggers = triggers, .exported = true});
   if (plan_.poster_timer.empty()) return;

@@ -206,6 +206,7 @@ void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64
       write_export(out, "permanent.run_" + place, "permanent_run_" + place);
       if (plan.by_codel) write_export(out, "permanent.done_" + place, "permanent_done_" + place);
     }
+    if (plan.module->is_killed) write_export(out, "permanent.abt", "permanent_abt");
     if (a.has_async) write_task_work(out, plan, task);
     if (a.goes_on) write_export(out, "permanent." + a.went_on(), "permanent_went_on");
     if (a.pauses) write_export(out, "permanent." + a.paused(), "permanent_paused");

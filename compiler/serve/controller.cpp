@@ -21,6 +21,7 @@ void Controller::halt() {
     quits_ = true;
     system_.stop();
   }
+  requests_.end_calls();
   changed_.notify_all();
   if (thread_.joinable()) {
     thread_.join();

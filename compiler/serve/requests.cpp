@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <mutex>
 
 #include "bip/assert.hpp"
 #include "bip/image_time.hpp"
@@ -12,6 +13,9 @@
 namespace bip::serve {
 
 namespace {
+
+// Codels of the model are no client of the server.
+constexpr std::uint64_t kCaller = ~std::uint64_t{0};
 
 constexpr std::string_view kReply = ".controller.reply", kTrig = ".controller.trig";
 
@@ -205,9 +209,7 @@ std::string Requests::cancel(std::uint64_t number, std::uint64_t client) {
     }
   }
   if (ended.empty()) return "request " + std::to_string(number) + " has had its final reply";
-  for (const RequestReply& r : ended) {
-    if (on_reply) on_reply(r);
-  }
+  for (const RequestReply& r : ended) send(r);
   return {};
 }
 
@@ -229,6 +231,37 @@ std::string Requests::abort_activity(const std::string& service, std::uint64_t n
   }
   at_once = {count, client, service, true, "no_such_activity"};
   return {};
+}
+
+// The number of the request is known when it may have had its reply already: so calls are counted before.
+RequestReply Requests::call(const std::string& text, const std::string& input) {
+  RequestReply lost{0, kCaller, text, true, "LOST"};
+  std::uint64_t number = 0;
+  std::unique_lock<std::mutex> hold(calls_lock_);
+  if (calls_end_) return lost;
+  if (std::string problem = ask(text, input, kCaller, number); !problem.empty())
+    return {0, kCaller, text, true, "", std::move(problem)};
+  calls_.emplace(number, std::nullopt);
+  answered_.wait(hold, [&] { return calls_end_ || calls_.at(number).has_value(); });
+  const auto found = calls_.find(number);
+  if (found->second) lost = std::move(*found->second);
+  calls_.erase(found);
+  return lost;
+}
+
+void Requests::end_calls() {
+  const std::lock_guard<std::mutex> hold(calls_lock_);
+  calls_end_ = true;
+  answered_.notify_all();
+}
+
+void Requests::send(const RequestReply& reply) {
+  if (reply.client == kCaller && reply.is_final) {
+    const std::lock_guard<std::mutex> hold(calls_lock_);
+    if (const auto found = calls_.find(reply.request); found != calls_.end()) found->second = reply;
+    answered_.notify_all();
+  }
+  if (on_reply) on_reply(reply);
 }
 
 bool Requests::is_mailbox_port(const std::string& path) const {
@@ -261,6 +294,11 @@ std::vector<ServiceText> Requests::services() const {
 }
 
 void Requests::forget() {
+  {
+    const std::lock_guard<std::mutex> hold(calls_lock_);
+    for (auto& [number, reply] : calls_) reply = RequestReply{number, kCaller, "", true, "LOST"};
+    answered_.notify_all();
+  }
   const std::lock_guard<std::mutex> hold(lock_);
   activities_.clear();
   for (Mailbox& box : mailboxes_) {
@@ -283,9 +321,7 @@ void Requests::note_step(const Step& step) {
     }
   }
   // Whoever hears may ask at once.
-  for (const RequestReply& r : replies_) {
-    if (on_reply) on_reply(r);
-  }
+  for (const RequestReply& r : replies_) send(r);
   replies_.clear();
 }
 

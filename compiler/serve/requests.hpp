@@ -5,6 +5,7 @@
 // back, and no module's requests wait for another's. What is not known, or does not have its values, is refused before
 // it gets there.
 #pragma once
+#include <condition_variable>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -62,6 +63,10 @@ class Requests {
   /// `no_such_activity`.
   [[nodiscard]] std::string abort_activity(const std::string& service, std::uint64_t number, std::uint64_t client,
                                            std::uint64_t& count, std::optional<RequestReply>& at_once);
+  /// For codels that call services of other modules (bip::service_caller()): asks as a client does, and waits for the
+  /// final reply. Not the engine's thread. end_calls(): each call, also later ones, ends with the report `LOST`.
+  [[nodiscard]] RequestReply call(const std::string& text, const std::string& input);
+  void end_calls();
   /// Is it the path of a mailbox's port for events?
   [[nodiscard]] bool is_mailbox_port(const std::string& path) const;
   struct Row {
@@ -108,6 +113,7 @@ class Requests {
   void hand_over(Mailbox& box);
   void hear(Mailbox& box, Heard what, const Step& step, std::uint32_t port);
   void hear_end(const Step& step, std::uint32_t port);
+  void send(const RequestReply& reply);
   void reply(const Request& request, bool is_final, const std::string& report, std::string result = {});
   [[nodiscard]] std::string result(const std::string& whose, bool is_activity) const;
 
@@ -118,6 +124,11 @@ class Requests {
   mutable std::mutex lock_;
   std::uint64_t next_ = 1;
   std::vector<RequestReply> replies_;  // of a step, sent without the lock
+  // Of calls: final replies by number, null until they come.
+  std::mutex calls_lock_;
+  std::condition_variable answered_;
+  std::map<std::uint64_t, std::optional<RequestReply>> calls_;
+  bool calls_end_ = false;
 };
 
 }  // namespace bip::serve

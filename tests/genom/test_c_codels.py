@@ -160,6 +160,18 @@ def restart(level):
     check("the other component has not noticed", before["eye"] == after["eye"] and before["track"] != after["track"], (before, after))
 
 
+def killed(level):
+    """genom3's service `kill`: what runs is interrupted, the task stops, nothing is accepted any more."""
+    far = level.begin("track.follow", path=[{"x": 50, "y": 0}])
+    level.next(far, "intermediate")
+    check("a component is killed", level.ask("track.kill") == ("OK", None) and level.final(far)[0] == "interrupted", level.replies)
+    for service, input in (("follow", {"path": [{"x": 1, "y": 0}]}), ("ponder", {"seconds": 0}), ("count", {}), ("set_limit", {}), ("connect_port", {"local": "target", "remote": "eye/target"}), ("kill", {})):
+        check(f"{service} is refused then", (got := level.ask(f"track.{service}", **input)) == ("disallowed", None), got)
+    said = level.refused("track.follow", {})
+    check("its input is judged before", "`path` is missing" in said, said)
+    check("another component goes on", level.ask("eye.watch", where={"x": 0, "y": 1})[0] == "OK")
+
+
 def children(parent):
     """{name: pid}"""
     found = {}
@@ -172,6 +184,15 @@ def children(parent):
         if int(rest.split()[1]) == parent:
             found[name] = int(pid)
     return found
+
+
+def end_process(nursery, module):
+    """Kills the process of a module, and waits for the one that takes its place."""
+    before = children(nursery)[module]
+    os.kill(before, signal.SIGKILL)
+    end = time.monotonic() + 10
+    while children(nursery).get(module, before) == before and time.monotonic() < end:
+        time.sleep(0.01)
 
 
 def serve(work, parts):
@@ -200,14 +221,15 @@ def run(options, parts):
             read = subprocess.run([clang, "-std=c++20", "-w", "-fsyntax-only", "-I.", f"-I{ROOT}/runtime/include", "m_codels.cpp"], cwd=work, capture_output=True, text=True)
             check(f"{clang} compiles what calls them", read.returncode == 0, read.stderr)
         log = serve(work, parts)
+        check("the codel that stops the task has run once", log.count("track: stopped") == 1, log)
         check("the log tells of what was thrown", "codel `oddStart` of track.odd threw an exception: cannot creep" in log and "raised ::genom::syserr" in log, log)
 
 
 def main():
     parts = (refusals, values, activities, ports, faults, beside)
-    run([], parts)
+    run([], (*parts, killed))
     # Nothing is different for a client if components are processes of their own.
-    run(["--processes"], (*parts, restart))
+    run(["--processes"], (*parts, restart, killed))
     return finish("codels")
 
 

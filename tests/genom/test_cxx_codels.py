@@ -12,7 +12,7 @@ import tempfile
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from test_c_codels import BIPC, ROOT, check, finish, serve  # noqa: E402
+from test_c_codels import BIPC, ROOT, check, children, end_process, finish, serve  # noqa: E402
 
 HERE = pathlib.Path(__file__).resolve().parent / "survey"
 POSE = {"seen_in": "WORLD", "at": {"x": 3, "y": 4}, "heading": 0.5, "spread": [1, 2], "source": "lamp"}
@@ -115,6 +115,22 @@ def connections(level):
     check("its input is judged", "`remote` is missing" in said, said)
 
 
+def reconnected(level):
+    """A process that takes the place of another one is connected as that was."""
+    odd = ("e_far", {"name": "::survey::e_far", "detail": {"distance": 9, "what": "an odd beacon", "beyond": [{"x": 9, "y": 0}]}})
+    check("a port is connected", level.ask("survey.connect_port", local="beacon", remote="lamp/spare") == ("OK", None) and (got := level.ask("survey.home")) == odd, got)
+    nursery = children(level.server.pid)["bip-modules"]
+    for _ in range(2):
+        before = children(nursery)
+        end_process(nursery, "survey")
+        check("so it is afterwards", (got := level.ask("survey.home")) == odd, got)
+        check("a name of a multiple port, too", (got := level.ask("survey.look", name="a"))[0] == "OK" and got[1]["seen"]["source"] == "lamp", got)
+        check("in another process", (after := children(nursery))["survey"] != before["survey"] and after["lamp"] == before["lamp"], (before, after))
+    check("the last connection counts", level.ask("survey.connect_port", local="beacon", remote="lamp/beacon")[0] == "OK")
+    end_process(nursery, "survey")
+    check("of several", (got := level.ask("survey.home"))[0] == "OK", got)
+
+
 def aborts(level):
     def abort(number):
         return level.ask("survey.abort_activity", id=number)
@@ -171,7 +187,7 @@ def main():
     parts = (refusals, values, activities, faults, beside, ports, connections, aborts)
     run([], parts)
     # Nothing is different for a client if components are processes of their own.
-    run(["--processes"], parts)
+    run(["--processes"], (*parts, reconnected))
     misfits()
     return finish("cxx_codels")
 

@@ -27,6 +27,9 @@ struct FunctionRow {
   std::int64_t limit_ms = 0;  // a call that takes longer is ended with its process; 0: never
   void (*run)(Call& call) = nullptr;
   bool is_codel = false;
+  // A control that went well is called again, with what it was called with, in a process that takes the place of its
+  // module's.
+  bool is_repeated = false;
 };
 struct ModuleRow {
   const char* name = "";

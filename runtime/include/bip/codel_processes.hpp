@@ -4,24 +4,19 @@
 //   controller --commands--> nursery --forks--> one process per module
 //        \______________ channels: shared memory ______________/
 //
-// The nursery is forked before the first codel runs and never runs one itself, so whatever it forks has fresh data. A
-// channel holds one call at a time and belongs to one thread of the module. Its word `turn` is `2 * generation`, plus 1
-// while the module has it; both sides wait on it by futex. When a process has died the nursery raises the module's
-// generation and with it all turns, so that neither a caller nor a late write of the dead can take one for the other.
+// The nursery is forked before the first codel runs and never runs one itself, so whatever it forks has fresh data.
+// codel_channels.hpp has the memory that all share, and how a call gets from one side to the other.
 //
 // Posters that other modules read go through the controller: with a reply those that the module has written, with a
 // call those that the module reads and has not seen. Cost of a call: two switches of processes.
 #pragma once
 #include <fcntl.h>
-#include <linux/futex.h>
 #include <poll.h>
 #include <signal.h>
-#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/signalfd.h>
 #include <sys/socket.h>
-#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -29,7 +24,6 @@
 #include <atomic>
 #include <cerrno>
 #include <chrono>
-#include <climits>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -38,7 +32,6 @@
 #include <exception>
 #include <memory>
 #include <mutex>
-#include <new>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -47,52 +40,10 @@
 #include <vector>
 
 #include "bip/codel_calls.hpp"
+#include "bip/codel_channels.hpp"
 #include "bip/codels.hpp"
 
 namespace bip::processes {
-
-// ---- shared memory
-
-inline constexpr std::size_t kChunk = 32768;
-
-struct alignas(64) Channel {
-  std::atomic<std::uint32_t> turn{2};
-  std::int32_t function = 0, owner = 0, answer = 0, report = 0;
-  std::uint32_t size = 0, more = 0;
-  char bytes[kChunk];
-};
-struct alignas(64) ModuleState {
-  std::atomic<std::uint32_t> generation{1};
-  std::atomic<std::uint32_t> threads{1};  // so many of its channels are in use
-  std::atomic<std::uint32_t> served{0};   // calls of this generation
-  std::atomic<std::int32_t> pid{0};       // 0: there is none
-  std::atomic<std::uint32_t> culprit{0};  // 1 + the channel whose call ends this process; 0: not known
-  // Of the last one that has ended: as `wait` has it, and its culprit.
-  std::atomic<std::int32_t> status{0};
-  std::atomic<std::uint32_t> ended_by{0};
-};
-static_assert(std::atomic<std::uint32_t>::is_always_lock_free && std::atomic<std::int32_t>::is_always_lock_free,
-              "processes share them");
-
-inline long futex(std::atomic<std::uint32_t>& word, int operation, std::uint32_t value, const timespec* timeout) {
-  return ::syscall(SYS_futex, reinterpret_cast<std::uint32_t*>(&word), operation, value, timeout, nullptr, 0);
-}
-inline void wake_all(std::atomic<std::uint32_t>& word) { (void)futex(word, FUTEX_WAKE, INT_MAX, nullptr); }
-
-/// In a module: a thread notes that it is what ends the process.
-inline thread_local std::atomic<std::uint32_t>* own_culprit = nullptr;
-inline thread_local std::uint32_t own_channel = 0;
-inline void note_culprit() {
-  if (own_culprit != nullptr) own_culprit->store(own_channel);
-}
-
-/// What became of a process, in words.
-inline std::string death_text(int status) {
-  if (WIFEXITED(status)) return "ended by exit(" + std::to_string(WEXITSTATUS(status)) + ")";
-  const int number = WTERMSIG(status);
-  const char* const name = ::sigabbrev_np(number);
-  return "ended by " + (name == nullptr ? "signal " + std::to_string(number) : "SIG" + std::string(name));
-}
 
 // ---- the level
 
@@ -179,6 +130,8 @@ class Level {
     }
     const std::lock_guard<std::mutex> hold(lock_);
     accepted_[index(owner)].asked_in = outcome.generation;
+    if (call.answer == 0 && d_.functions[index(function)].is_repeated)
+      books_[index(row.module)].repeat({function, owner, std::move(call.in)});
     return call.answer;
   }
 
@@ -215,7 +168,7 @@ class Level {
     for (std::size_t m = 0; m < d_.modules.size(); ++m) {
       if (module != d_.modules[m].name) continue;
       const std::lock_guard<std::mutex> hold(lock_);
-      books_[m].input_in = states_[m].generation;
+      books_[m].input_in = shared_.state(m).generation;
     }
     (void)call_by_name(function, service, input);
   }
@@ -227,6 +180,11 @@ class Level {
   static constexpr std::uint32_t kNever = UINT32_MAX;
   static constexpr int kNurserySocket = 3;
 
+  // A call that each process of a module has to have had.
+  struct Repeated {
+    int function = 0, owner = 0;
+    std::string in{};
+  };
   // Of an activity: the generations of its module in which its input was judged, and in which it may run.
   struct Acceptance {
     std::uint32_t runs_in = 0, asked_in = 0;
@@ -237,6 +195,16 @@ class Level {
     std::uint32_t seen = 1, initialised_in = 0, input_in = 0, posters_of = 1;
     std::vector<bool> is_taken{}, is_shared{};  // by channel
     std::vector<std::uint64_t> sent{}, heard{};
+    std::vector<Repeated> repeated{};
+    std::uint32_t repeated_in = 1;
+    std::mutex repeating{};  // of whose calls are made again
+    // The same call is made once, after all others.
+    void repeat(Repeated call) {
+      std::erase_if(repeated, [&](const Repeated& r) {
+        return r.function == call.function && r.owner == call.owner && r.in == call.in;
+      });
+      repeated.push_back(std::move(call));
+    }
   };
   struct Command {
     char what = 0;  // s: start, k: kill
@@ -249,12 +217,10 @@ class Level {
     bool is_death = false;
     std::uint32_t generation = 0;
   };
-  enum class Wait { MyTurn, Died, TooLate };
-  using Clock = std::chrono::steady_clock;
 
   static std::size_t index(int number) { return static_cast<std::size_t>(number); }
-  [[nodiscard]] ModuleState& state(int module) const { return states_[index(module)]; }
-  [[nodiscard]] Channel& channel(int module, std::size_t k) const { return channels_[index(module) * width_ + k]; }
+  [[nodiscard]] ModuleState& state(int module) const { return shared_.state(index(module)); }
+  [[nodiscard]] Channel& channel(int module, std::size_t k) const { return shared_.channel(index(module), k); }
 
   // ---- the controller's side: failures
 
@@ -308,8 +274,9 @@ class Level {
       if (required != 0 && required != generation) return {.why = "the process of its module was started again"};
       if (state(module).pid == 0) command('s', module, generation);
       const std::size_t k = take_channel(module);
-      Wait end = Wait::Died;
-      const bool has_begun = exchange(function, module, generation, channel(module, k), call, end);
+      Wait end = repeat_calls(module, generation, channel(module, k));
+      const bool has_begun = end == Wait::MyTurn ? exchange(function, module, generation, channel(module, k), call, end)
+                                                 : end == Wait::TooLate;
       if (end == Wait::MyTurn || !has_begun) {
         free_channel(module, k);
         if (has_begun) return {.generation = generation};
@@ -343,6 +310,32 @@ class Level {
       free_channel(module, k);
       return outcome;
     }
+  }
+
+  // What earlier processes of the module were told goes first, whoever calls.
+  Wait repeat_calls(int module, std::uint32_t generation, Channel& c) {
+    Book& book = books_[index(module)];
+    const auto is_done = [&] {
+      const std::lock_guard<std::mutex> hold(lock_);
+      return book.repeated.empty() || book.repeated_in == generation;
+    };
+    if (is_done()) return Wait::MyTurn;
+    const std::lock_guard<std::mutex> one(book.repeating);
+    if (is_done()) return Wait::MyTurn;
+    std::vector<Repeated> calls;
+    {
+      const std::lock_guard<std::mutex> hold(lock_);
+      calls = book.repeated;
+    }
+    for (Repeated& r : calls) {
+      Call call{.owner = r.owner, .in = std::move(r.in)};
+      Wait end = Wait::Died;
+      if (!exchange(r.function, module, generation, c, call, end)) return Wait::Died;
+      if (end != Wait::MyTurn) return end;
+    }
+    const std::lock_guard<std::mutex> hold(lock_);
+    book.repeated_in = generation;
+    return Wait::MyTurn;
   }
 
   std::size_t take_channel(int module) {
@@ -392,6 +385,14 @@ class Level {
     if (end == Wait::Died) return false;
     std::string reply;
     if (end == Wait::MyTurn) end = receive(c, mine, theirs, reply, deadline);
+    while (end == Wait::MyTurn && c.function == kAsksForService) {
+      c.function = function;
+      const std::string answer = ask_for_service(reply);
+      reply.clear();
+      end = send(c, mine, theirs, answer, deadline);
+      if (end == Wait::MyTurn) end = receive(c, mine, theirs, reply, deadline);
+      else if (end == Wait::Died) return true;
+    }
     if (end != Wait::MyTurn) return true;
     call.answer = c.answer;
     call.report = c.report;
@@ -410,6 +411,14 @@ class Level {
     }
     call.out = taker.rest();
     return true;
+  }
+
+  static std::string ask_for_service(std::string_view question) {
+    Taker taker(question);
+    std::string_view service, input;
+    const ServiceCaller caller = service_caller().load();
+    if (caller == nullptr || !taker.take_text(service) || !taker.take_text(input)) return "{}";
+    return caller(std::string(service).c_str(), std::string(input).c_str());
   }
 
   // Those that this process has not seen.
@@ -462,67 +471,25 @@ class Level {
 
   // ---- both sides
 
-  // Until `turn` is `mine`. `theirs`: what it is meanwhile; anything else means that the process has died.
   Wait wait(std::atomic<std::uint32_t>& turn, std::uint32_t theirs, std::uint32_t mine,
             const std::optional<Clock::time_point>& deadline) {
-    while (true) {
-      const std::uint32_t now = turn.load(std::memory_order_acquire);
-      if (now == mine) return Wait::MyTurn;
-      if (now != theirs) return Wait::Died;
-      timespec slice{0, 200'000'000};
-      if (deadline) {
-        const auto left = std::chrono::duration_cast<std::chrono::nanoseconds>(*deadline - Clock::now()).count();
-        if (left <= 0) return Wait::TooLate;
-        slice.tv_nsec = std::min<long>(slice.tv_nsec, static_cast<long>(left));
-      }
-      if (futex(turn, FUTEX_WAIT, theirs, is_module_ ? nullptr : &slice) != 0 && errno == ETIMEDOUT) watch_nursery();
-    }
+    return shared_.wait(turn, theirs, mine, deadline);
   }
-  // Died: before the first piece has arrived; later deaths are seen by who waits for the answer.
   Wait send(Channel& c, std::uint32_t mine, std::uint32_t theirs, std::string_view bytes,
             const std::optional<Clock::time_point>& deadline) {
-    bool is_first = true;
-    do {
-      const std::size_t size = std::min(bytes.size(), kChunk);
-      if (size != 0) std::memcpy(c.bytes, bytes.data(), size);
-      bytes.remove_prefix(size);
-      c.size = static_cast<std::uint32_t>(size);
-      c.more = bytes.empty() ? 0 : 1;
-      std::uint32_t now = mine;
-      if (!c.turn.compare_exchange_strong(now, theirs, std::memory_order_acq_rel))
-        return is_first ? Wait::Died : Wait::MyTurn;
-      is_first = false;
-      wake_all(c.turn);
-      if (bytes.empty()) break;
-      if (const Wait end = wait(c.turn, theirs, mine, deadline); end != Wait::MyTurn)
-        return end == Wait::Died ? Wait::MyTurn : end;
-    } while (true);
-    return Wait::MyTurn;
+    return shared_.send(c, mine, theirs, bytes, deadline);
   }
   Wait receive(Channel& c, std::uint32_t mine, std::uint32_t theirs, std::string& bytes,
                const std::optional<Clock::time_point>& deadline) {
-    while (true) {
-      if (const Wait end = wait(c.turn, theirs, mine, deadline); end != Wait::MyTurn) return end;
-      bytes.append(c.bytes, std::min<std::size_t>(c.size, kChunk));
-      if (c.more == 0) return Wait::MyTurn;
-      std::uint32_t now = mine;
-      if (!c.turn.compare_exchange_strong(now, theirs, std::memory_order_acq_rel)) return Wait::Died;
-      wake_all(c.turn);
-    }
+    return shared_.receive(c, mine, theirs, bytes, deadline);
   }
 
   // ---- the controller's side: processes
 
   bool start() {
     std::call_once(begun_, [this] {
-      const std::size_t modules = d_.modules.size(), head = sizeof(ModuleState) * modules;
-      void* const place = ::mmap(nullptr, head + sizeof(Channel) * modules * width_, PROT_READ | PROT_WRITE,
-                                 MAP_SHARED | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-      if (place == MAP_FAILED) return;
-      states_ = static_cast<ModuleState*>(place);
-      channels_ = reinterpret_cast<Channel*>(static_cast<std::byte*>(place) + head);
-      std::uninitialized_default_construct_n(states_, modules);
-      std::uninitialized_default_construct_n(channels_, modules * width_);
+      if (!shared_.map(d_.modules.size(), width_)) return;
+      shared_.while_waiting = [this] { watch_nursery(); };
       own_pid_ = ::getpid();
       open_nursery();
       if (nursery_ > 0) listener_ = std::thread([this] { listen(); });
@@ -571,7 +538,7 @@ class Level {
     }
     commands_ = ends[0];
     nursery_ = child;
-    for (std::size_t m = 0; m < d_.modules.size(); ++m) command('s', static_cast<int>(m), states_[m].generation);
+    for (std::size_t m = 0; m < d_.modules.size(); ++m) command('s', static_cast<int>(m), shared_.state(m).generation);
   }
 
   void command(char what, int module, std::uint32_t generation) {
@@ -648,7 +615,7 @@ class Level {
   // The controller is gone, or does not need them any more.
   [[noreturn]] void end_modules() {
     for (std::size_t m = 0; m < d_.modules.size(); ++m) {
-      if (states_[m].pid > 0) (void)::kill(states_[m].pid, SIGKILL);
+      if (shared_.state(m).pid > 0) (void)::kill(shared_.state(m).pid, SIGKILL);
     }
     while (::waitpid(-1, nullptr, 0) > 0) {
     }
@@ -656,8 +623,8 @@ class Level {
   }
   void bury(pid_t pid, int status) {
     for (std::size_t m = 0; m < d_.modules.size(); ++m) {
-      if (states_[m].pid != pid) continue;
-      const bool has_served = states_[m].served.exchange(0) != 0;
+      if (shared_.state(m).pid != pid) continue;
+      const bool has_served = shared_.state(m).served.exchange(0) != 0;
       note_end(static_cast<int>(m), status);
       const char byte = 0;
       (void)::send(kNurserySocket, &byte, sizeof byte, MSG_NOSIGNAL | MSG_DONTWAIT);
@@ -674,6 +641,24 @@ class Level {
   }
 
   // ---- a module's side
+
+  // A codel asks: over the channel of its call, on whose other side somebody waits for the answer.
+  static const char* ask_controller(const char* service, const char* input) {
+    thread_local std::string answer;
+    answer = "{}";
+    if (own_level == nullptr || own_channel == 0) return answer.c_str();
+    Channel& c = own_level->channel(own_level->own_module_, own_channel - 1);
+    const std::uint32_t theirs = 2 * own_level->own_generation_, mine = theirs + 1;
+    std::string question;
+    append_text(question, service);
+    append_text(question, input);
+    c.function = kAsksForService;
+    answer.clear();
+    if (own_level->send(c, mine, theirs, question, {}) != Wait::MyTurn ||
+        own_level->receive(c, mine, theirs, answer, {}) != Wait::MyTurn)
+      ::_exit(0);
+    return answer.c_str();
+  }
 
   [[noreturn]] void be_module(int module, pid_t nursery) {
     (void)::prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -699,8 +684,12 @@ class Level {
     action.sa_flags = static_cast<int>(SA_RESETHAND | SA_NODEFER | SA_ONSTACK);
     for (const int number : {SIGSEGV, SIGFPE, SIGBUS, SIGABRT, SIGILL, SIGTRAP, SIGSYS})
       (void)::sigaction(number, &action, nullptr);
-    is_module_ = true;
+    shared_.while_waiting = nullptr;
     const std::uint32_t generation = state(module).generation;
+    own_level = this;
+    own_module_ = module;
+    own_generation_ = generation;
+    service_caller() = &ask_controller;
     if (generation > 1) {
       for (const StartRow& row : d_.starts) {
         if (d_.owner_rows[index(row.owner)].module != module) continue;
@@ -816,14 +805,15 @@ class Level {
   std::vector<Acceptance> accepted_;
   std::vector<std::uint64_t> told_;  // in a module: versions of the posters that were sent to it or by it
   std::size_t width_ = 3;            // channels of a module
-  ModuleState* states_ = nullptr;
-  Channel* channels_ = nullptr;
+  Channels shared_;
   std::once_flag begun_;
   std::thread listener_;
   bool ends_ = false;
   int commands_ = -1;
   pid_t nursery_ = 0, own_pid_ = 0;
-  bool is_module_ = false;
+  static inline Level* own_level = nullptr;  // in a module
+  int own_module_ = 0;
+  std::uint32_t own_generation_ = 0;
 };
 
 }  // namespace bip::processes

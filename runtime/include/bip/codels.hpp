@@ -4,6 +4,7 @@
 // service.
 #pragma once
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -74,6 +75,15 @@ inline void note_exception(const char* codel, const CodelOwner& owner, ReplyNote
                *what == '\0' ? "" : ": ", what);
   if (*whose == '\0') return;
   notes.note(whose, "\"exception\":{\"codel\":" + json_text(codel) + ",\"what\":" + json_text(what) + "}");
+}
+
+/// What asks for a service as clients do, with an input of JSON, and waits for its final reply:
+/// {"report":"OK","result":{…}}, or {"report":"","problem":"there is no service …"}. The text lasts until the thread
+/// asks again. `bipc serve` sets it; null: nobody can be asked.
+using ServiceCaller = const char* (*)(const char* service, const char* input);
+inline std::atomic<ServiceCaller>& service_caller() {
+  static std::atomic<ServiceCaller> caller{nullptr};
+  return caller;
 }
 
 /// How long the codels of a program took, by name. Any thread.

@@ -44,6 +44,9 @@ struct ExceptionRow {
   // Of the struct of C, and of that of C++; null: it has none.
   void (*detail)(std::string& json, const void* detail);
   void (*object_detail)(std::string& json, const void* detail) = nullptr;
+  // Raises it with details from JSON (null: all zero), in C and in C++; null: it has none, or is not known there.
+  genom_event (*again)(const Json* detail, genom_context self) = nullptr;
+  genom_event (*object_again)(const Json* detail, genom_context self) = nullptr;
 };
 
 // ---- contexts
@@ -114,7 +117,7 @@ struct OutPort {
     return write_of("", self);
   }
 };
-extern "C" const genom_event genom_no_such_outport_id, genom_no_such_inport_id;
+extern "C" const genom_event genom_no_such_outport_id, genom_no_such_inport_id, genom_no_such_service_id;
 
 template <class T, int N>
 genom_event OutPort<T, N>::write_of(const char* id, genom_context self) {

@@ -57,6 +57,7 @@ genom_event
 trackStop(track_tally_s **tally, const genom_context self)
 {
   (void)self;
+  fputs("track: stopped\n", stderr);
   free(*tally);
   return track_ether;
 }
