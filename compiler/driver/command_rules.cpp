@@ -10,6 +10,7 @@
 #include "compiler/driver/rule_files.hpp"
 #include "compiler/rules/conflicts.hpp"
 #include "compiler/rules/left_out.hpp"
+#include "compiler/rules/reduce.hpp"
 
 namespace bip::driver {
 namespace {
@@ -27,6 +28,13 @@ void translate_rules(Compilation& c, const GenomArguments& a) {
   if (a.lists_left_out) {
     for (const std::string& line : rules::find_left_out(level->modules, level->checked))
       std::printf("%s\n", line.c_str());
+    return;
+  }
+  if (a.reduced) {
+    const rules::Reduced reduced = rules::reduce(level->modules, level->checked.constraints);
+    write_translation(c, a,
+                      genom::write_package(reduced.modules, rules::reduced_options(reduced, options.generate.package)),
+                      options.generate.package);
     return;
   }
   options.generate.constraints = level->checked.constraints;

@@ -12,6 +12,7 @@
 #include "compiler/driver/interrupt_cancellation.hpp"
 #include "compiler/genom/translate.hpp"
 #include "compiler/rules/reduce.hpp"
+#include "compiler/system/system.hpp"
 #include "compiler/verify/portfolio/portfolio.hpp"
 #include "runtime/engine/simulate.hpp"
 #include "runtime/include/bip/assert.hpp"
@@ -73,6 +74,29 @@ class Judge {
     return portfolio.decide(question, limits).outcome == verify::Outcome::Holds;
   }
 
+  /// What becomes of the promises under all rules, in their order; nothing if the level does not compile.
+  [[nodiscard]] std::vector<verify::Outcome> promises() const {
+    std::vector<verify::Outcome> all;
+    Compilation c{CompileOptions{}};
+    if (!compile_level(c, std::vector<bool>(rules_, true))) return all;
+    Executor executor(MachineCode::Fresh);
+    for (const auto& stated : c.system->properties) {
+      Result<verify::Property> parsed = verify::parse_property(stated.text, *c.system);
+      if (!parsed) return {};
+      verify::Question question;
+      question.what = verify::QuestionKind::State;
+      question.property = std::move(*parsed);
+      verify::PortfolioLimits limits;
+      limits.cancellation = cancellation_;
+      verify::Portfolio portfolio(
+          *c.system, c.lowered->image, verify::StateAccess::Searchable,
+          [&] { return executor.prepare(c, Backend::Interp, Optimisation::Auto); },
+          [](const char*, std::uint64_t, const char*) {});
+      all.push_back(portfolio.decide(question, limits).outcome);
+    }
+    return all;
+  }
+
   /// A subset of all rules that is enough, and of which none can go.
   [[nodiscard]] std::vector<std::size_t> culprits(const std::string& property) const {
     std::vector<bool> kept(rules_, true);
@@ -92,9 +116,7 @@ class Judge {
  private:
   // The reduced level with these rules only.
   [[nodiscard]] bool compile_level(Compilation& c, const std::vector<bool>& kept) const {
-    genom::GenerateOptions options;
-    options.package = "reduced";
-    options.constraints = reduced_.constraints;
+    genom::GenerateOptions options = rules::reduced_options(reduced_, "reduced");
     std::vector<genom::Constraint>& rows = options.constraints.rows;
     rows.clear();
     for (std::size_t i = 0; i < reduced_.constraints.rows.size(); ++i) {
@@ -102,7 +124,6 @@ class Judge {
                  "constraint {} of rule {}", i, checked_.rule[i]);
       if (kept[checked_.rule[i]]) rows.push_back(reduced_.constraints.rows[i]);
     }
-    options.oldest = 4;
     const std::string path = "/reduced/reduced.bip";
     c.open_texts[path] = genom::write_package(reduced_.modules, options).bip;
     return compile(c, path, Stage::Image);
@@ -172,6 +193,20 @@ void report_contradictions(Compilation& c, const rules::RuleFile& file, const st
     if (!culprits.empty()) found.push_back({std::move(culprits), {name}});
   }
   for (const BadStateAbstraction& f : found) counterexample_text(c.diags, file, f);
+  if (file.promises.empty()) return;
+  const std::vector<verify::Outcome> outcomes = judge.promises();
+  for (std::size_t k = 0; k < file.promises.size(); ++k) {
+    const rules::Promise& p = file.promises[k];
+    const verify::Outcome outcome = k < outcomes.size() ? outcomes[k] : verify::Outcome::Unknown;
+    if (outcome == verify::Outcome::Holds) continue;
+    if (outcome == verify::Outcome::Violated) {
+      c.diags.report(Diag::kB6160, p.range, p.name.text)
+          .note("with modules in which every service runs and ends as it likes")
+          .help("`bipc verify` of the level shows a run");
+    } else {
+      c.diags.report(Diag::kB6161, p.range, p.name.text).help("`bipc verify` of the level, with more time");
+    }
+  }
 }
 
 }  // namespace bip::driver

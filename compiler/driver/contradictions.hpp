@@ -4,6 +4,9 @@
 // Each service that rules are about is one question about the reduction (compiler/rules/reduce.hpp) of the modules, and
 // each service that is never admitted one more question per rule. Time is abstracted: a limit may be reached or not. If
 // the time limit is reached, nothing is reported.
+//
+// Then each promise is a question about the same reduction: it holds, is reported as not kept (B6160) or as not decided
+// (B6161).
 #pragma once
 #include "compiler/driver/options.hpp"
 #include "compiler/pipeline/pipeline.hpp"

@@ -67,6 +67,7 @@ class Checker {
       names_.value(v);
     }
     for (row_ = 0; row_ < file_.rules.size(); ++row_) rule(file_.rules[row_]);
+    for (const Promise& p : file_.promises) promise(p);
     BIP_ASSERT(out_.rule.size() == out_.constraints.rows.size() && std::is_sorted(out_.rule.begin(), out_.rule.end()),
                "{} constraints, rules of {}", out_.constraints.rows.size(), out_.rule.size());
     if (diags_.has_errors()) return std::nullopt;
@@ -117,6 +118,15 @@ class Checker {
     c.subject = subject;
     c.condition = std::move(condition);
     add(r, std::move(c), made);
+  }
+
+  // Of states, so about no request.
+  void promise(const Promise& p) {
+    plain(p.condition);
+    if (!promise_names_.insert(p.name.text).second) diags_.report(Diag::kB6013, p.name.range, "promise", p.name.text);
+    genom::PromiseRow row{.name = genom::bip_name(p.name.text), .is_never = p.is_never, .condition = {}};
+    if (names_.condition(p.condition, std::nullopt, NameScope::Moment::Run, row.condition))
+      out_.constraints.promises.push_back(std::move(row));
   }
 
   // Asks for a service when its condition has become true; about no request and no activity.
@@ -337,7 +347,7 @@ class Checker {
   NameScope names_;
   std::size_t row_ = 0;
   std::optional<ServiceRef> recovery_;
-  std::set<std::string> rule_names_;
+  std::set<std::string> rule_names_, promise_names_;
 };
 
 }  // namespace

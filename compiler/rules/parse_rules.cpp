@@ -5,6 +5,7 @@
 //             | 'parameter' NAME 'of' paths ':' VALUE { ',' VALUE } ';'
 //             | 'value' NAME 'of' path ':' VALUE { ',' VALUE } ';'
 //             | 'services' NAME ':' paths ';'
+//             | 'promise' NAME ':' ( 'always' | 'never' ) condition ';'
 //             | [ NAME ':' ] rule { 'report' STRING | 'on' 'violation' 'run' path } ';'
 //             | 'request' path [ '(' '?' NAME { ',' '?' NAME } ')' ] '{' 'fail' '{' { ( 'check' | 'maintain' ) ':' |
 //             condition ';' } '}' '}'
@@ -40,6 +41,7 @@ class RulesParser {
       expand(r.right);
       expand(r.condition);
     }
+    for (Promise& p : file_.promises) expand(p.condition);
     return std::move(file_);
   }
 
@@ -51,7 +53,23 @@ class RulesParser {
     if (at_.at("value") && next.kind == genom::TokenKind::Word && at_.peek(2).is("of")) return value();
     if (at_.at("request") && next.kind == genom::TokenKind::Word) return request();
     if (at_.at("services") && next.kind == genom::TokenKind::Word && at_.peek(2).is(":")) return group();
+    if (at_.at("promise") && next.kind == genom::TokenKind::Word && at_.peek(2).is(":")) return promise();
     return rule();
+  }
+
+  bool promise() {
+    Promise p;
+    p.range = at_.take().range;
+    if (!at_.name(p.name, "a name") || !at_.expect(":")) return false;
+    p.is_never = at_.accept("never");
+    if (!p.is_never && !at_.accept("always")) {
+      at_.unexpected("`always` or `never`");
+      return false;
+    }
+    if (!parse_condition(at_, p.condition)) return false;
+    p.range.end = at_.peek().range.begin;
+    file_.promises.push_back(std::move(p));
+    return at_.expect(";");
   }
 
   bool group() {

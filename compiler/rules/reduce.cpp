@@ -31,6 +31,7 @@ class Reducer {
       if (row.recovery) service(*row.recovery);
       condition(row.condition);
     }
+    for (genom::PromiseRow& p : c.promises) condition(p.condition);
     for (genom::ParameterRow& p : c.parameters) service(p.service);
     for (genom::StopwatchRow& w : c.stopwatches) {
       service(w.service);
@@ -165,6 +166,14 @@ class Reducer {
 };
 
 }  // namespace
+
+genom::GenerateOptions reduced_options(const Reduced& reduced, const std::string& package) {
+  genom::GenerateOptions options;
+  options.package = package;
+  options.constraints = reduced.constraints;
+  options.oldest = 4;
+  return options;
+}
 
 Reduced reduce(const std::vector<Module>& modules, const genom::Constraints& constraints) {
   return Reducer(modules, constraints).run();

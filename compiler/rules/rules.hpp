@@ -105,6 +105,14 @@ struct ServiceGroup {
   std::vector<Path> services;
 };
 
+/// What the rules are to achieve: a property of all states, enforced by nothing, for the prover.
+struct Promise {
+  Name name;
+  bool is_never = false;
+  Expr condition;
+  SourceRange range;
+};
+
 struct RuleFile {
   Name package;
   std::vector<Name> modules;  // paths of .gen files, relative to the rules
@@ -112,6 +120,7 @@ struct RuleFile {
   std::vector<ParameterDecl> parameters;
   std::vector<ValueDecl> values;
   std::vector<Rule> rules;
+  std::vector<Promise> promises;
 };
 
 }  // namespace bip::rules
