@@ -3,16 +3,18 @@
 // requests.txt, a line a step: `do SERVICE [INPUT]` asks and waits for the end, `start SERVICE [INPUT]` asks and waits
 // for the acceptance, `await SERVICE` waits for an end, `sleep TICKS`. Anything but OK ends the program with 1; the
 // last line ends it with 0 and tells how many ticks and how many seconds of the processor the mission took since the
-// first tick.
+// first tick. With $BENCH_REAL_TIME a tick begins every 10 ms.
 #pragma once
 #include <sys/resource.h>
 
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <map>
 #include <sstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 void request_input(const char* service, const char* input);
@@ -37,6 +39,7 @@ class Requests {
   // Once a tick: the next request, or nothing.
   std::string next() {
     if (ticks_++ == 0) begin_ = seconds();
+    if (is_real_time_) std::this_thread::sleep_until(first_ + ticks_ * std::chrono::milliseconds(10));
     while (waits_ == Waits::Nothing || (waits_ == Waits::Time && ticks_ >= until_)) {
       if (at_ == steps_.size()) over();
       const Step& s = steps_[at_++];
@@ -98,6 +101,8 @@ class Requests {
   std::map<std::string, bool> ended_;
   long ticks_ = 0, until_ = 0;
   double begin_ = 0;
+  bool is_real_time_ = std::getenv("BENCH_REAL_TIME") != nullptr;
+  std::chrono::steady_clock::time_point first_ = std::chrono::steady_clock::now();
 };
 
 inline Requests& requests() {
