@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "compiler/base/content_cache.hpp"
+#include "compiler/library/small_instances.hpp"
 #include "compiler/library/verify_text.hpp"
 #include "compiler/pipeline/cache_folder.hpp"
 #include "compiler/pipeline/error_sources.hpp"
@@ -191,6 +192,9 @@ Verdict decide(const VerifyRequest& request, Compilation& c, const verify::Quest
       has_undetermined_values(*c.system) ? verify::StateAccess::Undetermined : verify::StateAccess::Searchable;
   verify::Portfolio portfolio(*c.system, c.lowered->image, access, prepare, report);
   if (request.reuses && cache.is_on()) portfolio.use_cache(&proofs);
+  SmallInstanceCompiler smaller(c);
+  const verify::SmallInstances instances = [&](std::uint32_t size) { return smaller.at(size); };
+  portfolio.use_small_instances(&instances);
   const verify::ProcessClock::time_point start = verify::ProcessClock::now();
   verify::Decision decision = portfolio.decide(question, limits);
   const double seconds = std::chrono::duration<double>(verify::ProcessClock::now() - start).count();

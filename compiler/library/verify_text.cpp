@@ -2,6 +2,7 @@
 #include "compiler/library/verify_text.hpp"
 
 #include <algorithm>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -12,6 +13,7 @@
 #include "compiler/system/system.hpp"
 #include "compiler/verify/evidence/certificate.hpp"
 #include "compiler/verify/evidence/counterexample_text.hpp"
+#include "compiler/verify/portfolio/small_instance_engine.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::library {
@@ -81,9 +83,11 @@ std::string method_text(const Compilation& c, const verify::Question& question, 
           },
           [&](const verify::InductiveProof& evidence) {
             const std::size_t equations = d.facts.affine.equations.size();
-            return fmt::format(": proved by induction with {}{} and {} {}\n", invariants,
+            const bool are_learnt = d.engine == std::string_view(verify::kSmallInstanceEngine.name);
+            return fmt::format(": proved by induction with {}{} and {}{} {}\n", invariants,
                                equations == 0 ? "" : ", " + count_of(equations, "equation"),
-                               count_of(evidence.lemmas.size(), "lemma"), size);
+                               count_of(evidence.lemmas.size(), "lemma"),
+                               are_learnt ? " learnt from small instances" : "", size);
           },
           [&](const verify::ReachedStates&) { return visited(); },
           [&](const verify::StateCount& evidence) {

@@ -1,7 +1,10 @@
 // bip-verify-check: random systems, each asked three questions (deadlock, run-time errors, a random property), the
 // prover's verdicts against a visit of all states.
 //
-//   bip-verify-check --from S --count N [--states N] [--seconds S] [--out DIR] [--sort nets|models]
+//   bip-verify-check --from S --count N [--states N] [--seconds S] [--out DIR] [--sort nets|models|sizes]
+//
+// Of every fourth seed (--sort sizes: of all) a system with an array is asked, too, and answered by what small
+// instances of it teach; a proof must agree with the visit.
 //
 // Of every fifth seed the questions are asked again with kept proofs: as they were left, damaged, and forged under a
 // right hash. Answers must be the same; what forged proofs led to is given to certcheck, too.
@@ -14,13 +17,18 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <memory>
+#include <optional>
+#include <vector>
 
 #include "compiler/interp/interp.hpp"
 #include "compiler/system/bsys.hpp"
 #include "compiler/verify/evidence/certificate.hpp"
 #include "compiler/verify/evidence/counterexample_text.hpp"
+#include "compiler/verify/portfolio/small_instance_engine.hpp"
 #include "tests/verify/random_property.hpp"
 #include "tests/verify/relevance_oracle.hpp"
+#include "tests/verify/sized_net.hpp"
 #include "tests/verify/small_net.hpp"
 #include "tests/verify/tampering.hpp"
 #include "tools/gen/compiled.hpp"
@@ -34,12 +42,13 @@ struct Options {
   std::uint64_t from = 1, count = 100, states = 5000;
   double seconds = 1;
   std::string out, print;
-  bool nets = true, models = true;
+  bool nets = true, models = true, sizes = true;
 };
 struct Totals {
   std::uint64_t systems = 0, questions = 0, too_large = 0, holds = 0, violated = 0, open_proofs = 0, unknown = 0,
                 failed = 0, certificates = 0;
-  std::uint64_t decided = 0;  // answers of the prover
+  std::uint64_t decided = 0;                  // answers of the prover
+  std::uint64_t learnt = 0, learnt_from = 0;  // proofs by small instances; questions
   std::uint64_t reused = 0, whole = 0, rows = 0, forged_rows = 0;
   verify::test::RelevanceCounts relevance;
 };
@@ -87,6 +96,63 @@ class Check {
     int number = 0;
     for (const verify::Question* question : {&deadlock, &errors, &state})
       one(c, *question, name + '-' + std::to_string(number++));
+  }
+
+  // A system whose array is longer than those that it is learnt from.
+  void sized(const std::string& name, std::uint64_t seed) {
+    constexpr std::uint32_t kSize = 6;
+    name_ = name;
+    const gen::Compiled c = gen::compile_texts({verify::test::sized_net(seed, kSize)});
+    if (!c.problem.empty()) {
+      fail("does not compile: " + c.problem);
+      return;
+    }
+    ++t_.systems;
+    const interp::Interpreter interpreter(*c.lowered);
+    std::vector<std::unique_ptr<gen::Compiled>> made;
+    const verify::SmallInstances instances = [&](std::uint32_t size) -> std::optional<verify::SmallInstance> {
+      if (size >= kSize) return std::nullopt;
+      made.push_back(std::make_unique<gen::Compiled>(gen::compile_texts({verify::test::sized_net(seed, size)})));
+      if (!made.back()->problem.empty()) return std::nullopt;
+      return verify::SmallInstance{made.back()->system.get(), &made.back()->lowered->image};
+    };
+    // Deadlock, and properties of which some should hold.
+    constexpr std::uint64_t kProperties = 6;
+    for (std::uint64_t number = 0; number <= kProperties; ++number) {
+      verify::Question question;
+      std::string asked = "deadlock";
+      if (number != 0) {
+        question.what = verify::QuestionKind::State;
+        asked = verify::test::random_property(*c.system, seed * kProperties + number);
+        Result<verify::Property> parsed = verify::parse_property(asked, *c.system);
+        if (!parsed) {
+          fail("property `" + asked + "`: " + parsed.error());
+          return;
+        }
+        question.property = std::move(*parsed);
+      }
+      const verify::Net net = verify::build_net(*c.system);
+      const verify::SearchLimits limits{
+          .cancellation = verify::within_seconds(20), .megabytes = 1000, .states = o_.states, .report = {}};
+      const verify::SearchResult all = verify::search(net, c.lowered->image, verify::goal_of(question), {}, limits);
+      // Most are broken, which small instances show as well: a few of these suffice.
+      if (all.end == verify::SearchEnd::Found && number % 3 != 0) continue;
+      verify::SystemParts parts(*c.system, c.lowered->image, verify::StateAccess::Searchable, [] { return true; });
+      verify::PortfolioLimits few;
+      few.cancellation = verify::within_seconds(o_.seconds);
+      few.megabytes = 1000;
+      const verify::Report report = [](const char*, std::uint64_t, const char*) {};
+      verify::ProofContext context{parts, question, few, report, nullptr, {}, {}};
+      context.small_instances = &instances;
+      if (parts.has_usable_net()) context.facts.proof = verify::find_reachable_modes(parts.net());
+      const verify::EngineResult found = verify::kSmallInstanceEngine.attempt(context, {}, few.cancellation);
+      ++t_.learnt_from;
+      if (found.outcome != verify::Outcome::Holds) continue;
+      const auto* const proof = std::get_if<verify::InductiveProof>(&found.evidence);
+      t_.learnt += proof != nullptr && !proof->lemmas.empty() ? 1 : 0;
+      if (all.end == verify::SearchEnd::Found)
+        fail(asked + ": proved by small instances, but a bad state is reachable");
+    }
   }
 
  private:
@@ -233,7 +299,11 @@ int main(int argc, char** argv) {
     else if (flag == "--seconds") o.seconds = std::strtod(value, nullptr);
     else if (flag == "--out") o.out = value;
     else if (flag == "--print") o.print = value;
-    else if (flag == "--sort") (std::strcmp(value, "nets") == 0 ? o.models : o.nets) = false;
+    else if (flag == "--sort") {
+      o.nets = std::strcmp(value, "nets") == 0;
+      o.models = std::strcmp(value, "models") == 0;
+      o.sizes = std::strcmp(value, "sizes") == 0;
+    }
   }
   Totals t;
   Check check(o, t);
@@ -244,6 +314,7 @@ int main(int argc, char** argv) {
     if (o.nets) check.system("values" + std::to_string(seed), {verify::test::value_net(seed)}, seed);
     if (o.nets && (seed % 2 == 0 || !o.print.empty()))
       check.system("counters" + std::to_string(seed), {verify::test::counter_net(seed)}, seed);
+    if (o.sizes && o.print.empty() && (seed % 4 == 0 || !o.nets)) check.sized("sizes" + std::to_string(seed), seed);
     if (o.models) check.system("model" + std::to_string(seed), gen::print_packages(gen::generate(seed)), seed);
   }
   const auto n = [](std::uint64_t v) { return static_cast<unsigned long long>(v); };
@@ -256,13 +327,20 @@ int main(int argc, char** argv) {
               n(t.whole), n(t.rows), n(t.forged_rows));
   std::printf("runs %llu: steps left out %llu, a step decided %llu, none %llu\n", n(t.relevance.runs),
               n(t.relevance.left_out), n(t.relevance.decided), n(t.relevance.inevitable));
+  std::printf("small instances: %llu questions, %llu proofs with lemmas learnt from them\n", n(t.learnt_from),
+              n(t.learnt));
   // Of so many systems some have answers; a run without is no test.
   constexpr std::uint64_t kMany = 20;
-  if (o.print.empty() && t.systems >= kMany &&
+  if (o.print.empty() && (o.nets || o.models) && t.systems >= kMany &&
       (t.decided == 0 || t.holds == 0 || t.violated == 0 || t.rows == 0 || t.relevance.left_out == 0 ||
        t.relevance.decided == 0)) {
     ++t.failed;
     std::printf("FAILED: %llu answers, %llu rows of kept proofs: nothing was compared\n", n(t.decided), n(t.rows));
+  }
+  constexpr std::uint64_t kManyLearnt = 100;
+  if (t.learnt_from >= kManyLearnt && t.learnt == 0) {
+    ++t.failed;
+    std::printf("FAILED: of %llu questions none was proved by small instances\n", n(t.learnt_from));
   }
   if (t.relevance.runs >= kMany && (t.relevance.left_out == 0 || t.relevance.decided == 0)) {
     ++t.failed;

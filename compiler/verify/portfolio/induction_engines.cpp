@@ -2,6 +2,7 @@
 #include "compiler/verify/portfolio/induction_engines.hpp"
 
 #include "compiler/verify/invariants/affine_bounds.hpp"
+#include "compiler/verify/portfolio/bad_states.hpp"
 #include "compiler/verify/invariants/houdini.hpp"
 #include "compiler/verify/invariants/refine_invariants.hpp"
 #include "compiler/system/system.hpp"
@@ -13,8 +14,8 @@ namespace bip::verify {
 
 namespace {
 
-/// FactsOnly: stop before lemmas are looked for.
-enum class Effort : std::uint8_t { FactsOnly, Lemmas };
+/// FactsOnly: stop before lemmas are looked for. Guesses: only those that somebody else has an idea of.
+enum class Effort : std::uint8_t { FactsOnly, Guesses, Lemmas };
 
 // One attempt of either engine. `share` ends the attempt, `whole_` the question.
 class Induction {
@@ -32,15 +33,17 @@ class Induction {
     };
   }
 
-  EngineResult run(Effort effort) {
+  /// `guesses`: with the effort Guesses the lemmas to try.
+  EngineResult run(Effort effort, const LemmaSource* guesses = nullptr) {
     if (!is_usable()) return std::move(result_);
-    problem_.bad = machine_.aig.make_or(bad_states(), machine_.lost);
+    problem_.bad = machine_.aig.make_or(bad_states(context_.question, machine_, image_), machine_.lost);
     if (!confirm_ranges()) return std::move(result_);
     InductiveLemmas cached;
     if (context_.facts.proof && context_.induction != InductionStage::InvariantsRefined && refine(cached))
       return std::move(result_);
     if (effort == Effort::FactsOnly && !cached.is_enough) return std::move(result_);
-    find_lemmas(std::move(cached));
+    if (effort == Effort::Guesses) try_guesses(*guesses);
+    else find_lemmas(std::move(cached));
     return std::move(result_);
   }
 
@@ -55,16 +58,6 @@ class Induction {
     else if (machine_.starts_with_fault) give_up({});
     return context_.induction != InductionStage::Unusable;
   }
-  Signal bad_states() {
-    switch (context_.question.what) {
-      case QuestionKind::DeadlockFreedom: return machine_.stuck;
-      case QuestionKind::NoErrors: return machine_.error;
-      case QuestionKind::State: return broken_signal(context_.question.property, machine_, image_);
-      case QuestionKind::NoLocalDeadlock:
-      case QuestionKind::Runs: break;
-    }
-    BIP_UNREACHABLE("no set of states is a local deadlock");
-  }
   // The intervals of data, which the circuit's widths rest on, are invariants: one question to the solver.
   bool confirm_ranges() {
     if (context_.induction != InductionStage::Untried) return true;
@@ -73,20 +66,12 @@ class Induction {
     return context_.induction != InductionStage::Unusable;
   }
 
-  [[nodiscard]] std::vector<std::vector<Signal>> affine_clauses() {
-    std::vector<std::vector<Signal>> clauses;
-    const AffineInvariants& affine = context_.facts.affine;
-    for (const AffineEquation& equation : affine.equations)
-      clauses.push_back({equation_signal(equation, machine_, image_)});
-    for (const VariableBound& bound : affine.bounds) clauses.push_back({bound_signal(bound, machine_, image_)});
-    for (const PlaceValue& value : affine.places) clauses.push_back(place_clause(value, machine_, image_));
-    return clauses;
-  }
   [[nodiscard]] std::vector<std::vector<Signal>> structural_clauses() {
     if (!context_.facts.proof) return {};
     std::vector<std::vector<Signal>> clauses =
         mode_clauses(context_.parts.net(), *context_.facts.proof, machine_, image_);
-    for (std::vector<Signal>& clause : affine_clauses()) clauses.push_back(std::move(clause));
+    for (std::vector<Signal>& clause : affine_clauses(context_.facts.affine, machine_, image_))
+      clauses.push_back(std::move(clause));
     return clauses;
   }
 
@@ -122,7 +107,7 @@ class Induction {
     for (const bool with_bounds : {false, true}) {
       if (with_bounds ? affine.bounds.empty() : needs_bounds && !affine.bounds.empty()) continue;
       context_.facts.affine = with_bounds ? affine : AffineInvariants{affine.equations, {}, affine.places};
-      const std::vector<std::vector<Signal>> clauses = affine_clauses();
+      const std::vector<std::vector<Signal>> clauses = affine_clauses(context_.facts.affine, machine_, image_);
       if (!refine_invariants(net, machine_, image_, problem_.bad, clauses, problem_.cancellation, proof)) continue;
       if (context_.wants_minimal(ProofMethod::Induction, proof))
         minimize_invariants(net, machine_, image_, problem_.bad, clauses, whole_, proof);
@@ -145,6 +130,12 @@ class Induction {
     context_.count_reused(context_.facts.proof ? *context_.facts.proof : Proof());
     result_.outcome = Outcome::Holds;
     result_.evidence = InductiveProof{std::move(lemmas)};
+  }
+
+  void try_guesses(const LemmaSource& guesses) {
+    problem_.invariants = structural_clauses();
+    InductiveLemmas held = houdini(problem_, guesses(machine_));
+    if (held.is_enough) prove(std::move(held.lemmas));
   }
 
   void find_lemmas(InductiveLemmas cached) {
@@ -216,14 +207,19 @@ bool is_inductive(const ProofContext& context) {
 }
 
 EngineResult attempt_induction(ProofContext& context, const Budget& budget, const CancellationToken& cancellation,
-                               Effort effort) {
+                               Effort effort, const LemmaSource* guesses = nullptr) {
   if (cancellation.is_over() || !is_inductive(context)) return {};
   // The circuit is not part of the attempt's share: it is built once for all attempts.
   (void)context.parts.transition_system(context.limits.megabytes);
-  return Induction(context, cancellation.within(budget.seconds), cancellation).run(effort);
+  return Induction(context, cancellation.within(budget.seconds), cancellation).run(effort, guesses);
 }
 
 }  // namespace
+
+EngineResult try_lemmas(ProofContext& context, const Budget& budget, const CancellationToken& cancellation,
+                        const LemmaSource& guesses) {
+  return attempt_induction(context, budget, cancellation, Effort::Guesses, &guesses);
+}
 
 const Engine kAffineEngine{"affine invariants", is_inductive,
                            [](ProofContext& context, const Budget& budget, const CancellationToken& cancellation) {

@@ -12,4 +12,10 @@ extern const Engine kAffineEngine;
 /// The same if it has not been done, cached lemmas that are inductive (houdini.hpp), then IC3/PDR (ic3.hpp).
 extern const Engine kIc3Engine;
 
+/// Returns cubes that may be lemmas, of this transition system.
+using LemmaSource = std::function<std::vector<Cube>(const TransitionSystem& machine)>;
+/// Proves the question by those of the guesses that are inductive, if they suffice; no other lemmas are looked for.
+[[nodiscard]] EngineResult try_lemmas(ProofContext& context, const Budget& budget,
+                                      const CancellationToken& cancellation, const LemmaSource& guesses);
+
 }  // namespace bip::verify

@@ -8,6 +8,7 @@
 #include "compiler/verify/portfolio/check_evidence.hpp"
 #include "compiler/verify/portfolio/induction_engines.hpp"
 #include "compiler/verify/portfolio/search_engines.hpp"
+#include "compiler/verify/portfolio/small_instance_engine.hpp"
 #include "compiler/verify/portfolio/structural_engines.hpp"
 #include "runtime/include/bip/assert.hpp"
 
@@ -56,6 +57,7 @@ constexpr PortfolioRow kRows[] = {
     {&kAffineEngine, kThird},
     {&kExhaustiveEngine, kFirstTurn},
     {&kIc3Engine, kFirstTurn, WhenOver::Skip, takes_turns_with_search},
+    {&kSmallInstanceEngine, {ShareOf::TimeLeft, 1.0 / 2}},
     {&kExhaustiveEngine, kSecondTurn},
     {&kIc3Engine, kSecondTurn, WhenOver::Skip, takes_turns_with_search},
     {&kIc3Engine, kThird},
@@ -157,6 +159,7 @@ Decision Portfolio::decide(const Question& question, const PortfolioLimits& limi
   // Local deadlocks are decided by a visit of all states, which no cache makes shorter.
   ProofCache* const cache = question.what == QuestionKind::NoLocalDeadlock ? nullptr : cache_;
   ProofContext context{parts_, question, limits, report_, cache, {}, {}};
+  context.small_instances = small_instances_;
   load_cached_proof(context);
   Decision decision = PortfolioRun(context, limits.cancellation).run();
   BIP_ASSERT(is_evidence_sound(parts_, question, decision), "evidence of the engine {}", decision.engine);

@@ -23,6 +23,9 @@ class Portfolio {
   /// the portfolio; null: neither.
   void use_cache(ProofCache* cache) { cache_ = cache; }
 
+  /// From now on lemmas are learnt from smaller instances of the model, too. `instances` must outlive the portfolio.
+  void use_small_instances(const SmallInstances* instances) { small_instances_ = instances; }
+
   [[nodiscard]] const Net& net() const { return parts_.net(); }
   /// Returns null until an engine has needed it.
   [[nodiscard]] const TransitionSystem* transition_system() const { return parts_.built_transition_system(); }
@@ -31,6 +34,7 @@ class Portfolio {
   SystemParts parts_;
   Report report_;
   ProofCache* cache_ = nullptr;
+  const SmallInstances* small_instances_ = nullptr;
 };
 
 /// Returns "m.bip:12: a call of `f`", one line per imprecision of the transition system, at most `count`.

@@ -8,6 +8,7 @@
 #include "compiler/verify/evidence/evidence.hpp"
 #include "compiler/verify/evidence/proof_cache.hpp"
 #include "compiler/verify/portfolio/question.hpp"
+#include "compiler/verify/scaling/small_instance.hpp"
 #include "compiler/verify/symbolic/transition_system.hpp"
 
 namespace bip::verify {
@@ -75,6 +76,7 @@ struct ProofContext {
   StructuralFacts facts;  // hold; engines add to them
   InductionStage induction = InductionStage::Untried;
   CachedLemmaUse cached_lemmas = CachedLemmaUse::Try;
+  const SmallInstances* small_instances = nullptr;  // of the model; null: there are none
 
   /// Is the cached proof about this very system?
   [[nodiscard]] bool is_cached_system() const { return cache != nullptr && cache->counts.is_whole; }
