@@ -20,6 +20,7 @@
 #include "compiler/system/system.hpp"
 #include "compiler/system/uses_time.hpp"
 #include "compiler/verify/net/unread_data.hpp"
+#include "compiler/verify/timed/prove_pairs.hpp"
 #include "compiler/verify/timed/prove_time.hpp"
 #include "compiler/verify/evidence/certificate.hpp"
 #include "compiler/verify/evidence/counterexample_text.hpp"
@@ -88,6 +89,9 @@ std::string neighbourhoods_text(const verify::TimeProof& proof) {
 
 std::string proof_text(const verify::TimeProof& proof, const verify::Question& question) {
   const std::string invariants = rt::counted(proof.invariants, "invariant");
+  if (proof.alike != 0)
+    return fmt::format("holds: `{}`: by the zones of {}, two of which stand for any two of {} that are alike\n",
+                       question.property.text, rt::counted(proof.largest, "component"), proof.alike);
   if (question.what == verify::QuestionKind::State)
     return fmt::format("holds: `{}`: by {} and the zones of {}\n", question.property.text, invariants,
                        neighbourhoods_text(proof));
@@ -109,6 +113,7 @@ nlohmann::ordered_json parts_json(const verify::TimeProof& proof) {
   nlohmann::ordered_json json{{"proved", proof.is_proved}, {"neighbourhoods", proof.neighbourhoods},
                               {"largest", proof.largest},  {"graphs", proof.explored},
                               {"zones", proof.zones},      {"invariants", proof.invariants}};
+  if (proof.alike != 0) json["alike"] = proof.alike;
   if (!proof.is_proved) json["reason"] = proof.reason;
   return json;
 }
@@ -170,9 +175,14 @@ Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify:
   // A certificate is the whole zone graph.
   if (!request.wants_certificate && (asks_state || question.what == verify::QuestionKind::DeadlockFreedom)) {
     const verify::CancellationToken soon = cancellation.within(request.timeout / kShareOfParts);
-    const verify::TimeProof proof =
-        asks_state ? verify::prove_state_in_time(*c.system, question.property, explore_system, soon)
-                   : verify::prove_time(*c.system, explore_system, soon);
+    verify::TimeProof proof = asks_state
+                                  ? verify::prove_state_in_time(*c.system, question.property, explore_system, soon)
+                                  : verify::prove_time(*c.system, explore_system, soon);
+    if (asks_state && !proof.is_proved) {
+      verify::TimeProof by_pairs = verify::prove_state_by_pairs(
+          *c.system, question.property, explore_system, cancellation.within(request.timeout / kShareOfParts));
+      if (by_pairs.is_proved) proof = std::move(by_pairs);
+    }
     if (request.stats) {
       stats = stats_text(proof);
       json["parts"] = parts_json(proof);

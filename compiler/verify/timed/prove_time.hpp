@@ -30,6 +30,7 @@ struct TimeProof {
   std::string reason;                // else: what was missing
   std::uint64_t neighbourhoods = 0;  // components that can hold time up, each with its neighbours
   std::uint64_t largest = 0;         // of them, in components
+  std::uint64_t alike = 0;           // components that two of the neighbourhood stand for; 0: it stands for itself
   std::uint64_t explored = 0;        // zone graphs made
   std::uint64_t zones = 0;           // of all of these
   std::uint64_t invariants = 0;      // without time

@@ -1,0 +1,301 @@
+// See prove_pairs.hpp.
+#include "compiler/verify/timed/prove_pairs.hpp"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "compiler/model/code_uses.hpp"
+#include "compiler/system/system.hpp"
+#include "compiler/verify/net/unread_data.hpp"
+#include "compiler/verify/timed/like_components.hpp"
+#include "compiler/verify/timed/time_divergence.hpp"
+#include "runtime/include/bip/assert.hpp"
+
+namespace bip::verify {
+
+namespace {
+
+// Zones of one round's graph, at most.
+constexpr std::uint64_t kZonesOfPairs = 200000;
+
+class PairProver {
+ public:
+  PairProver(const System& system, const Property& property, const ExplorePart& explore,
+             const CancellationToken& cancellation, const PartLimits& limits)
+      : property_(property),
+        is_read_(find_read_data(system, data_of(property))),
+        simple_(without_unread_data(system, is_read_)),
+        neighbours_(simple_),
+        explore_(explore),
+        cancellation_(cancellation),
+        limits_(limits) {}
+
+  TimeProof prove() {
+    proof_.is_proved = choose_members() && prepare_steps() && reach_fixpoint();
+    return std::move(proof_);
+  }
+
+ private:
+  using Places = std::pair<u32, u32>;
+
+  bool fail(const std::string& reason) {
+    proof_.reason = reason;
+    return false;
+  }
+  [[nodiscard]] const AtomType& type_of(u32 atom) const {
+    return simple_.atom_types[simple_.atoms[AtomId(std::size_t{atom})].type];
+  }
+
+  // The pair: like components that the property names, and others of them if it names fewer.
+  bool choose_members() {
+    const std::vector<u32> about = atoms_of(property_);
+    std::string reason = "the property speaks of no component that has its like";
+    for (u32 atom : about) {
+      like_ = find_like_components(simple_, neighbours_, atom, reason);
+      if (like_) break;
+    }
+    if (!like_) return fail(reason);
+    if (like_->outside.size() + 2 > limits_.members) return fail("too many components are beside the array");
+    for (u32 atom : like_->atoms) {
+      if (std::binary_search(about.begin(), about.end(), atom)) pair_.push_back(atom);
+    }
+    if (pair_.size() > 2) return fail("the property speaks of more than two components of an array");
+    for (std::size_t k = 0; pair_.size() < 2; ++k) {
+      if (std::find(pair_.begin(), pair_.end(), like_->atoms[k]) == pair_.end()) pair_.push_back(like_->atoms[k]);
+    }
+    std::sort(pair_.begin(), pair_.end());
+    const auto third = std::find_if(like_->atoms.begin(), like_->atoms.end(), [&](u32 atom) {
+      return std::find(pair_.begin(), pair_.end(), atom) == pair_.end();
+    });
+    third_ = *third;
+    for (const DataRef& data : data_of(property_)) {
+      const bool is_of_pair = std::find(pair_.begin(), pair_.end(), data.atom.value) != pair_.end();
+      if (is_of_pair ? like_->is_number[data.variable] != 0
+                     : like_->number_outside.contains({data.atom.value, data.variable}))
+        return fail("the property reads numbers");
+    }
+    members_ = like_->outside;
+    members_.insert(members_.end(), pair_.begin(), pair_.end());
+    std::sort(members_.begin(), members_.end());
+    proof_.neighbourhoods = 1;
+    proof_.largest = members_.size();
+    proof_.alike = like_->atoms.size();
+    return true;
+  }
+  [[nodiscard]] u32 local(u32 atom) const {
+    return static_cast<u32>(std::lower_bound(members_.begin(), members_.end(), atom) - members_.begin());
+  }
+
+  // The local system without steps of third components, and what these are.
+  bool prepare_steps() {
+    // Numbers that a third component writes are known: this is said with its steps.
+    std::vector<std::vector<std::uint8_t>> is_read = is_read_;
+    for (const auto& [atom, variable] : like_->number_outside)
+      is_read[simple_.atoms[AtomId(std::size_t{atom})].type.value][variable] = 0;
+    const VariableFacts nothing = [](u32, u32) { return AbstractValue{}; };
+    LocalizedSystem part = localize(simple_, neighbours_, is_read, nothing, members_);
+    if (!part.obstacle.empty()) return fail(part.obstacle);
+    if (!part.required.empty()) return fail("others write data beside the array");
+    base_ = std::move(part.system);
+    IndexVector<ConnectorId, Connector> kept;
+    for (std::size_t k = 0; k < base_.connectors.size(); ++k) {
+      Connector& connector = base_.connectors[ConnectorId(k)];
+      const bool has_pair = std::any_of(connector.ports.begin(), connector.ports.end(), [&](const PortRef& ref) {
+        return ref.kind == PortRef::Kind::Atom &&
+               (ref.atom.value == local(pair_[0]) || ref.atom.value == local(pair_[1]));
+      });
+      // A step of a third one and of atoms outside is said below, with where the third one is.
+      if (part.is_whole[k] == 0 && !has_pair) continue;
+      is_whole_.push_back(part.is_whole[k]);
+      kept.push(std::move(connector));
+    }
+    base_.connectors = std::move(kept);
+    steps_ = outside_steps(*like_, neighbours_, third_);
+    add_places_as_ports();
+    return true;
+  }
+
+  // A port of each of the two for each of its places, which shows that it is there.
+  void add_places_as_ports() {
+    const PortTypeId signal = base_.port_types.push({.name = "Place", .variables = {}});
+    for (std::size_t k = 0; k < 2; ++k) {
+      AtomType& type = base_.atom_types[base_.atoms[AtomId(std::size_t{local(pair_[k])})].type];
+      first_place_port_ = static_cast<u32>(type.ports.size());
+      for (u32 place = 0; place < type.places.size(); ++place) {
+        type.ports.push_back({.name = "at" + std::to_string(place), .type = signal, .variables = {}, .exported = true});
+        Transition stays;
+        stays.port = first_place_port_ + place;
+        stays.from = stays.to = {place};
+        type.transitions.push_back(std::move(stays));
+      }
+    }
+  }
+
+  // Places from which a component may take a port.
+  [[nodiscard]] std::set<u32> sources(u32 port) const {
+    std::set<u32> places;
+    for (const Transition& t : type_of(third_).transitions) {
+      if (t.port == port) places.insert(t.from.front());
+    }
+    return places;
+  }
+  [[nodiscard]] bool may_be_together(u32 a, u32 b) const { return together_.contains({a, b}); }
+
+  // The steps of third components that the pairs so far allow. False: one of them cannot be said.
+  bool add_steps(System& to, std::vector<std::uint8_t>& is_whole) {
+    const u32 places = static_cast<u32>(type_of(third_).places.size());
+    for (const OutsideStep& step : steps_) {
+      const std::set<u32> from = sources(step.port);
+      for (u32 a = 0; a < places; ++a) {
+        for (u32 b = 0; b < places; ++b) {
+          const bool is_possible = may_be_together(a, b) && std::any_of(from.begin(), from.end(), [&](u32 c) {
+                                     return may_be_together(a, c) && may_be_together(b, c);
+                                   });
+          if (is_possible && !add_step(to, step, a, b)) return false;
+          if (is_possible) is_whole.push_back(0);
+        }
+      }
+    }
+    return true;
+  }
+  bool add_step(System& to, const OutsideStep& step, u32 a, u32 b) {
+    ConnectorType type;
+    type.name = "Third" + std::to_string(to.connectors.size());
+    type.define.emplace_back();
+    Connector connector;
+    connector.path = "ROOT.third" + std::to_string(to.connectors.size());
+    connector.parent = CompoundId(std::size_t{0});
+    u32 binds = 0;
+    std::map<std::pair<u32, u32>, u32> bind_of;  // atom, variable
+    const auto add = [&](u32 atom, u32 port) {
+      const Port& row = to.atom_types[to.atoms[AtomId(std::size_t{local(atom)})].type].ports[port];
+      type.define[0].children.push_back(static_cast<u32>(type.define.size()));
+      type.define.push_back(
+          {.is_leaf = true, .trigger = false, .param = static_cast<u32>(type.params.size()), .children = {}});
+      type.params.push_back({.name = "p" + std::to_string(type.params.size()), .type = row.type, .first_bind = binds});
+      for (u32 variable : row.variables) bind_of[{atom, variable}] = binds++;
+      PortRef ref;
+      ref.atom = AtomId(std::size_t{local(atom)});
+      ref.port = port;
+      connector.ports.push_back(ref);
+    };
+    for (const Neighbours::Leaf& leaf : step.leaves) add(leaf.atom, leaf.port);
+    add(pair_[0], first_place_port_ + a);
+    add(pair_[1], first_place_port_ + b);
+    Clause clause;
+    for (u32 param = 0; param < type.params.size(); ++param) clause.params.push_back(param);
+    if (!add_numbers(to, step, bind_of, clause)) return false;
+    if (clause.down.is_valid()) type.clauses.push_back(std::move(clause));
+    connector.type = to.connector_types.push(std::move(type));
+    to.connectors.push(std::move(connector));
+    return true;
+  }
+  // The numbers that the step writes: that of the third component stands for all numbers but those of the two.
+  bool add_numbers(System& to, const OutsideStep& step, const std::map<std::pair<u32, u32>, u32>& bind_of,
+                   Clause& clause) {
+    const Connector& connector = simple_.connectors[neighbours_.tops()[step.top].connector];
+    const ConnectorType& type = simple_.connector_types[connector.type];
+    bool is_said = true;
+    for (const Clause& original : type.clauses) {
+      model::for_each_stmt(simple_.code, original.down, [&](const Stmt& s) {
+        if (s.op == StmtOp::If || s.op == StmtOp::Call) is_said = false;
+        if (s.op != StmtOp::StoreBind) return;
+        std::size_t param = type.params.size() - 1;
+        while (type.params[param].first_bind > s.index) --param;
+        const PortRef& ref = connector.ports[param];
+        if (ref.atom.value == third_) return;
+        const u32 variable = type_of(ref.atom.value).ports[ref.port].variables[s.index - type.params[param].first_bind];
+        if (!like_->number_outside.contains({ref.atom.value, variable})) return;
+        Expr value = simple_.code.exprs[s.value];
+        if (value.op == Op::LoadBind) {
+          const auto row = std::lower_bound(like_->atoms.begin(), like_->atoms.end(), third_) - like_->atoms.begin();
+          value = {.op = Op::ConstInt, .type = Type::Int, .int_value = like_->numbers[static_cast<std::size_t>(row)]};
+        }
+        if (value.op != Op::ConstInt) is_said = false;
+        Stmt store = s;
+        store.index = bind_of.at({ref.atom.value, variable});
+        store.value = to.code.exprs.push(value);
+        store.next = clause.down;
+        clause.down = to.code.stmts.push(store);
+      });
+    }
+    return is_said || fail("a transfer of `" + connector.path + "` has branches or calls");
+  }
+
+  // Explores with the steps that the pairs so far allow, until there are no new pairs.
+  bool reach_fixpoint() {
+    Property mine = property_;
+    for (PropertyNode& node : mine.nodes) {
+      if (node.kind == PropertyKind::At || node.kind == PropertyKind::Data) node.owner = local(node.owner);
+    }
+    while (true) {
+      System system = base_;
+      std::vector<std::uint8_t> is_whole = is_whole_;
+      if (!add_steps(system, is_whole)) return false;
+      const std::size_t before = together_.size();
+      rt::PartQuestion question{.atom = local(pair_[0]), .is_whole = is_whole, .is_impossible = {}, .is_asked = {}};
+      question.asks_places = true;
+      question.is_asked = [&](const rt::Core& core) { return is_broken(mine, core); };
+      // Sees each location once.
+      question.is_impossible = [&](const rt::Core& core) {
+        const u32 a = place_of(core, pair_[0]), b = place_of(core, pair_[1]);
+        together_.insert({a, b});
+        together_.insert({b, a});
+        return false;
+      };
+      rt::ExploreOptions options;
+      options.limit = kZonesOfPairs;
+      options.is_stopped = [this] { return cancellation_.is_over(); };
+      const rt::PartReport found = explore_(system, options, question);
+      ++proof_.explored;
+      proof_.zones += found.zones;
+      if (found.is_open) return fail("two components that are alike, and what is beside them, do not show it");
+      if (!found.is_complete)
+        return fail(!found.inexact.empty()    ? found.inexact
+                    : cancellation_.is_over() ? "the time is over"
+                                              : "two components that are alike have too many zones");
+      if (together_.size() == before) return true;
+    }
+  }
+  [[nodiscard]] u32 place_of(const rt::Core& core, u32 atom) const {
+    const AtomType& type = type_of(atom);
+    for (u32 place = 0; place < type.places.size(); ++place) {
+      if (core.is_marked(local(atom), place)) return place;
+    }
+    BIP_UNREACHABLE("an automaton is at a place");
+  }
+
+  const Property& property_;
+  std::vector<std::vector<std::uint8_t>> is_read_;
+  System simple_;
+  Neighbours neighbours_;
+  const ExplorePart& explore_;
+  CancellationToken cancellation_;
+  PartLimits limits_;
+  std::optional<LikeComponents> like_;
+  std::vector<u32> pair_, members_;
+  u32 third_ = 0;
+  System base_;
+  std::vector<std::uint8_t> is_whole_;  // by connector of base_
+  std::vector<OutsideStep> steps_;      // of the third
+  u32 first_place_port_ = 0;
+  std::set<Places> together_;  // places that two components may be at together, in both orders
+  TimeProof proof_;
+};
+
+}  // namespace
+
+TimeProof prove_state_by_pairs(const System& system, const Property& property, const ExplorePart& explore,
+                               const CancellationToken& cancellation, const PartLimits& limits) {
+  TimeProof proof;
+  proof.reason = obstacle_to_time_divergent_limit(system);
+  for (const PropertyNode& node : property.nodes) {
+    if (node.kind == PropertyKind::CanConnector || node.kind == PropertyKind::CanPort)
+      proof.reason = "what `can` asks depends on the instant";
+  }
+  if (!proof.reason.empty()) return proof;
+  return PairProver(system, property, explore, cancellation, limits).prove();
+}
+
+}  // namespace bip::verify
