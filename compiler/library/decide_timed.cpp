@@ -179,8 +179,8 @@ Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify:
                                   ? verify::prove_state_in_time(*c.system, question.property, explore_system, soon)
                                   : verify::prove_time(*c.system, explore_system, soon);
     if (asks_state && !proof.is_proved) {
-      verify::TimeProof by_pairs = verify::prove_state_by_pairs(
-          *c.system, question.property, explore_system, cancellation.within(request.timeout / kShareOfParts));
+      verify::TimeProof by_pairs = verify::prove_state_by_pairs(*c.system, question.property, explore_system,
+                                                                cancellation.within(request.timeout / kShareOfParts));
       if (by_pairs.is_proved) proof = std::move(by_pairs);
     }
     if (request.stats) {
