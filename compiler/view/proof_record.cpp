@@ -42,7 +42,9 @@ class CertificateReader {
       const std::size_t end = lines[k].find_first_not_of(' ') == 0 ? lines[k].find(' ') : lines[k].find(' ', 2);
       const std::string_view kind = lines[k].substr(0, end);
       const std::string_view rest = end == std::string_view::npos ? std::string_view() : lines[k].substr(end + 1);
-      if (kind == "claim" || kind == "method") out[std::string(kind)] = std::string(rest);
+      if (kind == "claim" || (kind == "method" && rest != "words")) out[std::string(kind)] = std::string(rest);
+      else if (kind == "bipc-certificate" || rest == "words")
+        return fail("it is about all sizes, not about one system");
       else if (kind == "class") begin_class(rest);
       else if (kind == "  mode") add_mode(rest);
       else if (kind == "component") add_component(rest);

@@ -17,6 +17,11 @@ bool read_number(std::string_view text, long long& out) {
   return error == std::errc() && end == text.data() + text.size();
 }
 
+// Of a limit of time: what is left without it are the clocks of the model.
+bool is_of_observer(std::string_view word) {
+  return word.starts_with("observer.") || word.find("-observer.") != std::string_view::npos;
+}
+
 }  // namespace
 
 ZoneRecorder::ZoneRecorder(const System& system) : system_(system) {
@@ -48,13 +53,18 @@ void ZoneRecorder::add_state(const std::vector<std::string_view>& words) {
     if (waits_[atom]) waits.push_back(atom);
   }
   for (const auto& [name, value] : values_) values.push_back({name.first, name.second, value});
-  locations_.push_back({{"places", std::move(places)},
-                        {"values", std::move(values)},
-                        {"waits", std::move(waits)},
-                        {"zones", Json::array()}});
+  Json location{{"places", std::move(places)},
+                {"values", std::move(values)},
+                {"waits", std::move(waits)},
+                {"zones", Json::array()}};
+  // With an observer the same state may come twice.
+  const auto [row, is_new] = rows_.try_emplace(location.dump(), locations_.size());
+  if (is_new) locations_.push_back(std::move(location));
+  now_ = row->second;
 }
 
 void ZoneRecorder::take_word(std::string_view word) {
+  if (is_of_observer(word)) return;
   const bool is_marked = !word.starts_with('!');
   if (!is_marked) word.remove_prefix(1);
   if (const std::size_t at = word.find('@'); at != std::string_view::npos)
@@ -102,9 +112,10 @@ void ZoneRecorder::add_zone(const std::vector<std::string_view>& words) {
   ++zones_;
   Json zone = Json::array();
   for (const std::string_view word : words) {
+    if (is_of_observer(word)) continue;
     if (Json bound = bound_of(word); !bound.is_null()) zone.push_back(std::move(bound));
   }
-  locations_.back()["zones"].push_back(std::move(zone));
+  locations_[now_]["zones"].push_back(std::move(zone));
 }
 
 bool ZoneRecorder::find_clock(std::string_view name, Name& out) {

@@ -49,6 +49,8 @@ class ZoneRecorder {
   std::vector<bool> is_placed_, waits_;   // by atom
   std::map<std::pair<std::size_t, std::size_t>, long long> values_;
   Json locations_ = Json::array();
+  std::map<std::string, std::size_t> rows_;  // by what a location says
+  std::size_t now_ = 0;                      // row of the last state's
   std::size_t zones_ = 0, left_out_ = 0;
   std::string problem_;
 };
