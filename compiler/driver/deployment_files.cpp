@@ -18,6 +18,7 @@
 #include "compiler/base/content_hash.hpp"
 #include "compiler/base/read_file.hpp"
 #include "compiler/base/write_file.hpp"
+#include "compiler/driver/distributed_runs.hpp"
 #include "compiler/driver/known_conflicts.hpp"
 #include "compiler/emit_cpp/copy_ffi_files.hpp"
 #include "compiler/pipeline/ffi_build.hpp"
@@ -209,8 +210,11 @@ Result<bool> write_deployment(Compilation& c, const rt::Placement& placement, co
                               const rt::FabricFactory& fabrics) {
   emit_cpp::CppBuild cpp;
   if (!find_ffi_files(c, cpp)) return false;
-  const std::optional<std::string> place = read_file(arguments.placement_path);
-  if (!place) return Failure{arguments.placement_path + " cannot be read"};
+  const std::optional<std::string> given = read_file(arguments.placement_path);
+  if (!given) return Failure{arguments.placement_path + " cannot be read"};
+  // All nodes have the same homes, and not the counts by which these were found.
+  const bool is_found = given->find("anywhere") != std::string::npos || given->find("counts") != std::string::npos;
+  const std::string place = is_found ? print_placement(c.lowered->image, placement) : *given;
 
   const std::size_t nodes = placement.nodes.size();
   std::vector<rt::FabricKeys> keys;
@@ -249,7 +253,7 @@ Result<bool> write_deployment(Compilation& c, const rt::Placement& placement, co
     const std::string unit = fmt::format(kUnit, name, kWhereInstalled);
     const Result<bool> files[] = {
         write_text_file(folder / kModelFile, model),
-        write_text_file(folder / kPlacementFile, *place),
+        write_text_file(folder / kPlacementFile, place),
         write_text_file(folder / kMovesFile, print_next_moves(placement.next_moves)),
         write_text_file(folder / kNodeFile, about + known),
         write_secret(folder / kKeyFile, keys[node].secret + '\n'),

@@ -6,9 +6,11 @@
 #include <fmt/format.h>
 
 #include "compiler/base/read_file.hpp"
+#include "compiler/driver/interaction_counts.hpp"
 #include "compiler/driver/known_conflicts.hpp"
 #include "runtime/core/fire/partial.hpp"
 #include "runtime/distributed/faults.hpp"
+#include "runtime/distributed/place_free_atoms.hpp"
 
 namespace bip::driver {
 
@@ -44,14 +46,6 @@ bool crosses_nothing(Compilation& c, const Linked& linked, const rt::Distributio
         .help(fmt::format("put `{}` and `{}` on one node", path, other));
   }
   return distribution.crossing.empty();
-}
-
-std::string interaction_name(const rt::Tables& tables, std::uint32_t interaction) {
-  const rt::Image& image = *tables.image;
-  if (interaction < tables.connector_interactions) return image.connectors[tables.connector_of(interaction)].path();
-  const std::uint32_t port = tables.interactions[interaction].row;
-  const std::uint32_t atom = tables.port_atom[port];
-  return image.atoms[atom].path() + '.' + tables.atom_type(atom).ports[port - tables.port_base(atom)].name;
 }
 
 std::string place_text(const rt::Image& image, const rt::SourceLine& loc) {
@@ -221,6 +215,9 @@ std::string distribution_text(Compilation& c, const std::string& placement_path)
   text += fmt::format("{} of {} interactions are of several nodes", border, interactions);
   text += border == 0 ? "\n"
                       : fmt::format(", at most {:.2f} messages each{}\n", double(sum) / double(border),
+  if (!placement.counts.empty())
+    text += fmt::format("{:.1f} % of the counted steps are of several nodes\n",
+                        100 * rt::border_part(linked.tables, placement.counts, placement));
                                     split.empty() ? "" : ", and three for each refusal of a lock");
   if (border > kMostListed) rows += fmt::format("  and {} more\n", border - kMostListed);
   return text + rows;

@@ -10,7 +10,8 @@
 namespace bip::driver {
 
 /// Reads a file of `node NAME [host ADDRESS]` and `PATTERN on NODE` lines; the first line that names an atom counts.
-/// False: a diagnostic was reported.
+/// What `PATTERN anywhere` names is placed where it interacts most, by the counts of a `counts FILE` line if there is
+/// one. False: a diagnostic was reported.
 [[nodiscard]] bool read_placement(Compilation& c, const std::string& path, rt::Placement& placement);
 
 /// Of a run on several nodes: reads its placement, if there is a file, and checks what it was asked for; of other runs

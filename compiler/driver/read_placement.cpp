@@ -1,16 +1,24 @@
 // Placement files: see distributed_runs.hpp. Line by line, words separated by spaces, comments from `#` on.
 #include <algorithm>
 #include <charconv>
+#include <filesystem>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include "bip/assert.hpp"
 #include "compiler/base/ascii.hpp"
+#include "compiler/base/read_file.hpp"
 #include "compiler/driver/distributed_runs.hpp"
+#include "compiler/driver/interaction_counts.hpp"
+#include "runtime/distributed/place_free_atoms.hpp"
 
 namespace bip::driver {
 
 namespace {
+
+// Of components whose home is found when all lines are read.
+constexpr std::uint32_t kAnywhere = rt::kNone - 1;
 
 struct Word {
   std::string_view text;
@@ -87,6 +95,7 @@ class PlacementReader {
       const std::size_t end = std::min(text.find('\n', begin), text.size());
       split(text, begin, end);
       if (!words_.empty() && words_[0].text == "node") node();
+      else if (words_.size() == 2 && words_[0].text == "counts" && words_[1].text != "anywhere") counts();
       else if (words_.size() > 1 && words_[0].text == "split" && words_[1].text != "on") split_above();
       else if (!words_.empty()) home();
       begin = end + 1;
@@ -99,7 +108,7 @@ class PlacementReader {
       return false;
     }
     const auto without = std::find(placement_.home.begin(), placement_.home.end(), rt::kNone);
-    if (without == placement_.home.end()) return true;
+    if (without == placement_.home.end()) return place_free();
     c_.diags.report(Diag::kB5076, {}, paths_[static_cast<std::size_t>(without - placement_.home.begin())])
         .help(fmt::format("`* on {}` as the last line places whatever is left", placement_.nodes.front()));
     return false;
@@ -160,10 +169,39 @@ class PlacementReader {
         .help("for example `split above 100`: conflict sets of more than 100 interactions get several coordinators");
   }
 
+  void counts() {
+    const std::filesystem::path folder = std::filesystem::path(c_.sources.name(file_)).parent_path();
+    counts_at_ = words_[1].range;
+    counts_path_ = (folder / words_[1].text).string();
+  }
+
+  // What may be anywhere, by counts.
+  bool place_free() {
+    const bool is_any = std::find(placement_.home.begin(), placement_.home.end(), kAnywhere) != placement_.home.end();
+    if (!is_any && counts_path_.empty()) return true;
+    std::replace(placement_.home.begin(), placement_.home.end(), kAnywhere, rt::kNone);
+    const rt::Tables tables = rt::link(c_.lowered->image, rt::MaximalProgress::On);
+    if (!counts_path_.empty()) {
+      const std::optional<std::string> bytes = read_file(counts_path_);
+      Result<std::vector<std::uint64_t>> counts = Failure{"it cannot be read"};
+      if (bytes) counts = read_counts(tables, *bytes);
+      if (!counts) {
+        c_.diags.report(Diag::kB5073, counts_at_,
+                        fmt::format("`{}` holds no counts: {}", counts_path_, counts.error()));
+        return false;
+      }
+      placement_.counts = std::move(*counts);
+    }
+    if (is_any) rt::place_free_atoms(tables, rt::link_priorities(tables), placement_.counts, placement_);
+    return true;
+  }
+
   void home() {
+    const bool is_anywhere = words_.size() == 2 && words_[1].text == "anywhere";
+    if (is_anywhere) return give_home(kAnywhere);
     if (words_.size() != 3 || words_[1].text != "on") {
       c_.diags.report(Diag::kB5073, line(), "expected `COMPONENT on NODE` or `node NAME`")
-          .help("for example `table.phil[0..2] on field`, or `* on lab`");
+          .help("for example `table.phil[0..2] on field`, `* on lab` or `* anywhere`");
       return;
     }
     const auto node = std::find(placement_.nodes.begin(), placement_.nodes.end(), words_[2].text);
@@ -172,12 +210,16 @@ class PlacementReader {
           .help(fmt::format("`node {}` in a line above", words_[2].text));
       return;
     }
+    give_home(static_cast<std::uint32_t>(node - placement_.nodes.begin()));
+  }
+
+  void give_home(std::uint32_t node) {
     bool is_known = words_[0].text == "*";
     for (std::size_t atom = 0; atom < paths_.size(); ++atom) {
       if (!names(words_[0].text, paths_[atom])) continue;
       is_known = true;
       std::uint32_t& home = placement_.home[atom];
-      if (home == rt::kNone) home = static_cast<std::uint32_t>(node - placement_.nodes.begin());
+      if (home == rt::kNone) home = node;
     }
     if (!is_known) c_.diags.report(Diag::kB5075, words_[0].range, words_[0].text);
   }
@@ -187,9 +229,23 @@ class PlacementReader {
   rt::Placement& placement_;
   std::vector<std::string> paths_;
   std::vector<Word> words_;
+  SourceRange counts_at_;
+  std::string counts_path_;
 };
 
 }  // namespace
+
+std::string print_placement(const rt::Image& image, const rt::Placement& placement) {
+  std::string text;
+  for (std::size_t node = 0; node < placement.nodes.size(); ++node) {
+    const std::string& address = placement.addresses[node];
+    text += fmt::format("node {}{}\n", placement.nodes[node], address.empty() ? address : " host " + address);
+  }
+  for (std::uint32_t atom = 0; atom < image.atoms.size; ++atom)
+    text += fmt::format("{} on {}\n", image.atoms[atom].path(), placement.nodes[placement.home[atom]]);
+  if (placement.split_above == rt::kSplitNone) return text + "split never\n";
+  return text + fmt::format("split above {}\n", placement.split_above);
+}
 
 bool read_placement(Compilation& c, const std::string& path, rt::Placement& placement) {
   const Result<FileId> file = pipeline::load_text(c, path);

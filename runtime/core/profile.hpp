@@ -57,6 +57,8 @@ class Profile {
 
   // ---- results, in seconds, without what measuring cost
   [[nodiscard]] const std::vector<InteractionProfile>& interactions() const { return interactions_; }
+  /// The row of interactions() that counts the interaction.
+  [[nodiscard]] std::uint32_t row_of(std::uint32_t interaction) const { return interaction_of_[interaction]; }
   [[nodiscard]] const CodeProfile& code(std::size_t row) const { return rows_[row].count; }
   [[nodiscard]] double seconds_of(const InteractionProfile& row) const;
   [[nodiscard]] double code_seconds_of(const InteractionProfile& row) const;

@@ -225,6 +225,14 @@ Placement place_atoms(const Tables& tables, const PriorityTables& rules, u32 nod
     placement.home.push_back(part);
   // Objects stay where they are: who shows one is at home where the first such atom of its set is.
   const Csr cells = shown_cells(tables);
+  const std::vector<u32> first_of = atoms_together(tables, rules);
+  for (u32 atom = 0; atom < atom_count; ++atom) placement.home[atom] = placement.home[first_of[atom]];
+  return placement;
+}
+
+std::vector<u32> atoms_together(const Tables& tables, const PriorityTables& rules) {
+  const u32 atom_count = tables.image->atoms.size;
+  const PartialState partial = link_partial(tables, rules);
   const auto shows_object = [&](u32 atom) {
     return std::any_of(cells[atom].begin(), cells[atom].end(),
                        [&](u32 cell) { return has_object(tables, atom, cell); });
@@ -239,8 +247,9 @@ Placement place_atoms(const Tables& tables, const PriorityTables& rules, u32 nod
       together.join(first, atom);
     }
   }
-  for (u32 atom = 0; atom < atom_count; ++atom) placement.home[atom] = placement.home[together.find(atom)];
-  return placement;
+  std::vector<u32> result;
+  for (u32 atom = 0; atom < atom_count; ++atom) result.push_back(together.find(atom));
+  return result;
 }
 
 JoinReason why_joined(const Tables& tables, const PriorityTables& rules, const ConflictSets& sets, u32 set) {

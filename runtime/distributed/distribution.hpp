@@ -50,6 +50,7 @@ struct Placement {
   std::vector<std::string> addresses = {};  // by node: HOST:PORT, or empty; of a placement without a file: none
   std::vector<NextMove> next_moves = {};    // sorted by atom, place, history, mode; of other atoms places tell all
   u32 split_above = kSplitAbove;            // interactions: larger conflict sets are split; kSplitNone: none is
+  std::vector<u64> counts = {};             // by interaction: how often it was taken, for reports; empty: unknown
 };
 
 /// Variables that connectors and rules read or write, and traces show: rows in `all`, by atom. What an offer carries.
@@ -117,6 +118,8 @@ struct Distribution {
 /// Places atoms breadth first along interactions, in pieces of equal size; atoms whose C++ objects may not cross stay
 /// with those that they meet. Nodes are named "1", "2", …
 [[nodiscard]] Placement place_atoms(const Tables& tables, const PriorityTables& rules, u32 nodes);
+/// By atom: one of those that it must be with, as C++ objects that interactions see may not cross.
+[[nodiscard]] std::vector<u32> atoms_together(const Tables& tables, const PriorityTables& rules);
 /// Why interactions of a set are in it: one of them, or one rule, joins so many.
 struct JoinReason {
   enum class Kind : std::uint8_t { Place, Connector, Rule };

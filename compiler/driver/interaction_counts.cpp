@@ -1,0 +1,79 @@
+// See interaction_counts.hpp.
+#include "compiler/driver/interaction_counts.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "runtime/core/profile.hpp"
+#include "runtime/engine/replay_record.hpp"
+#include "runtime/trace/recorded.hpp"
+
+namespace bip::driver {
+
+namespace {
+
+constexpr std::uint64_t kMostCount = std::uint64_t{1} << 40;
+// A step of a declaration with many interactions is a part of a step for each.
+constexpr std::uint64_t kShares = 1000;
+
+Result<std::vector<std::uint64_t>> counts_of_trace(const rt::Tables& tables, const std::string& bytes) {
+  if (const std::string problem = rt::recorded_problem(*tables.image, bytes); !problem.empty()) return Failure{problem};
+  std::vector<std::uint64_t> counts(tables.interactions.size(), 0);
+  rt::RecordedReader reader;
+  rt::RecordedBegin begin;
+  (void)reader.open(bytes, begin);
+  rt::EnabledSet::Position at{};
+  rt::RecordedEnd end;
+  while (reader.next(at, end) == rt::RecordedReader::Next::Step) {
+    if (at.interaction >= counts.size()) return Failure{"it has steps that the model has not"};
+    ++counts[at.interaction];
+  }
+  return counts;
+}
+
+Result<std::vector<std::uint64_t>> counts_of_profile(const rt::Tables& tables, const std::string& bytes) {
+  const nlohmann::json json = nlohmann::json::parse(bytes, nullptr, false);
+  const bool is_profile = json.is_object() && json.value("format", nlohmann::json()) == "bipc-profile" &&
+                          json.contains("interactions") && json["interactions"].is_array();
+  if (!is_profile) return Failure{"it is neither a profile (`--profile-json`) nor a binary trace"};
+  if (json.value("model", nlohmann::json()) != tables.image->name)
+    return Failure{fmt::format("it is not of {}", tables.image->name)};
+  std::map<std::string, std::uint64_t> steps, instances;
+  for (const nlohmann::json& row : json["interactions"]) {
+    if (!row.is_object() || !row.contains("name") || !row["name"].is_string() || !row.contains("steps") ||
+        !row["steps"].is_number_unsigned())
+      return Failure{"a row of its interactions is none"};
+    steps[row["name"].get<std::string>()] += std::min(row["steps"].get<std::uint64_t>(), kMostCount);
+  }
+  // The declarations, by the names that a profile gives them.
+  std::vector<rt::Code> no_code;
+  rt::Profile profile(no_code);
+  profile.start(tables);
+  for (const rt::InteractionProfile& row : profile.interactions()) instances[row.name] += row.instances;
+  std::vector<std::uint64_t> counts;
+  for (std::uint32_t interaction = 0; interaction < tables.interactions.size(); ++interaction) {
+    const std::string& name = profile.interactions()[profile.row_of(interaction)].name;
+    const auto found = steps.find(name);
+    counts.push_back(found == steps.end() ? 0 : found->second * kShares / instances[name]);
+  }
+  return counts;
+}
+
+}  // namespace
+
+std::string interaction_name(const rt::Tables& tables, std::uint32_t interaction) {
+  const rt::Image& image = *tables.image;
+  if (interaction < tables.connector_interactions) return image.connectors[tables.connector_of(interaction)].path();
+  const std::uint32_t port = tables.interactions[interaction].row;
+  const std::uint32_t atom = tables.port_atom[port];
+  return image.atoms[atom].path() + '.' + tables.atom_type(atom).ports[port - tables.port_base(atom)].name;
+}
+
+Result<std::vector<std::uint64_t>> read_counts(const rt::Tables& tables, const std::string& bytes) {
+  return bytes.starts_with("BIPTRC") ? counts_of_trace(tables, bytes) : counts_of_profile(tables, bytes);
+}
+
+}  // namespace bip::driver

@@ -1,0 +1,245 @@
+// See place_free_atoms.hpp.
+#include "runtime/distributed/place_free_atoms.hpp"
+
+#include <algorithm>
+#include <queue>
+
+#include "bip/assert.hpp"
+#include "runtime/core/fire/partial.hpp"
+
+namespace bip::rt {
+
+namespace {
+
+constexpr u32 kMostPins = 1000;  // of an edge: larger ones are cut whatever is done
+constexpr u64 kCounted = 64;     // the weight of a step that was taken; each interaction has 1 besides
+constexpr std::size_t kMostPasses = 16;
+constexpr std::size_t kMostVain = 500;  // moves of a pass after its best state
+
+class AtomPlacer {
+ public:
+  AtomPlacer(const Tables& tables, const std::vector<u64>& counts, const std::vector<u32>& together,
+             Placement& placement)
+      : placement_(placement), nodes_(static_cast<u32>(placement.nodes.size())) {
+    const u32 atoms = tables.image->atoms.size;
+    vertex_of_.assign(atoms, kNone);
+    for (u32 atom = 0; atom < atoms; ++atom) {
+      u32& vertex = vertex_of_[together[atom]];
+      if (vertex == kNone) {
+        vertex = static_cast<u32>(size_.size());
+        size_.push_back(0);
+        home_.push_back(kNone);
+      }
+      vertex_of_[atom] = vertex;
+      ++size_[vertex];
+      if (home_[vertex] == kNone) home_[vertex] = placement.home[atom];
+    }
+    for (const u32 home : home_) is_fixed_.push_back(home != kNone);
+    std::vector<Csr::Pair> pins;
+    std::vector<u32> ports;
+    for (u32 interaction = 0; interaction < tables.interactions.size(); ++interaction) {
+      ports_of_interaction(tables, tables.interactions[interaction], ports);
+      for (u32& port : ports) port = vertex_of_[tables.port_atom[port]];
+      std::sort(ports.begin(), ports.end());
+      ports.erase(std::unique(ports.begin(), ports.end()), ports.end());
+      if (ports.size() < 2 || ports.size() > kMostPins) continue;
+      for (const u32 vertex : ports) pins.push_back({static_cast<u32>(weight_.size()), vertex});
+      weight_.push_back(1 + (counts.empty() ? 0 : counts[interaction] * kCounted));
+    }
+    pins_ = Csr::build(weight_.size(), pins);
+    edges_ = pins_.transposed(static_cast<u32>(size_.size()));
+    load_.assign(nodes_, 0);
+    const u64 share = (u64{atoms} + nodes_ - 1) / nodes_;
+    // One more at least: in full nodes nothing moves.
+    most_ = share + std::max<u64>(1, share / 10);
+    score_.assign(nodes_, 0);
+  }
+
+  void place() {
+    for (u32 vertex = 0; vertex < size_.size(); ++vertex) {
+      if (home_[vertex] != kNone) load_[home_[vertex]] += size_[vertex];
+    }
+    grow();
+    for (std::size_t pass = 0; pass < kMostPasses && improve(); ++pass) {
+    }
+    for (u32 atom = 0; atom < vertex_of_.size(); ++atom) {
+      if (placement_.home[atom] == kNone) placement_.home[atom] = home_[vertex_of_[atom]];
+    }
+  }
+
+ private:
+  struct Move {
+    i64 gain = 0;
+    u32 vertex = 0, to = 0;
+    // The queue has the largest gain on top, of equal ones the smaller vertex.
+    bool operator<(const Move& other) const { return gain != other.gain ? gain < other.gain : vertex > other.vertex; }
+  };
+
+  // Breadth first: those with a home, then a vertex of each piece. A vertex goes where its edges are, if there is room.
+  void grow() {
+    std::vector<u32> order;
+    std::vector<bool> is_met(size_.size(), false);
+    const auto walk = [&](std::size_t at) {
+      for (; at < order.size(); ++at) {
+        for (const u32 edge : edges_[order[at]]) {
+          for (const u32 next : pins_[edge]) {
+            if (is_met[next]) continue;
+            is_met[next] = true;
+            order.push_back(next);
+          }
+        }
+      }
+    };
+    for (u32 vertex = 0; vertex < size_.size(); ++vertex) {
+      if (!is_fixed_[vertex]) continue;
+      is_met[vertex] = true;
+      order.push_back(vertex);
+    }
+    const bool is_free = order.empty();
+    walk(0);
+    for (u32 vertex = 0; vertex < size_.size(); ++vertex) {
+      if (is_met[vertex]) continue;
+      is_met[vertex] = true;
+      order.push_back(vertex);
+      walk(order.size() - 1);
+    }
+    // Without any home: pieces of equal size.
+    u64 passed = 0;
+    for (const u32 vertex : order) {
+      if (is_free) {
+        move(vertex, static_cast<u32>(passed * nodes_ / vertex_of_.size()));
+        passed += size_[vertex];
+      } else if (home_[vertex] == kNone) {
+        move(vertex, best_home(vertex));
+      }
+    }
+  }
+
+  u32 best_home(u32 vertex) {
+    find_scores(vertex);
+    u32 best = kNone;
+    for (u32 node = 0; node < nodes_; ++node) {
+      if (load_[node] + size_[vertex] > most_) continue;
+      if (best == kNone || score_[node] > score_[best] || (score_[node] == score_[best] && load_[node] < load_[best]))
+        best = node;
+    }
+    return best != kNone ? best : static_cast<u32>(std::min_element(load_.begin(), load_.end()) - load_.begin());
+  }
+
+  // By node: the weight of the vertex's edges that have another vertex there.
+  void find_scores(u32 vertex) {
+    std::fill(score_.begin(), score_.end(), 0);
+    for (const u32 edge : edges_[vertex]) {
+      met_.clear();
+      for (const u32 pin : pins_[edge]) {
+        if (pin == vertex || home_[pin] == kNone || std::find(met_.begin(), met_.end(), home_[pin]) != met_.end())
+          continue;
+        met_.push_back(home_[pin]);
+        score_[home_[pin]] += static_cast<i64>(weight_[edge]);
+      }
+    }
+  }
+
+  // The move that gains most; to kNone: there is no room anywhere.
+  Move best_move(u32 vertex) {
+    find_scores(vertex);
+    Move best{0, vertex, kNone};
+    for (u32 node = 0; node < nodes_; ++node) {
+      if (node == home_[vertex] || load_[node] + size_[vertex] > most_) continue;
+      const i64 gain = score_[node] - score_[home_[vertex]];
+      if (best.to == kNone || gain > best.gain) best = {gain, vertex, node};
+    }
+    return best;
+  }
+
+  void move(u32 vertex, u32 to) {
+    BIP_ASSERT(to < nodes_, "vertex {} moves to {}", vertex, to);
+    if (home_[vertex] != kNone) load_[home_[vertex]] -= size_[vertex];
+    home_[vertex] = to;
+    load_[to] += size_[vertex];
+  }
+
+  // One pass. False: it gained nothing.
+  bool improve() {
+    std::priority_queue<Move> queue;
+    std::vector<bool> is_done = is_fixed_;
+    for (u32 vertex = 0; vertex < size_.size(); ++vertex) {
+      if (is_done[vertex]) continue;
+      if (const Move first = best_move(vertex); first.to != kNone) queue.push(first);
+    }
+    std::vector<std::pair<u32, u32>> undo;  // vertex, where it was
+    i64 gained = 0, best = 0;
+    std::size_t kept = 0;
+    while (!queue.empty() && undo.size() - kept < kMostVain) {
+      const Move top = queue.top();
+      queue.pop();
+      if (is_done[top.vertex]) continue;
+      const Move now = best_move(top.vertex);
+      if (now.to == kNone) continue;
+      // Others have moved since it was queued.
+      if (now.gain != top.gain || now.to != top.to) {
+        queue.push(now);
+        continue;
+      }
+      undo.emplace_back(now.vertex, home_[now.vertex]);
+      is_done[now.vertex] = true;
+      move(now.vertex, now.to);
+      gained += now.gain;
+      if (gained > best) {
+        best = gained;
+        kept = undo.size();
+      }
+      for (const u32 edge : edges_[now.vertex]) {
+        for (const u32 pin : pins_[edge]) {
+          if (is_done[pin]) continue;
+          if (const Move next = best_move(pin); next.to != kNone) queue.push(next);
+        }
+      }
+    }
+    while (undo.size() > kept) {
+      move(undo.back().first, undo.back().second);
+      undo.pop_back();
+    }
+    return best > 0;
+  }
+
+  Placement& placement_;
+  u32 nodes_;
+  std::vector<u32> vertex_of_;  // by atom
+  std::vector<u32> size_;       // by vertex: atoms
+  std::vector<u32> home_;
+  std::vector<bool> is_fixed_;
+  std::vector<u64> weight_;  // by edge
+  Csr pins_, edges_;         // vertices by edge; edges by vertex
+  std::vector<u64> load_;    // by node: atoms
+  u64 most_ = 0;
+  // Scratch.
+  std::vector<i64> score_;  // by node
+  std::vector<u32> met_;
+};
+
+}  // namespace
+
+void place_free_atoms(const Tables& tables, const PriorityTables& rules, const std::vector<u64>& counts,
+                      Placement& placement) {
+  BIP_ASSERT(!placement.nodes.empty() && placement.home.size() == tables.image->atoms.size, "{} homes on {} nodes",
+             placement.home.size(), placement.nodes.size());
+  BIP_ASSERT(counts.empty() || counts.size() == tables.interactions.size(), "{} counts", counts.size());
+  AtomPlacer(tables, counts, atoms_together(tables, rules), placement).place();
+}
+
+double border_part(const Tables& tables, const std::vector<u64>& counts, const Placement& placement) {
+  u64 all = 0, border = 0;
+  std::vector<u32> ports;
+  for (u32 interaction = 0; interaction < counts.size(); ++interaction) {
+    ports_of_interaction(tables, tables.interactions[interaction], ports);
+    const u32 first = placement.home[tables.port_atom[ports.front()]];
+    all += counts[interaction];
+    if (std::any_of(ports.begin(), ports.end(),
+                    [&](u32 port) { return placement.home[tables.port_atom[port]] != first; }))
+      border += counts[interaction];
+  }
+  return all == 0 ? 0 : static_cast<double>(border) / static_cast<double>(all);
+}
+
+}  // namespace bip::rt

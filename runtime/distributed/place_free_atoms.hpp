@@ -1,0 +1,25 @@
+// Homes for atoms to which a placement gives none: where the steps of several nodes are fewest.
+//
+// A hypergraph is cut: its vertices are atoms, its edges interactions, weighted by how often they were taken; the cost
+// of an edge is its weight for each node beyond the first. The first cut is grown breadth first from the atoms that
+// have a home; then single vertices move, the one that gains most first, each once in a pass, and the best state of the
+// pass is kept (C. M. Fiduccia, R. M. Mattheyses, "A linear-time heuristic for improving network partitions", DAC
+// 1982), until a pass gains nothing. No node gets more than its share and a tenth (one more at least), unless the placement says so.
+//
+// The same input gives the same homes. A pass costs the edges of each vertex that moves or is beside one that moves.
+#pragma once
+#include <vector>
+
+#include "runtime/distributed/distribution.hpp"
+
+namespace bip::rt {
+
+/// Gives homes to the atoms that have none (kNone). counts: by interaction, how often it was taken; empty: all alike.
+/// Atoms whose C++ objects may not cross stay together.
+void place_free_atoms(const Tables& tables, const PriorityTables& rules, const std::vector<u64>& counts,
+                      Placement& placement);
+
+/// The part of the counted steps that are of several nodes, in [0, 1]; 0 if nothing was counted.
+[[nodiscard]] double border_part(const Tables& tables, const std::vector<u64>& counts, const Placement& placement);
+
+}  // namespace bip::rt
