@@ -95,8 +95,17 @@ class Node {
   /// A fault was met, here or elsewhere: it begins nothing more.
   [[nodiscard]] bool is_stopped() const { return is_stopped_; }
   [[nodiscard]] const NodeCounts& counts() const { return counts_; }
-  /// Writes places and data of the atoms at home here into a state of the image.
-  void save(State& state) const;
+  /// An atom whose action runs beside the others; which one began it, and its words of a state.
+  struct Beside {
+    u64 step = 0;
+    u32 order = 0;
+    std::vector<i64> words;
+  };
+  /// Writes places, data and clocks of the atoms at home here into a state of the image. Appends those whose actions
+  /// run beside the others.
+  void save(State& state, std::vector<Beside>& beside) const;
+  /// Is an atom at home here locked by an attempt?
+  [[nodiscard]] bool is_locked(u32 atom) const { return where_[atom] == Where::Locked; }
   /// NextMove::history of an atom at home here.
   [[nodiscard]] u32 history(u32 atom) const { return history_[atom]; }
   /// Calls `take` with each row of variables that is not in the core: of messages to send and of attempts.

@@ -72,6 +72,7 @@ class Launcher {
     while (!has_ended()) {
       const i64 now = wall_clock();
       advance(now);
+    locked_.assign(core_.image().atoms.size, false);
       i64 due = std::min({station_->due(), next_due(), beat_at_, checkpoint_due()});
       arrivals_.clear();
       if (gathering_) due = std::min(due, gathering_->due());
@@ -371,7 +372,7 @@ class Launcher {
     if (control.numbers[0] >= core_.image().atoms.size) return;
     const u32 atom = static_cast<u32>(control.numbers[0]);
     const u32 words = tables.types[tables.atoms[atom].type].mark_words;
-    if (distribution_.home(atom) != node || control.numbers.size() != 3 + words) return;
+    if (distribution_.home(atom) != node || control.numbers.size() != 4 + words) return;
     if (control.numbers[1] < tables.atom_type(atom).places.size)
       last_.places[atom] = static_cast<u32>(control.numbers[1]);
     for (u32 i = 0; i < words; ++i) last_.marks[tables.first_mark(atom) + i] = control.numbers[2 + i];
@@ -386,6 +387,7 @@ class Launcher {
   }
 
   // ---- losses
+    locked_[atom] = control.numbers[3 + words] != 0;
 
   void take_ended() {
     for (const EndedNode& ended : team_.take_ended()) {
@@ -627,7 +629,8 @@ class Launcher {
     std::vector<bool> lost;
     for (const Member& member : members_) lost.push_back(member.is_lost);
     std::string& story = result_.end == End::Limit ? result_.warning : result_.lost_nodes;
-    story = loss_story(core_, distribution_, lost, lost_after_, how_);
+    story =
+        loss_story(core_, distribution_, Survivors(core_, distribution_, std::move(lost)), locked_, lost_after_, how_);
     core_.partial().allow();
   }
 
@@ -679,3 +682,4 @@ DistributedResult run_distributed(Core& core, const Distribution& distribution, 
 }
 
 }  // namespace bip::rt
+  std::vector<bool> locked_;  // by atom, the same: an attempt holds it

@@ -20,44 +20,64 @@ void name_atoms(std::string& text, const Core& core, const std::vector<u32>& ato
 
 }  // namespace
 
-bool is_whole(const Distribution& distribution, const std::vector<bool>& is_lost, u32 set) {
-  const Span<u32> atoms = distribution.sets.atoms[set];
-  return !is_lost[distribution.coordinator[set]] &&
-         std::none_of(atoms.begin(), atoms.end(), [&](u32 atom) { return is_lost[distribution.home(atom)]; });
+Survivors::Survivors(const Core& core, const Distribution& distribution, std::vector<bool> is_lost)
+    : core_(core), is_lost_(std::move(is_lost)) {
+  const Tables& tables = core.tables();
+  const PartialState partial = link_partial(tables, core.priorities());
+  const auto is_gone = [&](u32 atom) { return is_lost_[distribution.home(atom)]; };
+  std::vector<bool> is_group_lost(partial.busy_in_group.size(), false);
+  for (u32 atom = 0; atom < core.image().atoms.size; ++atom) {
+    for (const u32 group : partial.groups_of_atom[atom]) {
+      if (is_gone(atom)) is_group_lost[group] = true;
+    }
+  }
+  for (u32 interaction = 0; interaction < tables.interactions.size(); ++interaction) {
+    const Span<u32> atoms = partial.atoms_of_interaction[interaction];
+    const Span<u32> groups = partial.groups_of_interaction[interaction];
+    is_whole_.push_back(!is_lost_[distribution.coordinator_of[interaction]] &&
+                        std::none_of(atoms.begin(), atoms.end(), is_gone) &&
+                        std::none_of(groups.begin(), groups.end(), [&](u32 group) { return is_group_lost[group]; }));
+  }
+  interactions_of_atom_ = partial.atoms_of_interaction.transposed(core.image().atoms.size);
 }
 
-// Whatever it did last, where that tells its set.
-static bool waits_for_lost(const Distribution& distribution, const std::vector<bool>& is_lost, u32 atom, u32 place) {
-  const ConflictSets& sets = distribution.sets;
-  if (sets.by_situation[atom] == 0) {
-    const u32 set = sets.set_of(atom, place);
-    return set != kNone && !is_whole(distribution, is_lost, set);
-  }
-  const auto is_before = [](const ConflictSets::Situation& at, const std::pair<u32, u32>& key) {
-    return std::pair(at.atom, at.place) < key;
+bool Survivors::waits(u32 atom, u32 place) const {
+  const Tables& tables = core_.tables();
+  const LinkedType& type = tables.types[tables.atoms[atom].type];
+  const auto leaves = [&](u32 port) {
+    if (tables.port_atom[port] != atom) return false;
+    for (u32 row = type.first_transition; row < type.first_transition + type.transition_count; ++row) {
+      const LinkedTransition& transition = tables.transitions[row];
+      if (transition.port == port - tables.port_base(atom) && (type.mark_words != 0 || transition.from == place))
+        return true;
+    }
+    return false;
   };
-  auto at = std::lower_bound(sets.situations.begin(), sets.situations.end(), std::pair(atom, place), is_before);
   bool is_any = false;
-  for (; at != sets.situations.end() && at->atom == atom && at->place == place; ++at) {
-    if (is_whole(distribution, is_lost, at->set)) return false;
+  std::vector<u32> ports;
+  for (const u32 interaction : interactions_of_atom_[atom]) {
+    ports_of_interaction(tables, tables.interactions[interaction], ports);
+    if (std::none_of(ports.begin(), ports.end(), leaves)) continue;
+    if (is_whole(interaction)) return false;
     is_any = true;
   }
   return is_any;
 }
 
-std::string loss_story(const Core& core, const Distribution& distribution, const std::vector<bool>& is_lost, u64 steps,
-                       const std::string& why) {
+std::string loss_story(const Core& core, const Distribution& distribution, const Survivors& survivors,
+                       const std::vector<bool>& locked, u64 steps, const std::string& why) {
   std::vector<u32> gone, waiting;
   for (u32 atom = 0; atom < core.image().atoms.size; ++atom) {
-    if (is_lost[distribution.home(atom)]) {
+    if (survivors.is_lost(distribution.home(atom))) {
       gone.push_back(atom);
       continue;
     }
-    if (waits_for_lost(distribution, is_lost, atom, core.partial().place_at_rest(atom))) waiting.push_back(atom);
+    const bool is_locked = !locked.empty() && locked[atom];
+    if (is_locked || survivors.waits(atom, core.partial().place_at_rest(atom))) waiting.push_back(atom);
   }
   std::string names;
-  for (u32 node = 0; node < is_lost.size(); ++node) {
-    if (is_lost[node]) names += (names.empty() ? "`" : ", `") + distribution.placement.nodes[node] + '`';
+  for (u32 node = 0; node < distribution.placement.nodes.size(); ++node) {
+    if (survivors.is_lost(node)) names += (names.empty() ? "`" : ", `") + distribution.placement.nodes[node] + '`';
   }
   std::string text = "lost " + names + " after " + std::to_string(steps) + " steps" + why + "\n  at home there: ";
   name_atoms(text, core, gone);

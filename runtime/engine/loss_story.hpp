@@ -9,11 +9,28 @@
 
 namespace bip::rt {
 
-/// Is no atom of the set at home on a lost node, nor the set coordinated there?
-[[nodiscard]] bool is_whole(const Distribution& distribution, const std::vector<bool>& is_lost, u32 set);
+/// What goes on without the lost nodes. Linear in the ports of all interactions and groups. Constant.
+class Survivors {
+ public:
+  /// The core and the distribution must outlive it.
+  Survivors(const Core& core, const Distribution& distribution, std::vector<bool> is_lost);
 
-/// Several lines. `core` is in the last state, as far as it is known. `why`: how the nodes ended; may be empty.
-[[nodiscard]] std::string loss_story(const Core& core, const Distribution& distribution,
-                                     const std::vector<bool>& is_lost, u64 steps, const std::string& why);
+  [[nodiscard]] bool is_lost(u32 node) const { return is_lost_[node]; }
+  /// Are its coordinator there, and the homes of all that take part in it or that it looks at?
+  [[nodiscard]] bool is_whole(u32 interaction) const { return is_whole_[interaction]; }
+  /// Can interactions take the atom from this place (of Petri types: at all), and is none of them whole?
+  [[nodiscard]] bool waits(u32 atom, u32 place) const;
+
+ private:
+  const Core& core_;
+  std::vector<bool> is_lost_;
+  std::vector<bool> is_whole_;  // by interaction
+  Csr interactions_of_atom_;
+};
+
+/// Several lines. `core` is in the last state, as far as it is known. locked: by atom: an attempt that has ended
+/// nowhere holds it; empty: none. `why`: how the nodes ended; may be empty.
+[[nodiscard]] std::string loss_story(const Core& core, const Distribution& distribution, const Survivors& survivors,
+                                     const std::vector<bool>& locked, u64 steps, const std::string& why);
 
 }  // namespace bip::rt

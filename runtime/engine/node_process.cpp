@@ -371,3 +371,4 @@ void NodeProcess::say_last_state() {
 }
 
 }  // namespace bip::rt
+    told.numbers.push_back(node_.is_locked(atom) ? 1 : 0);

@@ -276,18 +276,32 @@ class SimulatedRun {
   void end_with_loss(bool is_sound, const State& initial, SimulatedResult& result) {
     result.end = steps_ == options_.limit ? End::Limit : End::Interrupted;
     if (!is_sound) BIP_ENSURE(core_.restore(initial), "the initial state has no fault");
-    else if (!is_stopping_ && !is_interrupted() && steps_ != options_.limit) ensure_nobody_waits_in_vain();
+    const Survivors survivors(core_, distribution_, lost_nodes());
+    if (is_sound && !is_stopping_ && !is_interrupted() && steps_ != options_.limit && !core_.is_timed())
+      ensure_nobody_waits_in_vain(survivors);
     std::string& story = result.end == End::Limit ? result.warning : result.lost_nodes;
-    story = loss_story(core_, distribution_, lost_nodes(), lost_after_, {});
+    story = loss_story(core_, distribution_, survivors, locked_atoms(), lost_after_, {});
     core_.partial().allow();
   }
 
-  // What needs no lost node went on until it could no more.
-  void ensure_nobody_waits_in_vain() const {
-    const std::vector<bool> lost = lost_nodes();
-    for (u64 k = 0; k < core_.candidate_count(); ++k)
-      BIP_ENSURE(!is_whole(distribution_, lost, distribution_.sets.of_interaction[core_.position(k).interaction]),
-                 "a node waits for what never comes");
+  // Atoms at home on the nodes that are left, in attempts that went on to lost nodes.
+  [[nodiscard]] std::vector<bool> locked_atoms() const {
+    std::vector<bool> locked(core_.image().atoms.size, false);
+    for (u32 atom = 0; atom < locked.size(); ++atom) {
+      const Seat& home = seats_[distribution_.home(atom)];
+      locked[atom] = !home.is_lost && home.node->is_locked(atom);
+    }
+    return locked;
+  }
+
+  // What needs no lost node went on until it could no more. Attempts at interactions of split sets may have ended at a
+  // lost node.
+  void ensure_nobody_waits_in_vain(const Survivors& survivors) const {
+    for (u64 k = 0; k < core_.candidate_count(); ++k) {
+      const u32 interaction = core_.position(k).interaction;
+      const bool is_split = distribution_.is_split[distribution_.sets.of_interaction[interaction]] != 0;
+      BIP_ENSURE(is_split || !survivors.is_whole(interaction), "a node waits for what never comes");
+    }
   }
 
   Core& core_;
