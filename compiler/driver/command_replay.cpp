@@ -279,12 +279,12 @@ int command_replay(const ReplayArguments& arguments) {
   Compilation c(arguments.compile);
   Executor executor;
   if (!compile(c, arguments.file, Stage::Image)) return report(c);
+  if (!arguments.recorded_trace.empty()) return replay_recorded(c, arguments, executor);
   if (const std::string port = system::first_event_port(*c.system); !port.empty()) {
     c.diags.report(Diag::kB1900, c.root_range, "a comparison of traces with events, which they do not hold,")
         .note(port);
     return report(c);
   }
-  if (!arguments.recorded_trace.empty()) return replay_recorded(c, arguments, executor);
   SourceMap traces;
   const Result<FileId> file = traces.load(arguments.published_trace);
   if (!file) {

@@ -27,10 +27,9 @@ struct Linked {
 };
 
 bool is_distributable(Compilation& c) {
-  if (!rt::has_time(c.lowered->image)) return true;
-  c.diags.report(Diag::kB5071, {}, "a model with time")
-      .note("nodes have no common instant yet")
-      .help("run it on one: `--engine=sequential`");
+  const rt::TimeOnNodes time = rt::time_on_nodes(c.lowered->image);
+  if (time.problem.empty()) return true;
+  c.diags.report(Diag::kB5071, {}, time.problem).note(time.why).help(time.help);
   return false;
 }
 
@@ -215,10 +214,10 @@ std::string distribution_text(Compilation& c, const std::string& placement_path)
   text += fmt::format("{} of {} interactions are of several nodes", border, interactions);
   text += border == 0 ? "\n"
                       : fmt::format(", at most {:.2f} messages each{}\n", double(sum) / double(border),
+                                    split.empty() ? "" : ", and three for each refusal of a lock");
   if (!placement.counts.empty())
     text += fmt::format("{:.1f} % of the counted steps are of several nodes\n",
                         100 * rt::border_part(linked.tables, placement.counts, placement));
-                                    split.empty() ? "" : ", and three for each refusal of a lock");
   if (border > kMostListed) rows += fmt::format("  and {} more\n", border - kMostListed);
   return text + rows;
 }

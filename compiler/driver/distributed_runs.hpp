@@ -14,6 +14,9 @@ namespace bip::driver {
 /// one. False: a diagnostic was reported.
 [[nodiscard]] bool read_placement(Compilation& c, const std::string& path, rt::Placement& placement);
 
+/// The same with a line for each component.
+[[nodiscard]] std::string print_placement(const rt::Image& image, const rt::Placement& placement);
+
 /// Of a run on several nodes: reads its placement, if there is a file, and checks what it was asked for; of other runs
 /// nothing. The image needs no code yet. False: a diagnostic was reported.
 [[nodiscard]] bool prepare_distributed(Compilation& c, const RunArguments& arguments, rt::Placement& placement);

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "compiler/system/uses_time.hpp"
 #include "runtime/core/fire/partial.hpp"
 
 namespace bip::driver {
@@ -82,6 +83,8 @@ std::vector<PlaceConflicts> conflicts_of_places(const rt::Tables& tables, const 
 }  // namespace
 
 verify::NextMoves prove_next_moves(const Compilation& c) {
+  // What a component offers changes with the instant as well.
+  if (system::is_timed(*c.system)) return {};
   return verify::find_next_moves(*c.system, verify::within_seconds(kSecondsOfConflicts));
 }
 

@@ -70,6 +70,7 @@ bool read_binary_head(Compilation& c, const RunFileText& run, rt::SessionOptions
   BIP_ASSERT(policy != nullptr, "a sound record has the policy `{}`", begin.policy);
   options.policy = policy->policy;
   options.progress = begin.maximal_progress ? rt::MaximalProgress::On : rt::MaximalProgress::Off;
+  options.draws_resumes = begin.draws_resumes;
   return true;
 }
 
@@ -169,7 +170,7 @@ bool load_binary(Compilation& c, const RunFileText& run, rt::DebugSession& sessi
     }
     if (next == rt::RecordedReader::Next::Cut) return cannot_follow(c, run.path, number, "the trace is cut off there");
     const auto find = [&at](rt::Core& core) { return core.enabled().has(at) ? std::optional(at) : std::nullopt; };
-    if (!follow_step(c, run, session, number, 0, find)) return false;
+    if (!follow_step(c, run, session, number, reader.instant(), find)) return false;
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include "bip/assert.hpp"
 #include "bip/ffi.hpp"
+#include "runtime/core/time/clocks.hpp"
 
 namespace bip::rt {
 
@@ -55,7 +56,7 @@ u64 ByteReader::count() {
 }
 
 Codec::Codec(const Tables& tables, const Distribution& distribution, u64 run)
-    : tables_(tables), distribution_(distribution), run_(run) {
+    : tables_(tables), distribution_(distribution), run_(run), is_timed_(has_time(*tables.image)) {
   if (tables.image->ffi == nullptr) return;
   is_text_.assign(tables.atom_cells, 0);
   for (u32 atom = 0; atom < tables.image->atoms.size; ++atom) {
@@ -130,9 +131,48 @@ void Codec::write(ByteWriter& writer, const Offer& offer) const {
   for (const u32 row : offer.offer.transitions) writer.number(row);
   writer.number(offer.offer.step);
   writer.number(offer.offer.order);
+  write(writer, offer.moment);
+  if (tables_.types[tables_.atoms[offer.atom].type].is_timed) {
+    for (const PortTime& time : offer.offer.times) {
+      writer.number(static_cast<u64>(time.interval.low));
+      writer.number(static_cast<u64>(time.interval.high));
+      writer.number(static_cast<u64>(time.urgency) << 2 | (time.interval.low_open ? 1u : 0u) |
+                    (time.interval.high_open ? 2u : 0u));
+    }
+    writer.number(static_cast<u64>(offer.offer.change));
+  }
   const Span<u32> cells = distribution_.cells[offer.atom];
   BIP_ASSERT(offer.cells.size() == cells.size, "an offer of {} of {} variables", offer.cells.size(), cells.size);
   for (u32 i = 0; i < cells.size; ++i) write_cell(writer, cells[i], offer.cells[i]);
+}
+
+void Codec::write(ByteWriter& writer, const Moment& moment) const {
+  if (!is_timed_) return;
+  writer.number(static_cast<u64>(moment.instant));
+  writer.number(moment.step);
+}
+
+void Codec::read(ByteReader& reader, Moment& moment) const {
+  if (!is_timed_) return;
+  const u64 instant = reader.number();
+  if (instant >= static_cast<u64>(kForever)) return reader.refuse();
+  moment.instant = static_cast<i64>(instant);
+  moment.step = reader.number();
+}
+
+// Of each transition when: around the moment of the offer, which holds until after it.
+void Codec::read_times(ByteReader& reader, Offer& offer) const {
+  for (std::size_t k = 0; k < offer.offer.transitions.size() && reader.is_sound(); ++k) {
+    const u64 low = reader.number(), high = reader.number();
+    const u32 how = reader.row((static_cast<u64>(Urgency::Eager) + 1) << 2);
+    const u64 now = static_cast<u64>(offer.moment.instant);
+    if (low > now || high < now || high > static_cast<u64>(kForever)) return reader.refuse();
+    const Interval interval{static_cast<i64>(low), static_cast<i64>(high), (how & 1) != 0, (how & 2) != 0};
+    offer.offer.times.push_back({interval, static_cast<Urgency>(how >> 2), kNone});
+  }
+  const u64 change = reader.number();
+  if (change <= static_cast<u64>(offer.moment.instant) || change > static_cast<u64>(kForever)) return reader.refuse();
+  offer.offer.change = static_cast<i64>(change);
 }
 
 void Codec::read_cells(ByteReader& reader, u32 atom, std::vector<u64>& cells) const {
@@ -178,12 +218,15 @@ void Codec::read_offer(ByteReader& reader, Offer& offer) const {
   }
   offer.offer.step = reader.number();
   offer.offer.order = reader.row(kNone);
+  read(reader, offer.moment);
+  if (type.is_timed) read_times(reader, offer);
   read_cells(reader, offer.atom, offer.cells);
 }
 
 void Codec::write(ByteWriter& writer, const Begin& begin) const {
   writer.number(begin.step);
   writer.number(begin.interaction);
+  write(writer, begin.moment);
   writer.number(begin.parts.size());
   for (const Part& part : begin.parts) {
     writer.number(part.atom);
@@ -199,6 +242,7 @@ void Codec::write(ByteWriter& writer, const Begin& begin) const {
 void Codec::read(ByteReader& reader, u32 self, Begin& begin) const {
   begin.step = reader.number();
   begin.interaction = reader.row(tables_.interactions.size());
+  read(reader, begin.moment);
   const u64 count = reader.count();
   for (u64 i = 0; i < count && reader.is_sound(); ++i) {
     Part part;

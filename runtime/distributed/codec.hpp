@@ -75,6 +75,9 @@ class Codec {
   static void write(ByteWriter& writer, const Release& release);
   static void write(ByteWriter& writer, const Wake& wake);
   void read(ByteReader& reader, u32 from, Offer& offer) const;
+  void write(ByteWriter& writer, const Moment& moment) const;
+  void read(ByteReader& reader, Moment& moment) const;
+  void read_times(ByteReader& reader, Offer& offer) const;
   void read_offer(ByteReader& reader, Offer& offer) const;
   void read(ByteReader& reader, u32 from, u32 self, Lock& lock) const;
   void read(ByteReader& reader, u32 self, Release& release) const;
@@ -88,6 +91,7 @@ class Codec {
   const Tables& tables_;
   const Distribution& distribution_;
   u64 run_;
+  bool is_timed_;
   std::vector<std::uint8_t> is_text_;  // by cell of the atoms. Empty: none is
 };
 

@@ -8,6 +8,7 @@
 #include "bip/assert.hpp"
 #include "runtime/core/fire/partial.hpp"
 #include "runtime/core/programs/batch_plan.hpp"
+#include "runtime/core/time/clocks.hpp"
 #include "runtime/distributed/split_sets.hpp"
 
 namespace bip::rt {
@@ -224,7 +225,6 @@ Placement place_atoms(const Tables& tables, const PriorityTables& rules, u32 nod
   for (const std::uint8_t part : parts_of_atoms(partial.atoms_of_interaction, movers, atom_count, nodes))
     placement.home.push_back(part);
   // Objects stay where they are: who shows one is at home where the first such atom of its set is.
-  const Csr cells = shown_cells(tables);
   const std::vector<u32> first_of = atoms_together(tables, rules);
   for (u32 atom = 0; atom < atom_count; ++atom) placement.home[atom] = placement.home[first_of[atom]];
   return placement;
@@ -233,6 +233,7 @@ Placement place_atoms(const Tables& tables, const PriorityTables& rules, u32 nod
 std::vector<u32> atoms_together(const Tables& tables, const PriorityTables& rules) {
   const u32 atom_count = tables.image->atoms.size;
   const PartialState partial = link_partial(tables, rules);
+  const Csr cells = shown_cells(tables);
   const auto shows_object = [&](u32 atom) {
     return std::any_of(cells[atom].begin(), cells[atom].end(),
                        [&](u32 cell) { return has_object(tables, atom, cell); });
@@ -299,6 +300,24 @@ JoinReason why_joined(const Tables& tables, const PriorityTables& rules, const C
   return best;
 }
 
+bool has_event_sources(const Image& image) { return image.event_classes.size != 0; }
+
+TimeOnNodes time_on_nodes(const Image& image) {
+  constexpr const char* kOne = "run it on one: `--engine=sequential`";
+  if (!has_time(image)) return {};
+  if (has_event_sources(image))
+    return {"a model with events from C++", "no node has the instants at which events come", kOne};
+  for (const ConnectorType& type : image.connector_types) {
+    if (type.resume_sync)
+      return {"a model with `resume sync`", "components on several nodes would have to agree on an instant", kOne};
+  }
+  if (may_open_eagerly(image))
+    return {"a model with `eager` beside a bound with `>`",
+            "no node knows whether time must stop before an open bound",
+            std::string("bound it with `>=`, or ") + kOne};
+  return {};
+}
+
 Distribution distribute(const Tables& tables, const PriorityTables& rules, Placement placement) {
   Distribution result;
   result.placement = std::move(placement);
@@ -334,6 +353,8 @@ Distribution distribute(const Tables& tables, const PriorityTables& rules, Place
   const auto node_of = [&](u32 set) { return set == kNone ? kNone : result.coordinator[set]; };
   for (const u32 set : result.sets.set_at) result.offered_at.push_back(node_of(set));
   for (const ConflictSets::Situation& at : result.sets.situations) result.offered_in.push_back(node_of(at.set));
+  // What is locked is planned by no node.
+  if (has_time(*tables.image)) result.placement.split_above = kSplitNone;
   split_sets(tables, rules, result);
   BIP_ASSERT(
       std::all_of(result.coordinator_of.begin(), result.coordinator_of.end(), [&](u32 at) { return at < nodes; }),

@@ -132,6 +132,14 @@ struct JoinReason {
 [[nodiscard]] JoinReason why_joined(const Tables& tables, const PriorityTables& rules, const ConflictSets& sets,
                                     u32 set);
 
+/// Does an image have C++ classes from which events come?
+[[nodiscard]] bool has_event_sources(const Image& image);
+/// What several nodes do not run of models with time, why not, and the way out.
+struct TimeOnNodes {
+  std::string problem, why, help;  // empty: they do
+};
+[[nodiscard]] TimeOnNodes time_on_nodes(const Image& image);
+
 /// Gives each conflict set to the node at which most of its ports are at home, or where its C++ objects are, and splits
 /// those that are too large.
 [[nodiscard]] Distribution distribute(const Tables& tables, const PriorityTables& rules, Placement placement);

@@ -42,7 +42,8 @@ std::string text_of(const Greeting& greeting) {
   writer.number(greeting.seed);
   writer.number(greeting.policy);
   writer.number(greeting.format);
-  for (const bool flag : {greeting.is_silent, greeting.is_traced, greeting.goes_on, greeting.has_maximal_progress})
+  for (const bool flag :
+       {greeting.is_silent, greeting.is_traced, greeting.goes_on, greeting.has_maximal_progress, greeting.is_asap})
     writer.number(flag ? 1 : 0);
   return text;
 }
@@ -61,8 +62,8 @@ bool read(std::string_view bytes, Greeting& greeting) {
     greeting.seed = reader.number();
     greeting.policy = reader.row(kMostPolicies);
     greeting.format = reader.row(kMostFormats);
-    for (bool* const flag :
-         {&greeting.is_silent, &greeting.is_traced, &greeting.goes_on, &greeting.has_maximal_progress})
+    for (bool* const flag : {&greeting.is_silent, &greeting.is_traced, &greeting.goes_on,
+                             &greeting.has_maximal_progress, &greeting.is_asap})
       *flag = reader.row(2) != 0;
   }
   return reader.is_sound() && reader.is_at_end();

@@ -26,7 +26,7 @@ struct Greeting {
   // Welcome.
   u64 seed = 0;
   u32 policy = 0, format = 0;  // rt::Policy, rt::TraceFormat
-  bool is_silent = false, is_traced = false, goes_on = false, has_maximal_progress = true;
+  bool is_silent = false, is_traced = false, goes_on = false, has_maximal_progress = true, is_asap = false;
 };
 
 [[nodiscard]] bool is_greeting(std::string_view bytes);

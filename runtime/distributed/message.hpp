@@ -6,18 +6,26 @@
 #include <vector>
 
 #include "runtime/core/fire/partial.hpp"
+#include "runtime/core/time/interval.hpp"
 
 namespace bip::rt {
 
 /// Of frames and greetings: programs of other versions do not understand each other.
-inline constexpr u64 kProtocol = 3;
+inline constexpr u64 kProtocol = 4;
 
+/// The instant of models with time, and its number among the steps: smaller than those of the steps that are taken
+/// there, larger than those before. Who hears of it passes to it.
+struct Moment {
+  i64 instant = 0;
+  u64 step = 0;
+};
 /// From an atom's home to its coordinator: it is at rest, and can do this.
 struct Offer {
   u32 atom = kNone;
   u64 n = 0;
   AtomOffer offer;
   std::vector<u64> cells;  // the bits of Distribution::cells
+  Moment moment = {};
 };
 /// A part of a step: what one atom does.
 struct Part {
@@ -32,6 +40,7 @@ struct Begin {
   u64 step = 0;
   std::vector<Part> parts;
   u32 interaction = 0;
+  Moment moment = {};
 };
 /// An attempt to begin an interaction of a split set, from the node that has locked all so far to the home of the next
 /// atom. It carries the offers of what it holds.
@@ -68,8 +77,11 @@ struct Control {
     Pause,   // begin nothing until GoOn
     Tell,    // say your state, and Told
     GoOn,
-    Finish,  // say your last state, then wait. A second one: how the run ended, steps
-    Beat,    // to a node: say where your clock is. To the launcher: clock, steps, credit that is not spent
+    Limit,    // say how far time may pass, and Limited
+    Plan,     // an instant: plan your steps up to it, and say Planned
+    Instant,  // the instant to which time passes, and its number among the steps
+    Finish,   // say your last state, then wait. A second one: how the run ended, steps
+    Beat,     // to a node: say where your clock is. To the launcher: clock, steps, credit that is not spent
     // To the launcher.
     Ready,
     Idle,     // sent, received, clock, steps
@@ -79,8 +91,10 @@ struct Control {
     Begun,    // step, and the home of each part; texts
     Landed,   // steps of which a part has ended
     Fault,    // step, order, code, atom, connector, port, and two places in files; texts
-    Atom,     // a state: atom, place, marks, history; its variables
+    Atom,     // a state: atom, place, marks, history, 1 if an attempt holds it; its variables, and with time its clocks
     Told,
+    Limited,  // the last instant, the next change
+    Planned,  // the earliest instant
     Finished  // what it counted
   };
   Kind kind = Kind::Credit;

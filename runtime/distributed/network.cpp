@@ -67,6 +67,22 @@ void Network::await_again(u32 node, u32 peer) {
         {NetworkEvent::Kind::Again, node, peer, {}});
 }
 
+void Network::tell_instant(u32 nodes) {
+  i64 asked = now_;
+  const auto reach = [&](u32 node, i64 from) {
+    for (i64 at = from + (node == 0 ? kLeastTurn : delay(0, node));; at = from + delay(0, node)) {
+      const auto cut = std::find_if(faults_.cuts.begin(), faults_.cuts.end(), [&](const NetworkFaults::Cut& one) {
+        return std::min(one.a, one.b) == 0 && std::max(one.a, one.b) == node && one.from <= at && at < one.until;
+      });
+      if (cut == faults_.cuts.end()) return at;
+      from = cut->until;
+    }
+  };
+  // There and back.
+  for (u32 node = 0; node < nodes; ++node) asked = std::max(asked, reach(node, reach(node, now_)));
+  for (u32 node = 0; node < nodes; ++node) enter(reach(node, asked) - now_, {NetworkEvent::Kind::Instant, node, 0, {}});
+}
+
 bool Network::next(NetworkEvent& event) {
   if (live_ == 0) return false;
   BIP_ASSERT(live_ <= queue_.size(), "{} of {} events are no crashes", live_, queue_.size());

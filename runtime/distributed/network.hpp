@@ -17,6 +17,7 @@ struct NetworkEvent {
     Arrival,  // of `frame`
     Turn,     // `node` does what is next
     Again,    // `node` looks whether its frames to `peer` have come
+    Instant,  // `node` hears that time passes
     Crash,    // `node` is gone
     Loss      // the others learn that `node` is gone
   };
@@ -46,6 +47,9 @@ class Network {
   /// The node's next turn, when it has done what takes its time.
   void await_turn(u32 node);
   void await_again(u32 node, u32 peer);
+  /// All nodes hear, each at its time, of the next instant of a model with time. Whoever finds it out stands beside the
+  /// first node, asks the others first, and reaches none over a cut.
+  void tell_instant(u32 nodes);
   /// The next event. False: nothing will happen any more, but for crashes.
   bool next(NetworkEvent& event);
   /// Calls `take` with each row of variables that is on its way.

@@ -2,6 +2,7 @@
 #include "runtime/distributed/node.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "bip/assert.hpp"
 
@@ -23,7 +24,11 @@ bool Node::start(const State& state) {
     if (!find_coordinator(atom, coordinator)) return false;
     where_[atom] = coordinator == self_ ? Where::Here : Where::Away;
     is_in_core_[atom] = coordinator == self_ ? 1 : 0;
-    if (coordinator != self_) partial.send_away(atom);
+    if (coordinator == self_) continue;
+    partial.send_away(atom);
+    // The home knows when it offers something else.
+    const bool is_timed = core_.tables().types[core_.tables().atoms[atom].type].is_timed;
+    if (is_timed && distribution_.home(atom) == self_ && !partial.find_enabled_ports(atom, enabled_)) return false;
   }
   if (!partial.settle()) return false;
   start_locks();
@@ -35,7 +40,49 @@ void Node::take(const Message& message) {
   serve();
 }
 
+// An instant begins when all nodes rest and nothing is on its way, so no message of an earlier one comes after it.
+void Node::pass_to(Moment moment) {
+  if (moment.instant <= moment_.instant) return;
+  if (!works_.empty()) {
+    ++counts_.refused;
+    return;
+  }
+  moment_ = moment;
+  changed_.clear();
+  core_.time().pass_to(moment.instant, changed_);
+  for (const u32 atom : changed_) change(atom);
+  if (!core_.partial().settle()) stop();
+}
+
+// What the atom offered holds no longer.
+void Node::change(u32 atom) {
+  PartialSteps& partial = core_.partial();
+  const bool is_home = distribution_.home(atom) == self_;
+  if (is_home) {
+    ++n_[atom];
+    partial.begin_change(atom, moment_.step);
+  }
+  const bool returns = is_home && core_.actions().is_at_work(atom) && core_.time().busy_until(atom) <= moment_.instant;
+  if (is_home && !returns && is_in_core_[atom] != 0) {
+    if (!partial.change_here(atom)) stop();
+    return;
+  }
+  if (is_in_core_[atom] != 0) {
+    BIP_ASSERT(where_[atom] == Where::Here, "atom {} is offered here and is elsewhere", atom);
+    partial.send_away(atom);
+    where_[atom] = Where::Away;
+    is_in_core_[atom] = 0;
+  }
+  if (returns) {
+    where_[atom] = Where::Working;
+    works_.push_back(partial.return_action(atom));
+  } else if (is_home) {
+    come_to_rest(atom);
+  }
+}
+
 void Node::take(const Offer& offer) {
+  pass_to(offer.moment);
   if (offer.n <= n_[offer.atom]) {
     ++counts_.stale;
     return;
@@ -72,6 +119,7 @@ bool Node::may_take_up(const Part& part, u32 interaction) const {
 }
 
 void Node::take(const Begin& begin) {
+  pass_to(begin.moment);
   for (const Part& part : begin.parts) {
     if (part.n < n_[part.atom]) {
       ++counts_.stale;
@@ -118,7 +166,7 @@ void Node::begin(EnabledSet::Position at, u64 step, std::vector<u32>& atoms) {
     std::size_t to = first;
     while (to < outbox_.size() && outbox_[to].to != home) ++to;
     if (to == outbox_.size()) {
-      outbox_.push_back({home, Begin{step, {}, at.interaction}});
+      outbox_.push_back({home, Begin{step, {}, at.interaction, moment_}});
       ++counts_.begins;
     }
     Part part{
@@ -148,7 +196,8 @@ void Node::run(std::size_t k) {
     case Finished::Fault: stop(); break;
     case Finished::Idle: come_to_rest(work.atom); break;
   }
-  landed_.push_back(work.step);
+  // What the end of an action beside the others changes is no part of a step.
+  if (!work.is_return) landed_.push_back(work.step);
   serve();
 }
 
@@ -198,7 +247,7 @@ void Node::come_to_rest(u32 atom) {
     note_change(atom);
     return;
   }
-  Offer offer{atom, n_[atom], {}, {}};
+  Offer offer{atom, n_[atom], {}, {}, moment_};
   if (!partial.offer_away(atom, offer.offer)) return stop();
   if (coordinator == kNone) return;
   BIP_ASSERT(coordinator < distribution_.placement.nodes.size(), "atom {} is offered to node {}", atom, coordinator);
@@ -216,7 +265,9 @@ void Node::stop() {
   }
 }
 
-void Node::save(State& state) const {
+void Node::save(State& state, SavedTime& time) const {
+  time.clocks.resize(core_.image().atoms.size);
+  time.now = std::max(time.now, core_.now());
   const State own = core_.snapshot();
   const Image& image = core_.image();
   std::size_t object = 0;
@@ -224,6 +275,14 @@ void Node::save(State& state) const {
     const bool is_home = distribution_.home(atom) == self_;
     const Tables& tables = core_.tables();
     const AtomType& type = tables.atom_type(atom);
+    if (is_home && core_.is_timed()) {
+      core_.time().save_atom(atom, time.clocks[atom]);
+      if (core_.actions().is_at_work(atom)) {
+        const PartialState& steps = *core_.partial().state();
+        time.beside.push_back({steps.last_step[atom], steps.order[atom], {}});
+        core_.actions().save_work(atom, time.beside.back().words);
+      }
+    }
     if (is_home) {
       state.places[atom] = core_.partial().place_at_rest(atom);
       const u32 words = tables.types[tables.atoms[atom].type].mark_words;
@@ -237,6 +296,27 @@ void Node::save(State& state) const {
       ++object;
     }
   }
+}
+
+void add_time(const Core& core, SavedTime time, State& state) {
+  if (!core.is_timed()) return;
+  time.clocks.resize(core.image().atoms.size);
+  std::vector<i64> words{time.now}, own;
+  std::size_t head = 1;
+  for (u32 atom = 0; atom < time.clocks.size(); ++atom) {
+    own.clear();
+    core.time().save_atom(atom, own);
+    head += own.size();
+    const std::vector<i64>& said = time.clocks[atom].empty() ? own : time.clocks[atom];
+    words.insert(words.end(), said.begin(), said.end());
+  }
+  // Nothing is at work in the initial state: what follows its clocks is what follows those that are at work.
+  std::sort(time.beside.begin(), time.beside.end(), [](const SavedTime::Beside& a, const SavedTime::Beside& b) {
+    return std::pair(a.step, a.order) < std::pair(b.step, b.order);
+  });
+  for (const SavedTime::Beside& one : time.beside) words.insert(words.end(), one.words.begin(), one.words.end());
+  words.insert(words.end(), state.time.begin() + static_cast<std::ptrdiff_t>(head), state.time.end());
+  state.time = std::move(words);
 }
 
 }  // namespace bip::rt

@@ -13,6 +13,11 @@
 // refused at one that cannot take part. At the last home all that the interaction needs is offered in one core, which
 // decides about it as about any other, and begins it or gives everything back. What was refused is tried again when
 // an atom that it was refused for has changed.
+//
+// Models with time: all nodes pass from one instant to the next, which whoever calls has found out when all of them
+// rested and nothing was on its way. An atom's home has its clocks. An offer says until when it holds; after that its
+// coordinator counts the atom as at work, and its home offers it again. An action that runs beside the others
+// (`@async`) is such a change: the atom offers nothing until its budget is over, and its action runs then.
 #pragma once
 #include <deque>
 #include <functional>
@@ -56,6 +61,19 @@ struct NodeEvent {
 };
 using NodeObserver = std::function<void(NodeEvent)>;
 
+/// The time of a state, as nodes say it.
+struct SavedTime {
+  /// An atom whose action runs beside the others: which step began it, and AsyncActions::save_work.
+  struct Beside {
+    u64 step = 0;
+    u32 order = 0;
+    std::vector<i64> words;
+  };
+  i64 now = 0;
+  std::vector<std::vector<i64>> clocks;  // by atom: Clocks::save_atom; empty: it is not known
+  std::vector<Beside> beside;
+};
+
 class Node {
  public:
   /// All arguments must outlive the node.
@@ -65,6 +83,7 @@ class Node {
   }
 
   [[nodiscard]] Core& core() { return core_; }
+  [[nodiscard]] const Core& core() const { return core_; }
   /// To the initial state, which all nodes know. False: a fault.
   bool start(const State& state);
 
@@ -83,6 +102,8 @@ class Node {
   [[nodiscard]] std::size_t try_count() const { return tries_.size(); }
   /// Attempts one of them, if what it needs here is offered here.
   void try_lock(std::size_t k);
+  /// Lets time pass to an instant that the whole system agreed on, or learns that it is there already.
+  void pass_to(Moment moment);
   /// Actions that wait to be run.
   [[nodiscard]] std::size_t work_count() const { return works_.size(); }
   /// Runs one of them and lets it take effect.
@@ -95,15 +116,8 @@ class Node {
   /// A fault was met, here or elsewhere: it begins nothing more.
   [[nodiscard]] bool is_stopped() const { return is_stopped_; }
   [[nodiscard]] const NodeCounts& counts() const { return counts_; }
-  /// An atom whose action runs beside the others; which one began it, and its words of a state.
-  struct Beside {
-    u64 step = 0;
-    u32 order = 0;
-    std::vector<i64> words;
-  };
-  /// Writes places, data and clocks of the atoms at home here into a state of the image. Appends those whose actions
-  /// run beside the others.
-  void save(State& state, std::vector<Beside>& beside) const;
+  /// Writes places and data of the atoms at home here into a state of the image, and their clocks apart.
+  void save(State& state, SavedTime& time) const;
   /// Is an atom at home here locked by an attempt?
   [[nodiscard]] bool is_locked(u32 atom) const { return where_[atom] == Where::Locked; }
   /// NextMove::history of an atom at home here.
@@ -127,6 +141,7 @@ class Node {
   void take(const Release& release);
   void take(const Wake& wake);
   void come_to_rest(u32 atom);
+  void change(u32 atom);
   void receive(const Offer& offer);
   [[nodiscard]] bool may_take_up(const Part& part, u32 interaction) const;
 
@@ -177,8 +192,9 @@ class Node {
   std::vector<Work> works_, begun_;
   std::vector<Outgoing> outbox_;
   std::vector<u64> landed_;
-  std::vector<u32> enabled_, ports_;  // scratch
+  std::vector<u32> enabled_, ports_, changed_;  // scratch
   NodeCounts counts_;
+  Moment moment_;
   NodeObserver observer_;
   // Locks. By atom: where it is, as far as this node knows; of those at home here: attempts that wait for it, and
   // interactions that were refused for it; interactions coordinated here that need locks elsewhere and the atom.
@@ -200,5 +216,8 @@ class Node {
   std::deque<u32> served_;                     // atoms at home here that may be given to who waits
   bool is_stopped_ = false;
 };
+
+/// Puts the clocks of all nodes into their state, which has those of the initial state, as the core is.
+void add_time(const Core& core, SavedTime time, State& state);
 
 }  // namespace bip::rt

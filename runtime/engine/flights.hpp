@@ -15,12 +15,17 @@ class Flights {
 
   /// Describes the next step, in the state before it.
   void depart(Core& core, EnabledSet::Position at) {
-    const std::uint64_t number = departed();
+    const std::uint64_t number = departed() - empty_;
     flights_.emplace_back();
     output_.describe(flights_.back().text, core, at, number, kNoChoice);
   }
   /// How often the last one that departed has to land.
   void set_parts(std::uint32_t parts) { flights_.back().open = parts; }
+  /// A number among the steps that no step has.
+  void skip() {
+    flights_.emplace_back();
+    ++empty_;
+  }
   [[nodiscard]] std::uint64_t departed() const { return written_ + flights_.size(); }
   /// A part of the step has ended.
   void land(std::uint64_t step) {
@@ -50,7 +55,7 @@ class Flights {
 
   Output& output_;
   std::deque<Flight> flights_;  // steps written_ …
-  std::uint64_t written_ = 0;
+  std::uint64_t written_ = 0, empty_ = 0;
 };
 
 }  // namespace bip::rt

@@ -13,6 +13,7 @@
 #include "runtime/engine/interrupt.hpp"
 #include "runtime/engine/loss_story.hpp"
 #include "runtime/engine/node_process.hpp"
+#include "runtime/engine/node_time.hpp"
 #include "runtime/engine/node_team.hpp"
 #include "runtime/engine/step_merge.hpp"
 #include "runtime/engine/waker.hpp"
@@ -28,13 +29,14 @@ constexpr i64 kAskAgain = 5000000;     // ns until credit is asked for again
 constexpr i64 kPatience = 3000000000;  // ns for nodes to end their actions after Ctrl-C
 constexpr u64 kInfinite = ~u64{0};
 
-enum class RunPhase : std::uint8_t { Running, Counting, Telling, Ending };
+enum class RunPhase : std::uint8_t { Running, Counting, Telling, Limiting, Planning, Ending };
 
 // What the launcher knows of a node.
 struct Member {
   bool is_there = false, is_lost = false, has_finished = false;
   bool is_silent = false;  // and that was reported
   bool is_idle = false, wants = false, has_counted = false, owes_credit = false, has_told = false;
+  bool has_answered = false;  // of time
   u64 sent = 0, received = 0, steps = 0;
   u64 granted = 0;  // credit, but for what it gave back
 };
@@ -52,6 +54,7 @@ class Launcher {
         run_(draw_run()),
         codec_(core.tables(), distribution, run_),
         merge_(core, distribution, output),
+        plans_(plans_instants(core, options)),
         members_(distribution.placement.nodes.size()),
         checkpoints_(options, resumed) {
     result_.cpu.assign(members_.size(), 0);
@@ -69,10 +72,11 @@ class Launcher {
     beat_at_ = began + kBeat;
     began_ = began;
     history_.assign(core_.image().atoms.size, kNone);
+    locked_.assign(core_.image().atoms.size, false);
+    time_.clocks.resize(core_.image().atoms.size);
     while (!has_ended()) {
       const i64 now = wall_clock();
       advance(now);
-    locked_.assign(core_.image().atoms.size, false);
       i64 due = std::min({station_->due(), next_due(), beat_at_, checkpoint_due()});
       arrivals_.clear();
       if (gathering_) due = std::min(due, gathering_->due());
@@ -171,7 +175,8 @@ class Launcher {
             .is_silent = options_.silent,
             .is_traced = !options_.trace_path.empty(),
             .goes_on = options_.on_loss == OnLoss::GoOn,
-            .has_maximal_progress = options_.maximal_progress};
+            .has_maximal_progress = options_.maximal_progress,
+            .is_asap = options_.asap};
   }
 
   void take_greeting(const Arrival& arrival) {
@@ -314,6 +319,8 @@ class Launcher {
       case Control::Kind::Fault: return take_fault(*control);
       case Control::Kind::Atom: return take_atom(heard.from, *control);
       case Control::Kind::Told: member.has_told = true; return save_checkpoint(now);
+      case Control::Kind::Limited:
+      case Control::Kind::Planned: return take_time(member, *control);
       case Control::Kind::Finished:
         member.has_finished = true;
         member.steps = number(0);
@@ -337,6 +344,9 @@ class Launcher {
       case Control::Kind::Pause:
       case Control::Kind::Tell:
       case Control::Kind::GoOn:
+      case Control::Kind::Limit:
+      case Control::Kind::Plan:
+      case Control::Kind::Instant:
       case Control::Kind::Finish: return;
     }
   }
@@ -367,7 +377,7 @@ class Launcher {
   }
 
   void take_atom(u32 node, const Control& control) {
-    if (control.numbers.size() < 2 || control.texts.size() != 1) return;
+    if (control.numbers.size() < 2 || control.texts.size() != (core_.is_timed() ? 2u : 1u)) return;
     const Tables& tables = core_.tables();
     if (control.numbers[0] >= core_.image().atoms.size) return;
     const u32 atom = static_cast<u32>(control.numbers[0]);
@@ -378,16 +388,42 @@ class Launcher {
     for (u32 i = 0; i < words; ++i) last_.marks[tables.first_mark(atom) + i] = control.numbers[2 + i];
     const u64 history = control.numbers[2 + words];
     history_[atom] = history < core_.image().connectors.size ? static_cast<u32>(history) : kNone;
+    locked_[atom] = control.numbers[3 + words] != 0;
     ByteReader reader(control.texts[0]);
     for (u32 i = 0; i < tables.atom_type(atom).variables.size; ++i) {
       const u32 cell = tables.atoms[atom].first_cell + i;
       const u64 bits = codec_.read_cell(reader, cell);
       if (reader.is_sound()) last_.data[cell] = bits;
     }
+    if (core_.is_timed()) take_clocks(atom, control.texts[1]);
+  }
+
+  // NodeProcess::append_clocks.
+  void take_clocks(u32 atom, std::string_view text) {
+    ByteReader reader(text);
+    const auto word = [&reader] { return static_cast<i64>(reader.number()); };
+    const i64 instant = word();
+    std::vector<i64> words;
+    for (u64 left = reader.count(); left != 0 && reader.is_sound(); --left) words.push_back(word());
+    if (!reader.is_sound() || instant < 0 || !core_.time().is_saved(atom, words)) {
+      ++odd_;
+      return;
+    }
+    time_.now = std::max(time_.now, instant);
+    time_.clocks[atom] = std::move(words);
+    if (reader.is_at_end() || !core_.actions().any()) return;
+    SavedTime::Beside beside{reader.number(), reader.row(kNone), {}};
+    for (std::size_t k = 0; k < AsyncActions::kSavedWords; ++k) beside.words.push_back(word());
+    const Tables& tables = core_.tables();
+    const LinkedType& type = tables.types[tables.atoms[atom].type];
+    const bool is_it = reader.is_sound() && beside.words[0] == i64{atom} &&
+                       beside.words[1] >= i64{type.first_transition} &&
+                       beside.words[1] < i64{type.first_transition} + i64{type.transition_count};
+    if (is_it) time_.beside.push_back(std::move(beside));
+    else ++odd_;
   }
 
   // ---- losses
-    locked_[atom] = control.numbers[3 + words] != 0;
 
   void take_ended() {
     for (const EndedNode& ended : team_.take_ended()) {
@@ -416,6 +452,8 @@ class Launcher {
     if (is_pausing_) say_all(Control::Kind::GoOn);
     is_pausing_ = false;
     phase_ = phase_ == RunPhase::Ending ? RunPhase::Ending : RunPhase::Running;
+    limit_ = {};
+    planned_ = kForever;
     is_changed_ = true;
   }
 
@@ -511,8 +549,56 @@ class Launcher {
       for (Member& member : members_) member.has_told = false;
       return say_all(Control::Kind::Tell);
     }
+    if (is_over && may_pass_time()) {
+      phase_ = RunPhase::Limiting;
+      return ask_of_time(Control::Kind::Limit, {});
+    }
     phase_ = is_over ? RunPhase::Ending : RunPhase::Running;
     if (is_over) say_all(Control::Kind::Finish);
+  }
+
+  // ---- time: all nodes rest, and nothing is on its way
+
+  [[nodiscard]] bool may_pass_time() const {
+    // The atoms of a lost node are at work for ever, at this instant.
+    return core_.is_timed() && !has_fault_ && !has_lost_ && !is_halted_ && steps() != options_.limit;
+  }
+
+  void ask_of_time(Control::Kind kind, const std::vector<u64>& numbers) {
+    for (Member& member : members_) member.has_answered = false;
+    say_all(kind, numbers);
+  }
+
+  void take_time(Member& member, const Control& control) {
+    const bool are_limits = control.kind == Control::Kind::Limited;
+    if (phase_ != (are_limits ? RunPhase::Limiting : RunPhase::Planning) || member.has_answered) return;
+    if (control.numbers.size() != (are_limits ? 2u : 1u)) return;
+    const auto instant = [&](std::size_t k) {
+      return static_cast<i64>(std::min(control.numbers[k], static_cast<u64>(kForever)));
+    };
+    member.has_answered = true;
+    if (are_limits) limit_.meet({instant(0), instant(1)});
+    else planned_ = std::min(planned_, instant(0));
+    if (!all([](const Member& one) { return one.has_answered; })) return;
+    if (are_limits && plans_) {
+      phase_ = RunPhase::Planning;
+      return ask_of_time(Control::Kind::Plan, {static_cast<u64>(limit_.last)});
+    }
+    pass_time();
+  }
+
+  void pass_time() {
+    const i64 next = std::min(limit_.change, planned_);
+    const bool is_over = !may_pass_time() || next == kForever || next > limit_.last;
+    limit_ = {};
+    planned_ = kForever;
+    is_changed_ = true;
+    phase_ = is_over ? RunPhase::Ending : RunPhase::Running;
+    if (is_over) return say_all(Control::Kind::Finish);
+    if (next != now_) instant_step_ = step_at(station_->tick_clock(), kMostNodes - 1);
+    now_ = next;
+    for (Member& one : members_) one.is_idle = false;
+    say_all(Control::Kind::Instant, {static_cast<u64>(next), instant_step_});
   }
 
   // ---- checkpoints: nothing begins, all rest as at the end, all tell their states, and go on
@@ -588,13 +674,17 @@ class Launcher {
     result_.checkpoint = checkpoints_.steps();
     if (has_fault_) {
       result_.end = End::Fault;
+      add_time(core_, std::move(time_), last_);
       if (writes_) merge_.write_until(fault_step_);
       // The step with the fault is not counted.
-      result_.steps = writes_ ? std::max<u64>(merge_.written(), 1) - 1 : steps();
+      // What an instant brings is no step.
+      const u64 faulty = instant_step_ != 0 && fault_step_ == instant_step_ ? 0 : 1;
+      result_.steps = writes_ ? std::max<u64>(merge_.written(), faulty) - faulty : steps();
       (void)core_.restore(last_);
       core_.fail(fault_);
       return;
     }
+    add_time(core_, std::move(time_), last_);
     if (writes_) merge_.write_until(cut_);
     result_.steps = writes_ ? merge_.written() : steps();
     const bool is_sound = core_.restore(last_);
@@ -604,6 +694,7 @@ class Launcher {
     if (!is_sound && is_known) return end_with_nonsense("they told of a state that ends in a run-time error", initial);
     if (result_.steps == options_.limit) result_.end = End::Limit;
     else if (is_interrupted_) result_.end = End::Interrupted;
+    else if (is_time_locked(core_)) result_.end = End::Fault;
     else result_.end = end_without_step(core_);
     const bool is_over = result_.end == End::Limit || result_.end == End::Interrupted || core_.candidate_count() == 0;
     if (is_known && !is_over) end_with_nonsense("they rest in a state in which a step is possible", initial);
@@ -643,6 +734,7 @@ class Launcher {
   u64 run_;
   Codec codec_;
   StepMerge merge_;
+  bool plans_;  // instants of steps
   std::vector<Member> members_;
   Checkpoints checkpoints_;
   DistributedResult result_;
@@ -656,11 +748,17 @@ class Launcher {
   RunPhase phase_ = RunPhase::Running;
   State last_;
   std::vector<u32> history_;  // by atom, as the nodes said with it
+  std::vector<bool> locked_;  // by atom, the same: an attempt holds it
   u64 pool_ = 0;              // credit that is granted to no node
   u64 round_ = 0, first_sum_ = 0;
   u64 odd_ = 0;  // messages that say what cannot be
   bool is_changed_ = false, is_halted_ = false, is_interrupted_ = false;
   bool is_pausing_ = false;  // for a checkpoint
+  i64 now_ = 0;              // the instant
+  u64 instant_step_ = 0;     // its number among the steps; 0: there was only the first one
+  TimeLimit limit_;          // of the nodes that answered
+  i64 planned_ = kForever;
+  SavedTime time_;
   i64 began_ = 0;
   bool has_fault_ = false, has_lost_ = false;
   u64 fault_step_ = 0, fault_order_ = 0;
@@ -682,4 +780,3 @@ DistributedResult run_distributed(Core& core, const Distribution& distribution, 
 }
 
 }  // namespace bip::rt
-  std::vector<bool> locked_;  // by atom, the same: an attempt holds it

@@ -5,6 +5,9 @@
 // their parts have ended; that is a run of the sequential semantics, as with simulated.hpp. The run has ended when all
 // nodes rest and, counted twice, as many messages have arrived as were sent (Mattern, "Algorithms for distributed
 // termination detection", Distributed Computing 2, 1987: the four-counter method).
+//
+// Models with time: when all rest, it asks each node how far time may pass and which instants it plans, and tells all
+// of them the smallest one (node_time.hpp). With the loss of a node time stops.
 #pragma once
 #include <string>
 #include <vector>
@@ -21,7 +24,7 @@ struct DistributedResult : SimulatedResult {
   i64 started = 0;             // ns until all nodes were there
 };
 
-/// Of an initialized core without time. Leaves the core in the last state; core.fault() has the fault, if there is one.
+/// Of an initialized core. Leaves the core in the last state; core.fault() has the fault, if there is one.
 [[nodiscard]] DistributedResult run_distributed(Core& core, const Distribution& distribution, const RunOptions& options,
                                                 u64 seed, Output& output, u64 resumed = 0);
 

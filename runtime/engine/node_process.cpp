@@ -14,7 +14,7 @@ namespace bip::rt {
 
 namespace {
 
-constexpr i64 kQuiet = 2000000;              // ns of rest before it is reported
+constexpr i64 kQuiet = 2000000;              // ns of rest before it is reported; with time none: each instant waits
 constexpr i64 kSendWhile = 100000;           // ns of actions after which what is ready is sent
 constexpr i64 kLastWords = 2000000000;       // ns to wait for the launcher to hear them
 constexpr i64 kLook = 1000000000;            // ns between looks whether the launcher is there
@@ -53,9 +53,11 @@ NodeProcess::NodeProcess(const NodeSetup& setup, Fabric& fabric)
       codec_(node_.core().tables(), setup.distribution, setup.run),
       station_(fabric, codec_, setup.self, launcher_ + 1),
       scheduler_(setup.options.policy, setup.seed + setup.self),
+      time_(plans_instants(node_.core(), setup.options), setup.seed + setup.self),
       is_remote_(setup.options.deployment != nullptr && setup.self != 0),
       sent_(launcher_, 0),
-      received_(launcher_, 0) {}
+      received_(launcher_, 0),
+      quiet_(node_.core().is_timed() ? 0 : kQuiet) {}
 
 bool NodeProcess::run(const State& initial) {
   initial_ = &initial;
@@ -122,7 +124,7 @@ bool NodeProcess::must_leave(i64 now) {
 
 i64 NodeProcess::next_due(bool has_work) const {
   if (has_work) return 0;
-  return idle_since_ == 0 ? station_.due() : std::min(station_.due(), idle_since_ + kQuiet);
+  return idle_since_ == 0 ? station_.due() : std::min(station_.due(), idle_since_ + quiet_);
 }
 
 void NodeProcess::say(Control::Kind kind, std::vector<u64> numbers, std::vector<std::string> texts) {
@@ -140,6 +142,7 @@ void NodeProcess::take(const Heard& heard) {
 
 void NodeProcess::take_control(const Control& control) {
   const u64 number = control.numbers.empty() ? 0 : control.numbers.front();
+  Core& core = node_.core();
   switch (control.kind) {
     case Control::Kind::Credit:
       credit_ = number > ~u64{0} - credit_ ? ~u64{0} : credit_ + number;
@@ -166,6 +169,23 @@ void NodeProcess::take_control(const Control& control) {
       is_paused_ = false;
       is_idle_ = false;
       return;
+    case Control::Kind::Limit:
+      if (core.is_timed()) {
+        const TimeLimit limit = time_.limit(core);
+        say(Control::Kind::Limited, {static_cast<u64>(limit.last), static_cast<u64>(limit.change)});
+      }
+      return;
+    case Control::Kind::Plan:
+      if (core.is_timed() && number <= static_cast<u64>(kForever))
+        say(Control::Kind::Planned, {static_cast<u64>(time_.plan(core, static_cast<i64>(number)))});
+      return;
+    case Control::Kind::Instant:
+      if (!core.is_timed() || control.numbers.size() != 2 || number >= static_cast<u64>(kForever)) return;
+      node_.pass_to({static_cast<i64>(number), control.numbers[1]});
+      time_.begin(core.now());
+      is_idle_ = false;
+      idle_since_ = 0;
+      return;
     case Control::Kind::Finish:
       if (!is_finished_) return say_last_state();
       if (control.numbers.size() == 2) told_end_ = control.numbers[0], told_steps_ = control.numbers[1];
@@ -181,6 +201,8 @@ void NodeProcess::take_control(const Control& control) {
     case Control::Kind::Fault:
     case Control::Kind::Atom:
     case Control::Kind::Told:
+    case Control::Kind::Limited:
+    case Control::Kind::Planned:
     case Control::Kind::Finished: return;
   }
 }
@@ -234,7 +256,7 @@ bool NodeProcess::has_begun() {
   if (is_halted_ || is_paused_ || node_.is_stopped() || station_.link(launcher_).unsaid() > kMostUnsaid) return false;
   const u32 locked = node_.locked_interaction();
   if (locked != kNone) at = scheduler_.choose_of(node_.core(), locked);
-  wants_ = locked != kNone || scheduler_.choose_decided(node_.core(), at);
+  wants_ = locked != kNone || time_.choose(scheduler_, node_.core(), at);
   if (!wants_) return false;
   if (credit_ == 0) {
     if (!has_asked_) say(Control::Kind::Want, {});
@@ -246,6 +268,7 @@ bool NodeProcess::has_begun() {
   const u64 step = step_at(station_.tick_clock(), setup_.self);
   if (writes_) describe(at);
   scheduler_.fired(at.interaction);
+  time_.fired(at.interaction);
   atoms_.clear();
   node_.begin(at, step, atoms_);
   ++steps_;
@@ -326,7 +349,7 @@ u64 NodeProcess::sum_of_open(const std::vector<u64>& counts) {
 // Of a node that rests for a while: what the launcher must know to tell the end of the run.
 void NodeProcess::report(i64 now) {
   if (is_idle_) {
-    if (idle_since_ == 0 || now - idle_since_ < kQuiet) return;
+    if (idle_since_ == 0 || now - idle_since_ < quiet_) return;
     idle_since_ = 0;
     return say(Control::Kind::Idle, {sum_of_open(sent_), sum_of_open(received_), station_.clock(), steps_});
   }
@@ -340,7 +363,8 @@ void NodeProcess::count(u64 round) {
 
 void NodeProcess::say_state() {
   State last = *initial_;
-  node_.save(last);
+  SavedTime time;
+  node_.save(last, time);
   const Tables& tables = node_.core().tables();
   for (u32 atom = 0; atom < setup_.image.atoms.size; ++atom) {
     if (setup_.distribution.home(atom) != setup_.self) continue;
@@ -348,6 +372,7 @@ void NodeProcess::say_state() {
     const u32 words = tables.types[tables.atoms[atom].type].mark_words;
     for (u32 i = 0; i < words; ++i) told.numbers.push_back(last.marks[tables.first_mark(atom) + i]);
     told.numbers.push_back(node_.history(atom));
+    told.numbers.push_back(node_.is_locked(atom) ? 1 : 0);
     const u32 variables = tables.atom_type(atom).variables.size;
     std::string values;
     ByteWriter writer(values);
@@ -356,7 +381,24 @@ void NodeProcess::say_state() {
       codec_.write_cell(writer, cell, last.data[cell]);
     }
     told.texts.push_back(std::move(values));
+    if (node_.core().is_timed()) {
+      ByteWriter clocks(told.texts.emplace_back());
+      append_clocks(clocks, atom, time);
+    }
     station_.say(launcher_, std::move(told));
+  }
+}
+
+// The instant, the atom's clocks, and how its action beside the others began.
+void NodeProcess::append_clocks(ByteWriter& writer, u32 atom, const SavedTime& time) {
+  writer.number(static_cast<u64>(time.now));
+  writer.number(time.clocks[atom].size());
+  for (const i64 word : time.clocks[atom]) writer.number(static_cast<u64>(word));
+  for (const SavedTime::Beside& one : time.beside) {
+    if (one.words[0] != i64{atom}) continue;
+    writer.number(one.step);
+    writer.number(one.order);
+    for (const i64 word : one.words) writer.number(static_cast<u64>(word));
   }
 }
 
@@ -371,4 +413,3 @@ void NodeProcess::say_last_state() {
 }
 
 }  // namespace bip::rt
-    told.numbers.push_back(node_.is_locked(atom) ? 1 : 0);

@@ -10,6 +10,7 @@
 #include "runtime/distributed/greeting.hpp"
 #include "runtime/distributed/node.hpp"
 #include "runtime/distributed/station.hpp"
+#include "runtime/engine/node_time.hpp"
 #include "runtime/engine/output.hpp"
 #include "runtime/engine/scheduler.hpp"
 
@@ -70,6 +71,7 @@ class NodeProcess {
   void report_fault();
   void count(u64 round);
   void say_state();
+  static void append_clocks(ByteWriter& writer, u32 atom, const SavedTime& time);
   void say_last_state();
   void free_strings();
   [[nodiscard]] i64 next_due(bool has_work) const;
@@ -84,6 +86,7 @@ class NodeProcess {
   Codec codec_;
   Station station_;
   Scheduler scheduler_;
+  NodeTime time_;
   const State* initial_ = nullptr;
 
   bool is_remote_;   // the launcher may be on another host, and cannot watch this process
@@ -97,6 +100,7 @@ class NodeProcess {
   bool is_halted_ = false, is_paused_ = false, is_idle_ = false, is_finished_ = false;
   std::vector<u64> sent_, received_;  // by node: offers, begins, stops
   std::deque<Held> held_;
+  i64 quiet_;           // ns of rest before it is reported
   i64 idle_since_ = 0;  // 0: reported, or at work
   u64 fault_step_ = ~u64{0};
   u32 fault_order_ = 0;

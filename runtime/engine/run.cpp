@@ -2,6 +2,7 @@
 #include "bip/run.hpp"
 #include "runtime/core/text.hpp"
 #include "runtime/distributed/checkpoint.hpp"
+#include "runtime/distributed/distribution.hpp"
 
 #include <algorithm>
 #include <vector>
@@ -48,7 +49,9 @@ std::string format_refusal(const Image& image, const RunOptions& options) {
   const bool is_partial = options.engine == Engine::Threads || has_nodes(options.engine);
   if (is_partial && format.engines == TracedEngines::OneByOne)
     return option + " needs the sequential engine: it lists what each state offers";
-  if (!format.has_time && has_time(image)) return option + " does not record models with time";
+  if (!format.has_outside && options.speed > 0 && has_time(image)) return option + " does not record runs in real time";
+  if (!format.has_outside && (has_event_sources(image) || !options.events_path.empty() || !options.replay_path.empty()))
+    return option + " does not record events";
   if (format.needs_file && options.trace_path.empty())
     return option + " needs --trace: it is no text for standard output";
   if (options.engine != Engine::Sequential && format.engines == TracedEngines::Sequential)
@@ -71,8 +74,14 @@ std::string conflict_of(const RunOptions& options) {
 // Why such a run cannot be; empty: it can.
 std::string refusal(const Image& image, const RunOptions& options) {
   if (options.engine != Engine::Sequential) {
-    if (has_time(image) && has_nodes(options.engine)) return "several nodes do not run models with time";
-    if (has_time(image)) return "an engine with several threads does not run models with time";
+    if (has_time(image) && !has_nodes(options.engine))
+      return "an engine with several threads does not run models with time";
+    if (const TimeOnNodes time = time_on_nodes(image); !time.problem.empty())
+      return "several nodes do not run " + time.problem;
+    if (has_time(image) && options.speed > 0) return "several nodes do not run models in real time";
+    if (!options.events_path.empty()) return "--events needs the sequential engine";
+    if (has_time(image) && (!options.checkpoint_path.empty() || !options.resume_path.empty()))
+      return "--checkpoint and --resume do not save models with time";
     if (is_weighted(image)) return "weights (`@weight`) need the sequential engine";
     if (options.interactive || options.debug) return "--interactive and --debug need the sequential engine";
     if (options.profile != nullptr) return "--profile needs the sequential engine";

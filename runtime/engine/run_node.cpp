@@ -74,6 +74,7 @@ bool options_of(const Greeting& welcome, RunOptions& options) {
   options.trace_path = welcome.is_traced ? "/dev/null" : "";
   options.on_loss = welcome.goes_on ? OnLoss::GoOn : OnLoss::Stop;
   options.maximal_progress = welcome.has_maximal_progress;
+  options.asap = welcome.is_asap;
   return true;
 }
 

@@ -13,6 +13,7 @@
 #include "runtime/engine/flights.hpp"
 #include "runtime/engine/interrupt.hpp"
 #include "runtime/engine/loss_story.hpp"
+#include "runtime/engine/node_time.hpp"
 #include "runtime/engine/scheduler.hpp"
 
 namespace bip::rt {
@@ -23,6 +24,7 @@ namespace {
 struct Seat {
   std::unique_ptr<Node> node;
   Scheduler scheduler;
+  NodeTime time;
   std::vector<Link> links;       // by peer
   std::vector<u64> again_until;  // by peer: frames up to this number are sent again; 0: none
   bool has_turn = false;
@@ -37,6 +39,7 @@ class SimulatedRun {
         distribution_(distribution),
         options_(options),
         writes_(output.writes_steps()),
+        plans_(plans_instants(core, options)),
         network_(faults, seed),
         draws_(seed + 1),
         flights_(output),
@@ -46,6 +49,7 @@ class SimulatedRun {
     for (u32 node = 0; node < nodes; ++node) {
       Seat& seat = seats_.emplace_back(Seat{std::make_unique<Node>(core.image(), how, distribution, node),
                                             Scheduler(options.policy, seed + node),
+                                            NodeTime(plans_, seed + node),
                                             {},
                                             {}});
       for (u32 peer = 0; peer < nodes; ++peer) seat.links.emplace_back(node, peer);
@@ -69,8 +73,8 @@ class SimulatedRun {
         if (may_pause && checkpoints_.take_due(network_.now())) is_pausing_ = true;
       }
       // Nobody is at work, nothing is on its way.
-      if (!std::exchange(is_pausing_, false)) break;
-      take_checkpoint(initial);
+      if (std::exchange(is_pausing_, false)) take_checkpoint(initial);
+      else if (!has_passed_time()) break;
     }
     SimulatedResult result;
     result.border_steps = border_steps_;
@@ -106,6 +110,12 @@ class SimulatedRun {
         seat.has_turn = false;
         if (seat.is_lost) return;
         if (has_taken_turn(event.node)) wake(event.node);
+        return send(event.node);
+      case NetworkEvent::Kind::Instant:
+        if (seat.is_lost) return;
+        seat.node->pass_to(moment_);
+        seat.time.begin(moment_.instant);
+        wake(event.node);
         return send(event.node);
       case NetworkEvent::Kind::Again:
         if (!seat.is_lost) send_again(event.node, event.peer);
@@ -149,18 +159,39 @@ class SimulatedRun {
     EnabledSet::Position at{};
     if (is_stopping_ || is_pausing_ || node.is_stopped() || steps_ == options_.limit || is_interrupted()) return false;
     if (node.locked_interaction() != kNone) at = seat.scheduler.choose_of(node.core(), node.locked_interaction());
-    else if (!seat.scheduler.choose_decided(node.core(), at)) return false;
+    else if (!seat.time.choose(seat.scheduler, node.core(), at)) return false;
     if (writes_) flights_.depart(node.core(), at);
     seat.scheduler.fired(at.interaction);
+    seat.time.fired(at.interaction);
     core_.remember(at.interaction);
     atoms_.clear();
-    node.begin(at, steps_, atoms_);
+    node.begin(at, steps_ + instants_, atoms_);
     if (writes_) flights_.set_parts(static_cast<u32>(atoms_.size()));
     const u32 self = static_cast<u32>(&seat - seats_.data());
     const bool is_border =
         std::any_of(atoms_.begin(), atoms_.end(), [&](u32 atom) { return distribution_.home(atom) != self; });
     border_steps_ += is_border ? 1 : 0;
     ++steps_;
+    return true;
+  }
+
+  // Nobody is at work, nothing is on its way: tells all nodes of the next instant. False: there is none.
+  bool has_passed_time() {
+    const bool is_stopped =
+        std::any_of(seats_.begin(), seats_.end(), [](const Seat& seat) { return seat.node->is_stopped(); });
+    // The atoms of a lost node are at work for ever, at this instant.
+    if (!core_.is_timed() || is_stopped || has_lost() || steps_ == options_.limit || is_interrupted()) return false;
+    TimeLimit limit;
+    for (Seat& seat : seats_) limit.meet(seat.time.limit(seat.node->core()));
+    i64 next = limit.change;
+    for (Seat& seat : seats_) next = std::min(next, seat.time.plan(seat.node->core(), limit.last));
+    if (next == kForever || next > limit.last) return false;
+    if (next != moment_.instant) {
+      moment_ = {next, steps_ + instants_};
+      ++instants_;
+      if (writes_) flights_.skip();
+    }
+    network_.tell_instant(static_cast<u32>(seats_.size()));
     return true;
   }
 
@@ -209,7 +240,7 @@ class SimulatedRun {
       return;
     Checkpoint checkpoint{steps_, initial, std::vector<u32>(core_.image().atoms.size, kNone)};
     for (u32 node = 0; node < seats_.size(); ++node) {
-      seats_[node].node->save(checkpoint.state);
+      seats_[node].node->save(checkpoint.state, time_);
       for (u32 atom = 0; atom < checkpoint.history.size(); ++atom) {
         if (distribution_.home(atom) == node) checkpoint.history[atom] = seats_[node].node->history(atom);
       }
@@ -252,22 +283,27 @@ class SimulatedRun {
         fault = at;
     }
     State last = initial;
-    for (const Seat& seat : seats_) seat.node->save(last);
+    for (const Seat& seat : seats_) seat.node->save(last, time_);
+    add_time(core_, std::move(time_), last);
     result.steps = steps_;
     if (fault != nullptr) {
       // The step that ends in a fault is in the trace, as in any run.
       if (writes_) flights_.write_until(fault->fault_step);
-      result.steps = fault->fault_step;
+      // Instants have numbers among the steps; all but the last one are before every fault.
+      BIP_ASSERT(instants_ == 0 || fault->fault_step >= moment_.step, "a fault of step {} at the instant {}",
+                 fault->fault_step, moment_.step);
+      result.steps = fault->fault_step - instants_ + (instants_ != 0 && fault->fault_step == moment_.step ? 1 : 0);
       result.end = End::Fault;
       (void)core_.restore(last);
       core_.fail(fault->fault);
       return;
     }
-    if (writes_) flights_.write_until(steps_);
+    if (writes_) flights_.write_until(steps_ + instants_);
     const bool is_sound = core_.restore(last);
     if (has_lost()) return end_with_loss(is_sound, initial, result);
     BIP_ENSURE(is_sound, "the last state has no fault");
     if (steps_ == options_.limit) result.end = End::Limit;
+    else if (!is_interrupted() && is_time_locked(core_)) result.end = End::Fault;
     else result.end = core_.candidate_count() != 0 ? End::Interrupted : end_without_step(core_);
     BIP_ENSURE(result.end != End::Interrupted || is_interrupted(), "a node waits for what never comes");
   }
@@ -308,17 +344,21 @@ class SimulatedRun {
   const Distribution& distribution_;
   const RunOptions& options_;
   bool writes_;
+  bool plans_;  // instants of steps
   Network network_;
   Prng draws_;
   Flights flights_;
   std::vector<Seat> seats_;
   u64 steps_ = 0, border_steps_ = 0, lost_after_ = 0;
+  u64 instants_ = 0;  // to which time has passed
+  Moment moment_;
   bool is_stopping_ = false;  // a node was lost
   bool is_pausing_ = false;   // nothing begins until a checkpoint can be taken
   Checkpoints checkpoints_;
   // Scratch.
   std::vector<Message> heard_;
   std::vector<u32> atoms_;
+  SavedTime time_;
   Frame frame_;
 };
 

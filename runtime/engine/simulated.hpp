@@ -4,6 +4,9 @@
 // Each node takes turns: it begins a step that it coordinates, or runs an action of an atom that is at home there. The
 // steps, in the order in which they begin, are a run of the sequential semantics: the coordinator of a step has heard
 // of all that it depends on. Lines and trace have that order, and end where a sequential run would meet a fault.
+//
+// Models with time: when nothing is at work and nothing is on its way, all nodes pass to the next instant of all of
+// them (node_time.hpp). Time of the model and time of the simulated network are two things.
 #pragma once
 #include <string>
 
@@ -32,7 +35,7 @@ struct SimulatedResult {
   u64 checkpoint = 0;      // steps before the last one
 };
 
-/// Of an initialized core without time, `resumed` steps after the initial state. Leaves the core in the last state;
+/// Of an initialized core, `resumed` steps after the initial state. Leaves the core in the last state;
 /// core.fault() has the fault, if there is one.
 [[nodiscard]] SimulatedResult run_simulated(Core& core, const Distribution& distribution, const NetworkFaults& faults,
                                             const RunOptions& options, u64 seed, Output& output, u64 resumed = 0,

@@ -22,7 +22,7 @@ double weight_of_tie(double share, double total) { return share * total; }
 
 bool draws_resumes(const Image& image, const RunOptions& options) {
   const bool plans = row_of(options.policy).is_uniform() && !options.asap && !options.interactive;
-  if (!plans || options.speed > 0 || !options.draws_resumes) return false;
+  if (!plans || options.speed > 0 || !options.draws_resumes || has_nodes(options.engine)) return false;
   for (const Atom& atom : image.atoms) {
     const AtomTime* time = image.atom_types[atom.type].time;
     if (time != nullptr && has_resume(*time)) return true;

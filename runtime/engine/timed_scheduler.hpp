@@ -17,8 +17,8 @@ namespace bip::rt {
 /// anything was.
 enum class Due : std::uint8_t { Step, Event, Deadlock, Fault, Stopped };
 
-/// Does a run with these options draw the instants at which busy atoms resume? In logical time where it plans instants,
-/// and if an atom of the image has `resume`.
+/// Does a run with these options draw the instants at which busy atoms resume? In logical time on one node where it
+/// plans instants, and if an atom of the image has `resume`.
 [[nodiscard]] bool draws_resumes(const Image& image, const RunOptions& options);
 
 class TimedScheduler {

@@ -52,15 +52,17 @@ class Digest {
 void RecordedWriter::begin(std::string& out, const TraceHead& head) {
   out += kRecordMagic;
   BIP_ASSERT(head.image != nullptr, "a trace of no image");
-  append_leb(out, head.maximal_progress ? 1 : 0);
+  append_leb(out,
+             (head.maximal_progress ? 1u : 0u) | (has_time(*head.image) ? 2u : 0u) | (head.draws_resumes ? 4u : 0u));
   append_text(out, head.policy);
   append_text(out, name_of(head.engine));
   append_leb(out, head.seed);
   append_text(out, head.image->name);
 }
 
-void RecordedWriter::step(std::string& out, Core&, EnabledSet::Position position, std::uint64_t, std::uint64_t) {
+void RecordedWriter::step(std::string& out, Core& core, EnabledSet::Position position, std::uint64_t, std::uint64_t) {
   append_recorded_step(out, position);
+  if (core.is_timed()) append_leb(out, static_cast<u64>(core.now()));
 }
 
 void RecordedWriter::steps(std::string& out, const std::vector<u32>& interactions) {
@@ -72,6 +74,7 @@ void RecordedWriter::end(std::string& out, const Core& core, End end, std::uint6
   BIP_ASSERT(end <= End::Final, "the end {}", end);
   append_leb(out, static_cast<u64>(end));
   append_leb(out, steps);
+  if (core.is_timed()) append_leb(out, static_cast<u64>(core.now()));
   // Of a partial state there is none.
   std::uint64_t digest = end == End::Fault || core.partial().is_on() ? 0 : digest_of(core);
   for (int i = 0; i < 8; ++i, digest >>= 8) out += static_cast<char>(digest & 0xff);
@@ -135,11 +138,21 @@ std::string RecordedReader::open(std::string_view bytes, RecordedBegin& begin) {
   bytes_ = bytes;
   at_ = kRecordMagic.size();
   std::uint64_t flags = 0;
-  if (!bytes.starts_with(kRecordMagic) || !number(flags) || flags > 1 || !text(begin.policy) || !engine(begin.engine) ||
+  if (!bytes.starts_with(kRecordMagic) || !number(flags) || flags > 7 || !text(begin.policy) || !engine(begin.engine) ||
       !number(begin.seed) || !text(begin.name))
     return "it does not begin like a binary trace";
-  begin.maximal_progress = flags == 1;
+  begin.maximal_progress = (flags & 1) != 0;
+  begin.has_time = has_time_ = (flags & 2) != 0;
+  begin.draws_resumes = (flags & 4) != 0;
   return {};
+}
+
+bool RecordedReader::read_instant() {
+  std::uint64_t value = 0;
+  if (!has_time_) return true;
+  if (!number(value) || value > static_cast<u64>(kForever)) return false;
+  instant_ = static_cast<i64>(value);
+  return true;
 }
 
 RecordedReader::Next RecordedReader::next(EnabledSet::Position& position, RecordedEnd& end) {
@@ -148,13 +161,14 @@ RecordedReader::Next RecordedReader::next(EnabledSet::Position& position, Record
   if (!number(word)) return Next::Cut;
   if (word != 0) {
     --word;
-    if ((word & 1) != 0 && !number(rank)) return Next::Cut;
+    if (((word & 1) != 0 && !number(rank)) || !read_instant()) return Next::Cut;
     // What is no interaction of any core stays none.
     position.interaction = word >> 1 > kNone ? kNone : static_cast<u32>(word >> 1);
     position.rank = rank > kNone ? kNone : static_cast<u32>(rank);
     return Next::Step;
   }
-  if (!number(word) || word > static_cast<u64>(End::Final) || !number(end.steps) || bytes_.size() - at_ < 8)
+  if (!number(word) || word > static_cast<u64>(End::Final) || !number(end.steps) || !read_instant() ||
+      bytes_.size() - at_ < 8)
     return Next::Cut;
   end.how = static_cast<End>(word);
   end.digest = 0;

@@ -2,10 +2,11 @@
 // of the last state. Everything else follows from the model, so `bipc replay --recorded` shows such a run in any other
 // format, and checks it.
 //
-// Version 2: "BIPTRC2\n", then numbers as LEB128 and texts as length and bytes: flags (1: maximal progress), name of
-// the policy, name of the engine, seed, the root's name; a step is 1 + (interaction * 2 + (1 if a rank among the
-// interaction's candidates follows)); the end is 0, how it ended, the number of steps, digest (8 bytes; 0: none).
-// Version 1 had the policy as a number of two bits; such files are refused by name.
+// Version 2: "BIPTRC2\n", then numbers as LEB128 and texts as length and bytes: flags (1: maximal progress; 2: of a
+// model with time; 4: the instants at which its busy atoms resume are drawn), name of the policy, name of the engine,
+// seed, the root's name; a step is 1 + (interaction * 2 + (1 if a rank among the interaction's candidates follows)),
+// with time followed by its instant; the end is 0, how it ended, the number of steps, with time the instant, digest (8
+// bytes; 0: none). Version 1 had the policy as a number of two bits; such files are refused by name.
 #pragma once
 #include <string>
 #include <string_view>
@@ -23,6 +24,8 @@ struct RecordedBegin {
   std::uint64_t seed = 0;
   Engine engine = Engine::Sequential;
   bool maximal_progress = true;
+  bool has_time = false;
+  bool draws_resumes = false;
 };
 struct RecordedEnd {
   End how = End::Limit;
@@ -50,6 +53,8 @@ class RecordedReader {
   enum class Next : std::uint8_t { Step, End, Cut };
   /// Reads a step into `position`, or the end into `end`. Cut: the bytes end before.
   Next next(EnabledSet::Position& position, RecordedEnd& end);
+  /// With time: of the step or of the end that was read last.
+  [[nodiscard]] i64 instant() const { return instant_; }
   /// After Next::End: bytes that follow the trace.
   [[nodiscard]] std::size_t rest() const { return bytes_.size() - at_; }
 
@@ -57,8 +62,11 @@ class RecordedReader {
   bool number(std::uint64_t& value);
   bool text(std::string& value);
   bool engine(Engine& value);
+  bool read_instant();
   std::string_view bytes_;
   std::size_t at_ = 0;
+  bool has_time_ = false;
+  i64 instant_ = 0;
 };
 
 }  // namespace bip::rt

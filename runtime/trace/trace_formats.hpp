@@ -57,7 +57,7 @@ struct TraceFormatRow {
   std::unique_ptr<TraceSink> (*make)();
   Console console = Console::StepLines;
   TracedEngines engines = TracedEngines::All;
-  bool has_time = true;                  // models with time can be traced
+  bool has_outside = true;               // what comes from outside: events, returns of actions in real time
   bool needs_file = false;               // it makes no sense without --trace
   bool is_text = false;                  // explorations and replays can be shown in it
   bool can_embed = false;                // Execution::trace writes it

@@ -47,6 +47,54 @@ OTHER_MODEL = """package m
 end
 """
 
+# A rover in logical time: its camera's pictures take 25 ms, on a node of their own, and the wheels go on meanwhile.
+ROVER = """package rover
+  port type P()
+  port type Picture(int number)
+  connector type Two(P p, P q)
+    define p q
+  end
+  connector type Send(Picture from_, Picture to_)
+    define from_ to_
+    on from_ to_ down { to_.number = from_.number; }
+  end
+  atom type Camera()
+    clock x unit millisecond
+    data int number = 0
+    export port P look()
+    export port Picture send(number)
+    place IDLE, SEES
+    initial to IDLE
+    @async(budget="25ms")
+    on look from IDLE to SEES do { number = number + 1; }
+    on send from SEES to IDLE eager
+  end
+  atom type Brain()
+    data int number = 0
+    export port P look()
+    export port Picture get(number)
+    place THINKS, WAITS
+    initial to THINKS
+    on look from THINKS to WAITS
+    on get from WAITS to THINKS
+  end
+  atom type Wheels()
+    clock t unit millisecond
+    port P turn()
+    place DRIVE
+    initial to DRIVE do { t = 0; }
+    on turn from DRIVE to DRIVE provided (t >= 10) eager do { t = 0; }
+  end
+  compound type Root()
+    component Brain brain()
+    component Camera camera()
+    component Wheels wheels(), spare()
+    connector Two look(brain.look, camera.look)
+    connector Send send(camera.send, brain.get)
+  end
+end
+"""
+
 passed = failed = 0
 
 
@@ -289,6 +337,34 @@ def test_loss(folder, hosts, deployed, draws):
         check(took < 4.5, f"a loss is noticed after three beats, not {took:.1f} s", run.text())
 
 
+def test_time(folder, hosts):
+    """Logical time over hosts: the cable of the camera's node is out for five seconds; the rover stops, says why, and goes on."""
+    model = folder / "rover.bip"
+    model.write_text(ROVER)
+    place = "".join(f"node {name} host {address}\n" for name, address in zip(NAMES, hosts.real))
+    place += "brain on lab\nspare on field\ncamera on mast\nwheels on rover\n"
+    deployed = deploy(folder, hosts, "timed", model, None, place)
+    run = Run(folder, hosts, deployed, [0, 1, 2, 3], "--limit", "100000000", "--seed", "7")
+    run.nodes[1].wait_for("the run begins")
+    time.sleep(0.5)
+    for link in hosts.numbers_of(2):
+        hosts.tell(f"cut {link} 5000")
+    check(run.nodes[0].wait_for("`mast` gives no sign for 3 s", 10), "why the rover stops is told", run.text())
+    size = run.trace.stat().st_size
+    time.sleep(0.5)
+    check(run.trace.stat().st_size == size, "time stops", f"{size} {run.trace.stat().st_size}")
+    check(run.nodes[0].wait_for("`mast` is heard again", 15), "that it goes on is told", run.text())
+    end = time.monotonic() + 15
+    while run.trace.stat().st_size <= size and time.monotonic() < end:
+        time.sleep(0.1)
+    time.sleep(0.5)
+    run.nodes[0].process.send_signal(signal.SIGINT)
+    run.check({130}, "a cut in logical time")
+    steps = re.search(r"interrupted: (\d+) steps", run.nodes[0].text)
+    check(run.trace.stat().st_size > size and "R0030" not in run.nodes[0].text, "it goes on", run.text())
+    return int(steps[1]) if steps else 0
+
+
 def test_cable(folder, hosts, deployed):
     """A node whose cable stays out is lost for the others, and ends by itself."""
     run = Run(folder, hosts, deployed, [0, 1, 2, 3], "--limit", "100000000", "--lost-after", "3s", others=("--lost-after", "3s"))
@@ -444,7 +520,7 @@ def main():
                 "loss": lambda: test_loss(folder, hosts, deployed, draws), "cable": lambda: test_cable(folder, hosts, deployed),
                 "leave": lambda: test_leave(folder, hosts, deployed), "launcher": lambda: test_launcher(folder, hosts, deployed),
                 "refused": lambda: test_refused(folder, hosts, deployed), "odd_bytes": lambda: test_odd_bytes(folder, hosts, deployed, draws),
-                "cpp": lambda: test_cpp(folder, hosts),
+                "cpp": lambda: test_cpp(folder, hosts), "time": lambda: test_time(folder, hosts),
             }
             for which, test in tests.items():
                 if options.only in (None, which):

@@ -44,7 +44,7 @@ std::string engines_program(const std::vector<EmittedCase>& cases, const CheckOp
                            std::to_string(options.engine_runs) + ", " + std::to_string(options.steps) +
                            ", n);\n"
                            "  if (t.empty()) t = std::to_string(n.runs) + \" \" + std::to_string(n.steps) + \" \" + "
-                           "std::to_string(n.in_parts);\n"
+                           "std::to_string(n.in_parts) + \" \" + std::to_string(n.timed);\n"
                            "  std::printf(\"%zu\\n\", t.size());\n  std::fwrite(t.data(), 1, t.size(), stdout);\n  "
                            "std::fflush(stdout);\n}\n");
 }
@@ -74,11 +74,11 @@ std::string next_record(const std::string& all, std::size_t& at) {
 /// Only the first lines of a compiler's or sanitizer's complaint.
 std::string head(const std::string& text) { return text.substr(0, 600); }
 
-/// "runs steps in_parts", as engines_program writes them. False: it is something else.
+/// "runs steps in_parts timed", as engines_program writes them. False: it is something else.
 bool read_counts(const std::string& record, EngineCounts& counts) {
-  unsigned long long runs = 0, steps = 0, in_parts = 0;
-  if (std::sscanf(record.c_str(), "%llu %llu %llu", &runs, &steps, &in_parts) != 3) return false;
-  counts.add({runs, steps, in_parts});
+  unsigned long long runs = 0, steps = 0, in_parts = 0, timed = 0;
+  if (std::sscanf(record.c_str(), "%llu %llu %llu %llu", &runs, &steps, &in_parts, &timed) != 4) return false;
+  counts.add({runs, steps, in_parts, 0, timed});
   return true;
 }
 

@@ -25,11 +25,13 @@ struct EngineCounts {
   std::uint64_t runs = 0, steps = 0;
   std::uint64_t in_parts = 0;    // of them, runs of the batch engine whose system came apart
   std::uint64_t with_known = 0;  // and simulated ones that know more of conflicts than places tell
+  std::uint64_t timed = 0;       // and simulated ones of models with time
   void add(const EngineCounts& more) {
     runs += more.runs;
     steps += more.steps;
     in_parts += more.in_parts;
     with_known += more.with_known;
+    timed += more.timed;
   }
 };
 
@@ -81,8 +83,9 @@ inline constexpr const char* kNetworkFaults[] = {"", "lose 10%, double 10%", "cu
 /// prover knows of conflicts, for the simulated ones.
 inline std::string engine_runs(const rt::Image& image, std::uint64_t seed, std::uint64_t runs, std::uint64_t steps,
                                EngineCounts& counts, const std::vector<rt::NextMove>& known = {}) {
-  // They do not run models with time.
-  if (rt::has_time(image)) return "";
+  // Models with time run on nodes only, and not all of them.
+  const bool is_timed = rt::has_time(image);
+  if (is_timed && !rt::time_on_nodes(image).problem.empty()) return "";
   const bool has_parts = comes_apart(image);
   for (std::uint64_t k = 0; k < runs; ++k) {
     rt::RunOptions options;
@@ -95,7 +98,9 @@ inline std::string engine_runs(const rt::Image& image, std::uint64_t seed, std::
     options.threads = 2 + static_cast<std::uint32_t>(k % 3);
     options.perturb = variant == 0 ? 0 : options.seed + 1;
     options.engine = rt::Engine::Threads;
-    if (std::string problem = engine_run(image, options, counts); !problem.empty()) return problem;
+    options.asap = is_timed && variant == 0 && seed % 2 == 0;
+    if (is_timed) ++counts.timed;
+    else if (std::string problem = engine_run(image, options, counts); !problem.empty()) return problem;
     options.engine = rt::Engine::Simulated;
     options.nodes = 2 + static_cast<std::uint32_t>(options.seed % 4);
     options.network_faults = kNetworkFaults[options.seed % std::size(kNetworkFaults)];
@@ -110,6 +115,7 @@ inline std::string engine_runs(const rt::Image& image, std::uint64_t seed, std::
     if (std::string problem = engine_run(image, options, counts); !problem.empty()) return problem;
     // The same with several coordinators for each conflict set, and locks.
     placement.split_above = 1;
+    if (is_timed) continue;
     if (std::string problem = engine_run(image, options, counts); !problem.empty()) return problem;
     options.placement = nullptr;
     options.network_faults.clear();

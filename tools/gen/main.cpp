@@ -140,9 +140,12 @@ int check(Arguments& a) {
         static_cast<unsigned long long>(totals.emitted), static_cast<unsigned long long>(totals.counts.in_columns));
   }
   const EngineCounts& engines = totals.counts.engines;
-  std::printf("engines: %llu runs with several threads, %llu of them in parts, %llu with known conflicts, %llu steps\n",
-              static_cast<unsigned long long>(engines.runs), static_cast<unsigned long long>(engines.in_parts),
-              static_cast<unsigned long long>(engines.with_known), static_cast<unsigned long long>(engines.steps));
+  std::printf(
+      "engines: %llu runs with several threads, %llu of them in parts, %llu with known conflicts, %llu with time, "
+      "%llu steps\n",
+      static_cast<unsigned long long>(engines.runs), static_cast<unsigned long long>(engines.in_parts),
+      static_cast<unsigned long long>(engines.with_known), static_cast<unsigned long long>(engines.timed),
+      static_cast<unsigned long long>(engines.steps));
   std::printf("differential: %llu systems, %zu failed\n", static_cast<unsigned long long>(totals.models),
               totals.failures.size());
   // Of so many systems some have states that the oracle visits, and some run on engines with several threads; a run

@@ -80,9 +80,9 @@ class Worker {
     std::fprintf(out_, "F %llu %s\n", static_cast<unsigned long long>(f.seed), one_line(f.what).c_str());
   }
   void tell(const EngineCounts& counts) {
-    std::fprintf(out_, "R %llu %llu %llu %llu\n", static_cast<unsigned long long>(counts.runs),
+    std::fprintf(out_, "R %llu %llu %llu %llu %llu\n", static_cast<unsigned long long>(counts.runs),
                  static_cast<unsigned long long>(counts.steps), static_cast<unsigned long long>(counts.in_parts),
-                 static_cast<unsigned long long>(counts.with_known));
+                 static_cast<unsigned long long>(counts.with_known), static_cast<unsigned long long>(counts.timed));
   }
   void flush() {
     if (cases_.empty()) return;
@@ -116,7 +116,8 @@ void read_results(std::FILE* in, Totals& totals) {
     } else if (line[0] == 'R') {
       const std::uint64_t steps = std::strtoull(rest, &rest, 10);
       const std::uint64_t in_parts = std::strtoull(rest, &rest, 10);
-      totals.counts.engines.add({first, steps, in_parts, std::strtoull(rest, nullptr, 10)});
+      const std::uint64_t with_known = std::strtoull(rest, &rest, 10);
+      totals.counts.engines.add({first, steps, in_parts, with_known, std::strtoull(rest, nullptr, 10)});
     } else if (line[0] == 'E') {
       totals.emitted += first;
     } else if (line[0] == 'U') {

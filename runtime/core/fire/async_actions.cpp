@@ -29,18 +29,20 @@ void AsyncActions::reset() {
 }
 
 void AsyncActions::save(std::vector<i64>& out) const {
-  for (const u32 atom : working_) {
-    const AtWork& work = at_work_[atom];
-    for (const i64 word : {i64{atom}, i64{work.transition}, i64{work.place}, work.until, i64{work.is_overrun}})
-      out.push_back(word);
-  }
+  for (const u32 atom : working_) save_work(atom, out);
   if (any()) out.push_back(-1);
+}
+
+void AsyncActions::save_work(u32 atom, std::vector<i64>& out) const {
+  const AtWork& work = at_work_[atom];
+  for (const i64 word : {i64{atom}, i64{work.transition}, i64{work.place}, work.until, i64{work.is_overrun}})
+    out.push_back(word);
 }
 
 const i64* AsyncActions::load(const i64* in) {
   reset();
   if (!any()) return in;
-  for (; *in >= 0; in += 5) {
+  for (; *in >= 0; in += kSavedWords) {
     BIP_ASSERT(static_cast<std::size_t>(in[0]) < at_work_.size() && !is_at_work(static_cast<u32>(in[0])),
                "atom {} is at work twice", in[0]);
     working_.push_back(static_cast<u32>(in[0]));
@@ -94,28 +96,37 @@ bool AsyncActions::begin_action(u32 atom, const LinkedTransition& transition, co
   const u32 before = core_.memory.places[atom];
   BIP_ASSERT(!is_at_work(atom), "atom {} is at work already", atom);
   if (!core_.atom_steps.move_tokens(atom, transition)) return false;
+  begin_work(atom, transition, async, before);
+  if (!core_.clocks.look_at_time(atom)) return false;
+  if (core_.atoms[atom].watched != 0) core_.ports.touch(atom);
+  return true;
+}
+
+void AsyncActions::begin_work(u32 atom, const LinkedTransition& transition, const Async& async, u32 place) {
   core_.clocks.show_clocks(atom);
   const i64 until =
       async.budget < 0 || async.budget >= kForever - core_.clocks.now() ? kForever : core_.clocks.now() + async.budget;
   BIP_ASSERT(until >= core_.clocks.now(), "a budget that ended at {}", until);
-  at_work_[atom] = {static_cast<u32>(&transition - core_.tables.transitions.data()), before, until, 0, false};
+  at_work_[atom] = {static_cast<u32>(&transition - core_.tables.transitions.data()), place, until, 0, false};
   working_.push_back(atom);
   core_.clocks.set_busy_until(atom, waits_for_returns_ ? kForever : until);
   begin_job(atom);
-  if (!core_.clocks.look_at_time(atom)) return false;
-  if (core_.atoms[atom].watched != 0) core_.ports.touch(atom);
-  return true;
+}
+
+const LinkedTransition& AsyncActions::end_work(u32 atom) {
+  const LinkedTransition& transition = core_.tables.transitions[at_work_[atom].transition];
+  at_work_[atom] = {};
+  BIP_ASSERT(std::count(working_.begin(), working_.end(), atom) == 1, "atom {} is listed {} times", atom,
+             std::count(working_.begin(), working_.end(), atom));
+  working_.erase(std::find(working_.begin(), working_.end(), atom));
+  return transition;
 }
 
 // What the action did takes effect now.
 bool AsyncActions::finish_action(u32 atom) {
   BIP_ASSERT(is_at_work(atom), "atom {} is not at work", atom);
   const AtWork work = at_work_[atom];
-  at_work_[atom] = {};
-  BIP_ASSERT(std::count(working_.begin(), working_.end(), atom) == 1, "atom {} is listed {} times", atom,
-             std::count(working_.begin(), working_.end(), atom));
-  working_.erase(std::find(working_.begin(), working_.end(), atom));
-  const LinkedTransition& transition = core_.tables.transitions[work.transition];
+  const LinkedTransition& transition = end_work(atom);
   const Span<Var>& vars = core_.tables.atom_type(atom).variables;
   Cell* self = core_.memory.cells.data() + core_.atoms[atom].first_cell;
   std::int32_t status = 1;

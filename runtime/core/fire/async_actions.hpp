@@ -50,10 +50,17 @@ class AsyncActions {
   [[nodiscard]] const Async* async_of(u32 atom, const LinkedTransition& transition) const;
   /// After `down`: tokens move, and the atom is at work.
   bool begin_action(u32 atom, const LinkedTransition& transition, const Async& async);
+  /// The same of an atom whose tokens have moved from `place`; its ports are not found anew.
+  void begin_work(u32 atom, const LinkedTransition& transition, const Async& async, u32 place);
+  /// The budget is over: the atom is at work no longer. Returns the transition whose action is to be run.
+  const LinkedTransition& end_work(u32 atom);
   /// What the action did takes effect now; the core is not settled. False: a fault.
   bool finish_action(u32 atom);
   /// After a restored state: what runs belongs to another one.
   void restart_jobs();
+  static constexpr std::size_t kSavedWords = 5;
+  /// Appends what `save` says of an atom that is at work: kSavedWords words.
+  void save_work(u32 atom, std::vector<i64>& out) const;
   /// Appends the atoms at work with their actions; reads the same, and returns what follows.
   void save(std::vector<i64>& out) const;
   const i64* load(const i64* in);

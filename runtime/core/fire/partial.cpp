@@ -127,7 +127,7 @@ PartialState link_partial(const Tables& tables, const PriorityTables& rules) {
 
 void PartialSteps::allow() {
   core_.memory.binds.make(*core_.tables.image);
-  BIP_ASSERT(!core_.clocks.is_timed() && core_.is_settled(), "partial states are of settled systems without time");
+  BIP_ASSERT(core_.is_settled(), "partial states are of settled systems");
   state_ = std::make_unique<PartialState>(link_partial(core_.tables, core_.priorities.tables()));
 }
 
@@ -190,6 +190,7 @@ void PartialSteps::withdraw(u32 atom) {
     core_.memory.places[atom] = kNone;
   } else {
     for (u32 port = info.port_base; port < core_.tables.port_base(atom + 1); ++port) core_.ports.set_port(port, kNone);
+    if (type.is_timed) core_.clocks.forget(atom);
   }
 }
 
@@ -215,6 +216,7 @@ bool PartialSteps::begin_port(u32 instance) {
   const u32 atom = core_.tables.port_atom[instance];
   const LinkedType& type = core_.tables.types[core_.atoms[atom].type];
   const LinkedTransition& transition = core_.tables.transitions[core_.ports.port(instance).transition];
+  if (type.is_timed && !core_.clocks.begin_port(instance)) return false;
   withdraw(atom);
   p.last_step[atom] = p.step;
   BIP_ASSERT(p.works != nullptr && is_beginning_, "a port fires outside of a step");
@@ -222,11 +224,22 @@ bool PartialSteps::begin_port(u32 instance) {
   if (!type.simple && !core_.atom_steps.move_tokens(atom, transition)) return false;
   occupy(atom);
   ++p.begun;
-  p.works->push_back({atom, &transition, 0, p.step});
+  p.works->push_back({.atom = atom, .transition = &transition, .step = p.step});
   return true;
 }
 
+// How the work's action runs beside the others from now on; null: it runs now.
+const Async* PartialSteps::async_of(const Work& work) const {
+  const bool is_timed = core_.tables.types[core_.atoms[work.atom].type].is_timed;
+  if (!is_timed || work.is_return || work.internals != 0 || !core_.actions.any()) return nullptr;
+  return core_.actions.async_of(work.atom, *work.transition);
+}
+
 std::int32_t PartialSteps::run(const Work& work) {
+  if (async_of(work) != nullptr) return 1;
+  const bool is_timed = core_.tables.types[core_.atoms[work.atom].type].is_timed;
+  // What runs beside the others was shown them when it began.
+  if (is_timed && (!work.is_return || work.internals != 0)) core_.clocks.show_clocks(work.atom);
   const Code& action = work.transition->action;
   return action.fn == nullptr ? 1
                               : action.fn(action.context, core_.memory.cells.data() + core_.atoms[work.atom].first_cell,
@@ -245,6 +258,15 @@ Finished PartialSteps::come_to_rest(Work& work, std::int32_t status) {
   p.noted = false;
   p.step = work.step;
   bool sound = status < 2 || core_.faults.fail_code(status, atom, kNone, work.transition->source);
+  if (sound && type.is_timed) {
+    core_.clocks.begin_part();
+    if (const Async* const async = async_of(work)) {
+      const u32 from = type.mark_words == 0 ? work.transition->from : core_.memory.places[atom];
+      core_.actions.begin_work(atom, *work.transition, *async, from);
+      return Finished::Idle;
+    }
+    sound = core_.clocks.read_clocks(atom, work.transition->source);
+  }
   if (sound && !type.fixed) {
     const LinkedTransition* next = nullptr;
     sound = (!type.has_invariants || core_.atom_steps.check_invariants(atom, work.transition)) &&
@@ -253,6 +275,7 @@ Finished PartialSteps::come_to_rest(Work& work, std::int32_t status) {
       if (work.internals++ >= core_.options.internal_bound) {
         sound = core_.faults.fail(FaultCode::EndlessInternals, atom, next->source, nullptr);
       } else if (core_.atom_steps.move_tokens(atom, *next)) {
+        if (work.fired == nullptr) work.fired = work.transition;
         work.transition = next;
         return Finished::More;
       } else {
@@ -260,6 +283,8 @@ Finished PartialSteps::come_to_rest(Work& work, std::int32_t status) {
       }
     }
   }
+  if (sound && type.is_timed)
+    sound = core_.clocks.begin_resume(atom, work.fired != nullptr ? work.fired : work.transition);
   if (sound) return Finished::Idle;
   note_fault(p.last_step[atom], p.order[atom]);
   return Finished::Fault;
@@ -312,11 +337,38 @@ bool PartialSteps::take_up(u32 atom, u32 transition, u64 step, u32 order, Work& 
              p.rest[atom]);
   p.last_step[atom] = step;
   p.order[atom] = order;
-  work = {atom, &row, 0, step};
+  work = {.atom = atom, .transition = &row, .step = step};
   core_.fault = {};
   p.noted = false;
-  if (type.simple || core_.atom_steps.move_tokens(atom, row)) return true;
+  const bool is_sound = !type.is_timed || core_.clocks.begin_port(core_.tables.instance(atom, row.port));
+  if (is_sound && (type.simple || core_.atom_steps.move_tokens(atom, row))) {
+    if (type.is_timed) core_.clocks.forget(atom);
+    return true;
+  }
   note_fault(step, order);
+  return false;
+}
+
+void PartialSteps::begin_change(u32 atom, u64 step) {
+  PartialState& p = *state_;
+  p.step = p.last_step[atom] = step;
+  // Atoms whose ports change at one instant are looked at in this order.
+  p.order[atom] = atom;
+}
+
+Work PartialSteps::return_action(u32 atom) {
+  return {
+      .atom = atom, .transition = &core_.actions.end_work(atom), .step = state_->last_step[atom], .is_return = true};
+}
+
+bool PartialSteps::change_here(u32 atom) {
+  core_.fault = {};
+  state_->noted = false;
+  if (core_.clocks.look_at_time(atom)) {
+    if (core_.atoms[atom].watched != 0) core_.ports.touch(atom);
+    return true;
+  }
+  note_fault(state_->last_step[atom], state_->order[atom]);
   return false;
 }
 
@@ -344,11 +396,18 @@ bool PartialSteps::offer_away(u32 atom, AtomOffer& offer) {
   const u64* marks = core_.memory.marks.data() + core_.tables.first_mark(atom);
   offer.marks.assign(marks, marks + type.mark_words);
   offer.transitions.clear();
+  offer.times.clear();
   const u32 ports = core_.tables.port_base(atom + 1) - core_.tables.port_base(atom);
   for (u32 port = 0; port < ports; ++port) {
     const u32 row = core_.atom_steps.port_scratch()[port];
-    if (row != kNone) offer.transitions.push_back(row);
+    if (row == kNone) continue;
+    offer.transitions.push_back(row);
+    if (!type.is_timed) continue;
+    // Of two transitions of a port the home makes a fault, which has the data.
+    offer.times.push_back(core_.clocks.port_time(core_.tables.port_base(atom) + port));
+    offer.times.back().other = kNone;
   }
+  if (type.is_timed) offer.change = core_.clocks.next_change_of(atom);
   offer.step = p.last_step[atom];
   offer.order = p.order[atom];
   p.rest[atom] = offer.place;
@@ -366,6 +425,11 @@ bool PartialSteps::receive(u32 atom, const AtomOffer& offer) {
   p.order[atom] = offer.order;
   core_.memory.places[atom] = offer.place;
   std::copy(offer.marks.begin(), offer.marks.end(), core_.memory.marks.begin() + core_.tables.first_mark(atom));
+  BIP_ASSERT(offer.times.size() == (type.is_timed ? offer.transitions.size() : 0), "{} times of {} ports",
+             offer.times.size(), offer.transitions.size());
+  for (std::size_t k = 0; k < offer.times.size(); ++k)
+    core_.clocks.set_port_time(info.port_base + core_.tables.transitions[offer.transitions[k]].port, offer.times[k]);
+  if (type.is_timed) core_.clocks.expect_change(atom, offer.change);
   for (const u32 row : offer.transitions) {
     const u32 port = info.port_base + core_.tables.transitions[row].port;
     if (type.simple) core_.ports.flip(port, true);

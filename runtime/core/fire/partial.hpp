@@ -25,6 +25,7 @@
 #include "runtime/core/fire/fault.hpp"
 #include "runtime/core/link/tables.hpp"
 #include "runtime/core/state/enabled_set.hpp"
+#include "runtime/core/time/clocks.hpp"
 
 namespace bip::rt {
 
@@ -34,6 +35,8 @@ struct Work {
   const LinkedTransition* transition = nullptr;
   u32 internals = 0;  // internal transitions so far
   u64 step = 0;
+  bool is_return = false;                   // of an action that runs beside the others (`@async`): its budget is over
+  const LinkedTransition* fired = nullptr;  // before internal transitions: the one with a port
 };
 enum class Finished : std::uint8_t { Idle, More, Fault };  // More: the work now names an internal transition
 
@@ -44,6 +47,9 @@ struct AtomOffer {
   std::vector<u32> transitions;  // rows of Tables::transitions: of each enabled port
   u64 step = 0;
   u32 order = 0;  // in that step
+  // Of atoms with time: of each of these transitions when; the instant at which the atom offers something else.
+  std::vector<PortTime> times = {};
+  i64 change = kForever;
 };
 
 struct PartialState {
@@ -88,7 +94,7 @@ struct CoreParts;
 class PartialSteps {
  public:
   explicit PartialSteps(CoreParts& core) : core_(core) {}
-  /// From now on only these take steps. Of an initialized image without time.
+  /// From now on only these take steps. Of an initialized image; with time, only in cores that share the system.
   void allow();
   [[nodiscard]] bool is_on() const { return state_ != nullptr; }
   /// Null unless it is on.
@@ -114,6 +120,13 @@ class PartialSteps {
   bool take_up(u32 atom, u32 transition, u64 step, u32 order, Work& work);
   /// As finish, but for what follows: Idle means that the atom is at rest and not yet offered anywhere.
   Finished come_to_rest(Work& work, std::int32_t status);
+  /// Of an atom at home here whose ports may change at this instant, which has the number `step` among the steps: what
+  /// follows is of it.
+  void begin_change(u32 atom, u64 step);
+  /// The budget of the atom's action is over: the action runs next. Of an atom that is away.
+  [[nodiscard]] Work return_action(u32 atom);
+  /// Finds anew what the atom, at home and offered here, offers. False: a fault. Settle follows.
+  bool change_here(u32 atom);
   /// The enabled ports (of its type) of an atom that is at rest here. False: a fault.
   bool find_enabled_ports(u32 atom, std::vector<u32>& ports);
   /// What the atom, which came to rest here, offers to another core; here it is away. False: a fault.
@@ -133,6 +146,7 @@ class PartialSteps {
   bool settle();
 
  private:
+  [[nodiscard]] const Async* async_of(const Work& work) const;
   void withdraw(u32 atom);
   void occupy(u32 atom);
   void release(u32 atom);

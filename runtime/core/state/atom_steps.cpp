@@ -176,6 +176,7 @@ bool AtomSteps::update_ports(u32 atom, u32 place_before) {
 
 bool AtomSteps::find_ports(u32 atom) {
   const LinkedType& type = core_.tables.types[core_.atoms[atom].type];
+  if (type.is_timed) return core_.clocks.find_ports(atom);
   u32* now = port_scratch_.data();
   const u32 ports = core_.tables.port_base(atom + 1) - core_.tables.port_base(atom);
   for (u32 port = 0; port < ports; ++port) now[port] = kNone;

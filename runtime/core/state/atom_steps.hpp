@@ -23,7 +23,8 @@ class AtomSteps {
   bool settle_atom(u32 atom, u32 place_before, const LinkedTransition* fired);
   /// Finds the enabled transition of each port anew. place_before: kNone if not known.
   bool update_ports(u32 atom, u32 place_before);
-  /// Finds the enabled transition of each port, into port_scratch(): kNone if there is none. Of atoms without time.
+  /// Finds the enabled transition of each port, into port_scratch(): kNone if there is none. Its ports stay as they
+  /// are.
   bool find_ports(u32 atom);
   /// Finds the enabled internal transition; null if none is.
   bool find_internal(u32 atom, const LinkedTransition*& found);

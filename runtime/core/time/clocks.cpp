@@ -59,7 +59,9 @@ TypeTime time_of_type(const AtomType& type, const Image& image) {
   return out;
 }
 
-// May an eager candidate have an interval without a first instant? The bound may be another participant's.
+}  // namespace
+
+// The bound may be another participant's.
 bool may_open_eagerly(const Image& image) {
   bool is_eager = false, is_strict = false, is_async = false;
   for (const AtomType& type : image.atom_types) {
@@ -67,13 +69,14 @@ bool may_open_eagerly(const Image& image) {
       const TransitionTime& transition = type.time->transitions[row];
       is_eager |= transition.urgency == Urgency::Eager;
       is_async |= transition.async.present;
-      for (const Bound& bound : transition.when.bounds) is_strict |= bound.op == BoundOp::Lt || bound.op == BoundOp::Gt;
+      for (const Bound& bound : transition.when.bounds) {
+        // `x < 5` of a clock begins to hold when the clock is set: no open bound, for clocks do not run backwards.
+        is_strict |= bound.op == BoundOp::Gt || (bound.op == BoundOp::Lt && bound.minus != kNone);
+      }
     }
   }
   return is_eager && is_strict && !is_async;
 }
-
-}  // namespace
 
 bool has_resume(const AtomTime& time) {
   return time.initial.present || std::any_of(time.transitions.begin(), time.transitions.end(),
@@ -387,17 +390,28 @@ bool Clocks::fail_late_resume(u32 atom, i64 actual) {
 
 void Clocks::save(std::vector<i64>& out) const {
   out.push_back(now_);
-  for (u32 atom = 0; atom < core_.atoms.size; ++atom) {
-    for (u32 clock = 0; clock < clock_base_[atom + 1] - clock_base_[atom]; ++clock) {
-      out.push_back(static_cast<i64>(clock_value(atom, clock)));
-      const i64 speed = out.emplace_back(clocks_[clock_base_[atom] + clock].speed);
-      if (has_fraction(speed)) out.push_back(static_cast<i64>(exact_value(atom, clock) & (kUnitSpeed - 1)));
-    }
-    out.push_back(std::max(busy_until_[atom], now_));
-  }
+  for (u32 atom = 0; atom < core_.atoms.size; ++atom) save_atom(atom, out);
   core_.actions.save(out);
   core_.events.save(out);
   if (draws_resumes_) out.push_back(static_cast<i64>(resumes_drawn_));
+}
+
+void Clocks::save_atom(u32 atom, std::vector<i64>& out) const {
+  for (u32 clock = 0; clock < clock_base_[atom + 1] - clock_base_[atom]; ++clock) {
+    out.push_back(static_cast<i64>(clock_value(atom, clock)));
+    const i64 speed = out.emplace_back(clocks_[clock_base_[atom] + clock].speed);
+    if (has_fraction(speed)) out.push_back(static_cast<i64>(exact_value(atom, clock) & (kUnitSpeed - 1)));
+  }
+  out.push_back(std::max(busy_until_[atom], now_));
+}
+
+bool Clocks::is_saved(u32 atom, const std::vector<i64>& words) const {
+  std::size_t at = 0;
+  for (u32 clock = clock_base_[atom]; clock < clock_base_[atom + 1]; ++clock) {
+    if (at + 2 > words.size() || words[at + 1] < 0 || words[at + 1] > kMaxSpeed) return false;
+    at += has_fraction(words[at + 1]) ? 3 : 2;
+  }
+  return at + 1 == words.size() && words[at] >= 0;
 }
 
 void Clocks::load(const std::vector<i64>& in) {
@@ -421,11 +435,8 @@ void Clocks::load(const std::vector<i64>& in) {
   BIP_ASSERT(next + (is_counted ? 1 : 0) == in.data() + in.size(), "a state of {} words of another image", in.size());
 }
 
-// A timed atom's ports at this instant, and what is next.
-bool Clocks::look_at_time(u32 atom) {
-  BIP_ASSERT(core_.tables.atom_type(atom).time != nullptr, "atom {} has nothing to do with time", atom);
-  const bool is_busy = busy_until_[atom] > now_;
-  if (!is_busy && core_.actions.is_at_work(atom)) return core_.actions.finish_action(atom);
+// A timed atom's ports at this instant, into the scratch for ports, and what is next.
+inline bool Clocks::find_ports(u32 atom, bool is_busy, i64& next, u32& possible) {
   const AtomInfo& state = core_.atoms[atom];
   const LinkedType& type = core_.tables.types[state.type];
   const TypeTime& rules = types_[state.type];
@@ -433,8 +444,8 @@ bool Clocks::look_at_time(u32 atom) {
   const u32 ports = core_.tables.port_base(atom + 1) - state.port_base;
   u32* now = core_.atom_steps.port_scratch();
   for (u32 port = 0; port < ports; ++port) now[port] = kNone;
-  i64 next = is_busy ? busy_until_[atom] : kForever;
-  u32 possible = 0;
+  next = is_busy ? busy_until_[atom] : kForever;
+  possible = 0;
   Coming& coming = coming_[atom];
   coming.transition = kNone;
   const bool is_automaton = type.mark_words == 0;
@@ -477,11 +488,50 @@ bool Clocks::look_at_time(u32 atom) {
   }
   if (time.events.size != 0 && !core_.events.refuse(atom, now)) return false;
   if (type.has_priorities && !core_.atom_priorities.hide_ports(atom, now)) return false;
-  for (u32 port = 0; port < ports; ++port) core_.ports.set_port(state.port_base + port, now[port]);
   BIP_ASSERT(next > now_, "ports of atom {} change at {}", atom, next);
   changes_.set(atom, next);
+  return true;
+}
+
+bool Clocks::look_at_time(u32 atom) {
+  BIP_ASSERT(core_.tables.atom_type(atom).time != nullptr, "atom {} has nothing to do with time", atom);
+  const bool is_busy = busy_until_[atom] > now_;
+  if (!is_busy && core_.actions.is_at_work(atom)) return core_.actions.finish_action(atom);
+  i64 next = 0;
+  u32 possible = 0;
+  if (!find_ports(atom, is_busy, next, possible)) return false;
+  const u32 first = core_.atoms[atom].port_base, ports = core_.tables.port_base(atom + 1) - first;
+  const u32* now = core_.atom_steps.port_scratch();
+  for (u32 port = 0; port < ports; ++port) core_.ports.set_port(first + port, now[port]);
+  const TypeTime& rules = types_[core_.atoms[atom].type];
+  Coming& coming = coming_[atom];
   if (possible != 1 || !rules.is_foreseeable) coming.transition = kNone;
   return !rules.has_limits || look_at_invariants(atom);
+}
+
+bool Clocks::find_ports(u32 atom) {
+  const bool is_busy = busy_until_[atom] > now_;
+  BIP_ASSERT(is_busy || !core_.actions.is_at_work(atom), "the action of atom {} ends", atom);
+  i64 next = 0;
+  u32 possible = 0;
+  if (!find_ports(atom, is_busy, next, possible)) return false;
+  coming_[atom].transition = kNone;
+  return !types_[core_.atoms[atom].type].has_limits || look_at_invariants(atom);
+}
+
+void Clocks::forget(u32 atom) {
+  coming_[atom].transition = kNone;
+  changes_.set(atom, kForever);
+  ends_.set(atom, kForever);
+}
+
+void Clocks::pass_to(i64 to, std::vector<u32>& changed) {
+  BIP_ASSERT(to >= now_, "from {} back to {}", now_, to);
+  now_ = to;
+  while (changes_.first_key() <= to) {
+    changed.push_back(changes_.first_row());
+    forget(changed.back());
+  }
 }
 
 // What a look would find: the interval of the one transition that was waited for has begun, all else is as it was,
@@ -549,8 +599,7 @@ CandidateTime Clocks::time_of(const Candidate& candidate) {
   return out;
 }
 
-// Before a step in which the port takes part. False: it is a fault.
-inline bool Clocks::begin_timed(u32 instance) {
+bool Clocks::begin_port(u32 instance) {
   const PortState& port = core_.ports.port(instance);
   if (const u32 other = ports_[instance].other; other != kNone) {
     return core_.faults.fail(FaultCode::TwoTransitions, core_.tables.port_atom[instance],
@@ -567,12 +616,12 @@ bool Clocks::take(EnabledSet::Position at) {
   const InteractionInfo info = core_.tables.interactions[at.interaction];
   const bool is_sync =
       has_sync_ && info.kind != InteractionKind::Port && core_.tables.connector_type(info.row).resume_sync;
-  if (info.kind == InteractionKind::Port) return begin_timed(info.row) && core_.firing.take(at);
+  if (info.kind == InteractionKind::Port) return begin_port(info.row) && core_.firing.take(at);
   if (info.kind == InteractionKind::Flat && !is_sync) {
     const u32* ports = core_.tables.flat_ports.data() + info.first;
     bool is_timed = false;
     for (u32 i = 0; i < info.count; ++i) {
-      if (!begin_timed(ports[i])) return false;
+      if (!begin_port(ports[i])) return false;
       is_timed = is_timed || core_.ports.port(ports[i]).place == kNone;
     }
     // Where places do not say all there is no program: not asked for again.
@@ -585,7 +634,7 @@ bool Clocks::take(EnabledSet::Position at) {
   std::vector<u32> together;
   for (const Participant& participant : participant_scratch_) {
     if (is_sync && types_[core_.atoms[participant.atom].type].time != nullptr) together.push_back(participant.atom);
-    if (!begin_timed(core_.tables.instance(participant.atom, participant.port))) return false;
+    if (!begin_port(core_.tables.instance(participant.atom, participant.port))) return false;
   }
   resumes_together_ = together.size() >= 2;
   const bool is_fired = core_.firing.fire(chosen);

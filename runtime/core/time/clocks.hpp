@@ -29,6 +29,9 @@ struct CoreParts;
 [[nodiscard]] bool has_resume(const AtomTime& time);
 /// Has an atom to do with time?
 [[nodiscard]] bool has_time(const Image& image);
+/// May an eager candidate have an interval without a first instant? Images with `@async` are left out: their actions
+/// are not executed twice.
+[[nodiscard]] bool may_open_eagerly(const Image& image);
 
 struct ClockState {
   i64 value = 0;  // at `since`
@@ -86,6 +89,9 @@ class Clocks {
   [[nodiscard]] i64 next_change() const { return changes_.first_key(); }
   /// The last instant that the invariants allow.
   [[nodiscard]] i64 last_instant() const { return ends_.first_key(); }
+  /// Of a core that shares the system with others: goes to an instant that all of them agreed on. Appends the atoms
+  /// whose ports may change there; nothing changes their ports, and nothing is foreseen of them any more.
+  void pass_to(i64 to, std::vector<u32>& changed);
   /// Returns the last instant to which time may pass in this state, candidates' urgency and invariants considered; of
   /// each candidate the last instant of its interval. O(candidates); at an open bound, two restored states.
   i64 wait_limit(std::vector<i64>& ends);
@@ -100,7 +106,7 @@ class Clocks {
   /// Of an instant reached by time alone, a tick after the one before: is it the first of an eager candidate with an
   /// open bound? Returns the candidate's number, or their count.
   [[nodiscard]] u64 opened_eager();
-  /// Can that be, in this model? Models with `@async` are left out: their actions are not executed twice.
+  /// Can that be, in this model (may_open_eagerly)?
   [[nodiscard]] bool has_open_eager() const { return has_open_eager_; }
   /// Makes a fault of a state in which neither a step nor time can go on. Always false.
   bool fail_time_lock();
@@ -158,6 +164,24 @@ class Clocks {
   bool fail_late_resume(u32 atom, i64 actual);
   /// Finds a timed atom's ports at this instant, and what is next. False: a fault.
   bool look_at_time(u32 atom);
+  /// The same of an atom that is not offered in this core: its ports here stay as they are, what it offers is in
+  /// AtomSteps::port_scratch() and port_time(). Of an atom whose action beside the others has not ended.
+  bool find_ports(u32 atom);
+  [[nodiscard]] const PortTime& port_time(u32 instance) const { return ports_[instance]; }
+  void set_port_time(u32 instance, const PortTime& time) { ports_[instance] = time; }
+  /// The next instant at which the atom's ports may change.
+  [[nodiscard]] i64 next_change_of(u32 atom) const { return changes_.key(atom); }
+  /// Of an atom from another core, which knows its invariants: until then it offers the same.
+  void expect_change(u32 atom, i64 at) { changes_.set(atom, at); }
+  /// The atom is at work, or is offered in another core: nothing is known of what it offers next.
+  void forget(u32 atom);
+  /// Before a step in which the port takes part. False: it is a fault.
+  bool begin_port(u32 instance);
+  /// Before an atom's action, in steps that are begun and finished apart.
+  void begin_part() {
+    set_clocks_.clear();
+    resuming_.clear();
+  }
   [[nodiscard]] i64 busy_until(u32 atom) const { return busy_until_[atom]; }
   void set_busy_until(u32 atom, i64 instant) { busy_until_[atom] = instant; }
   /// Appends now; of each clock its value and speed, and the fraction of the value if the speed has one; of each atom
@@ -165,6 +189,10 @@ class Clocks {
   /// draws_resumes(). Reads the same.
   void save(std::vector<i64>& out) const;
   void load(const std::vector<i64>& in);
+  /// Appends what `save` says of the clocks of an atom, and until when it is busy.
+  void save_atom(u32 atom, std::vector<i64>& out) const;
+  /// Are these such words?
+  [[nodiscard]] bool is_saved(u32 atom, const std::vector<i64>& words) const;
   /// Are the tournaments in order, and is no atom's next change in the past? O(atoms).
   [[nodiscard]] bool is_consistent() const {
     return changes_.is_consistent() && ends_.is_consistent() && changes_.first_key() > now_;
@@ -179,7 +207,7 @@ class Clocks {
   bool resume_together(std::vector<u32>& rows);
   bool look_at_invariants(u32 atom);
   void enable_coming(u32 atom);
-  bool begin_timed(u32 instance);
+  bool find_ports(u32 atom, bool is_busy, i64& next, u32& possible);
   i64 draw_resume(i64 first, i64 last);
   void describe_open_bound();
   bool fail_clock(u32 atom, const Clock& clock, const Transition* fired, const char* what, double value);

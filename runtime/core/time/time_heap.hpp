@@ -29,6 +29,7 @@ class TimeHeap {
   [[nodiscard]] bool empty() const { return first_key() == kForever; }
   [[nodiscard]] i64 first_key() const { return keys_[winners_[1]]; }
   [[nodiscard]] std::uint32_t first_row() const { return winners_[1]; }
+  [[nodiscard]] i64 key(std::uint32_t row) const { return keys_[row]; }
   /// Of all rows.
   [[nodiscard]] std::size_t bytes() const {
     return keys_.size() * sizeof(i64) + winners_.size() * sizeof(std::uint32_t);
