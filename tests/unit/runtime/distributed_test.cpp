@@ -16,9 +16,11 @@
 #include "runtime/distributed/deployment.hpp"
 #include "runtime/distributed/greeting.hpp"
 #include "runtime/distributed/node.hpp"
+#include "runtime/distributed/place_free_atoms.hpp"
 #include "runtime/distributed/station.hpp"
 #include "runtime/engine/checkpoints.hpp"
 #include "runtime/engine/node_process.hpp"
+#include "runtime/engine/loss_story.hpp"
 #include "runtime/engine/replay_record.hpp"
 #include "runtime/engine/simulated.hpp"
 #include "runtime/engine/step_merge.hpp"
@@ -916,5 +918,74 @@ TEST_CASE("a fault ends a simulated run at the step where a sequential one meets
     CHECK(run.result.end == End::Fault);
     CHECK(run.err.find("R0005") != std::string::npos);
     CHECK(check(b.image(), run).end == End::Fault);
+  }
+}
+
+// -- Placements by counts --
+
+TEST_CASE("atoms without a home go where the steps of several nodes are fewest") {
+  ImageBuilder b;
+  build_ring(b, 12);
+  const Image& image = b.image();
+  const Tables tables = link(image, MaximalProgress::On);
+  const PriorityTables rules = link_priorities(tables);
+  const auto placed = [&](const std::vector<u64>& counts, std::vector<u32> home, u32 nodes) {
+    Placement placement;
+    for (u32 node = 0; node < nodes; ++node) placement.nodes.push_back(std::to_string(node + 1));
+    placement.home = std::move(home);
+    place_free_atoms(tables, rules, counts, placement);
+    return placement;
+  };
+  const std::vector<u32> free(12, kNone);
+  // A ring in pieces: one interaction for each.
+  const std::vector<u64> alike(12, 10);
+  CHECK(border_part(tables, alike, placed({}, free, 3)) == Approx(3.0 / 12));
+  // Pairs that a breadth-first order would cut: 11 and 0, 1 and 2, and so on.
+  std::vector<u64> pairs;
+  for (int k = 0; k < 12; ++k) pairs.push_back(k % 2 == 1 ? 1000 : 1);
+  const Placement apart_in_pairs = placed(pairs, free, 4);
+  CHECK(border_part(tables, pairs, apart_in_pairs) < 0.001);
+  for (const u32 home : apart_in_pairs.home)
+    CHECK(std::count(apart_in_pairs.home.begin(), apart_in_pairs.home.end(), home) <= 4);
+  CHECK(placed(pairs, free, 4).home == apart_in_pairs.home);
+  // Homes that are given stay.
+  std::vector<u32> some(12, kNone);
+  some[0] = 1;
+  some[6] = 0;
+  const Placement around = placed(alike, some, 2);
+  CHECK(around.home[0] == 1);
+  CHECK(around.home[6] == 0);
+  CHECK(border_part(tables, alike, around) == Approx(2.0 / 12));
+}
+
+// -- Losses --
+
+TEST_CASE("an interaction without lost nodes is whole, whatever else its conflict set has") {
+  ImageBuilder b;
+  build_match(b, 3);
+  const Image& image = b.image();
+  Core core(image);
+  REQUIRE(core.initialize());
+  for (const u32 split_above : {1u, kSplitNone}) {
+    Placement placement = apart(image);
+    placement.split_above = split_above;
+    const Distribution distribution = distribute(core.tables(), core.priorities(), placement);
+    // A server; all is one set.
+    std::vector<bool> is_lost(6, false);
+    is_lost[5] = true;
+    const Survivors survivors(core, distribution, is_lost);
+    std::size_t whole = 0;
+    for (u32 interaction = 0; interaction < 9; ++interaction) {
+      const bool is_coordinator_lost = distribution.coordinator_of[interaction] == 5;
+      const bool meets_lost = interaction % 3 == 2;
+      CHECK(survivors.is_whole(interaction) == (!is_coordinator_lost && !meets_lost));
+      whole += survivors.is_whole(interaction) ? 1 : 0;
+    }
+    CHECK(whole == 6);
+    for (u32 atom = 0; atom < 5; ++atom) CHECK_FALSE(survivors.waits(atom, 0));
+    // Who has no other partner waits.
+    is_lost.assign(6, true);
+    is_lost[0] = false;
+    CHECK(Survivors(core, distribution, is_lost).waits(0, 0));
   }
 }
