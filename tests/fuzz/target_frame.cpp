@@ -12,7 +12,8 @@
 namespace bip::fuzz {
 namespace {
 
-// An automaton on each of two nodes, and a net on the second, with values that cross.
+// An automaton on each of two nodes, and a net on the second, with values that cross. What is on the second is locked
+// for the first.
 constexpr const char* kPeers =
     "package fuzz\n"
     "  port type Level(int v, float w)\n"
@@ -41,6 +42,7 @@ constexpr const char* kPeers =
     "    component Tank tank(), other()\n"
     "    component Net net()\n"
     "    connector Two fills(tank.fill, other.fill), drains(tank.drain, other.drain), nets(tank.fill, net.fill)\n"
+    "    connector Two pairs(other.fill, net.fill)\n"
     "  end\n"
     "end\n";
 
@@ -107,16 +109,18 @@ Verdict try_frame(std::string_view input) {
   rt::Frame frame, again;
   const bool is_read = codec.read(input, 1, 0, frame);
   if (is_read == (station.counts().refused != 0)) return {"frame: what can be read is refused", false};
-  if (!is_read) return {};
-  rt::Node node(peers.compilation.lowered->image, {}, peers.distribution, 0);
+  // Attempts to lock go from the first node to the second.
+  if (!is_read && !codec.read(input, 0, 1, frame)) return {};
+  rt::Node node(peers.compilation.lowered->image, {}, peers.distribution, frame.to);
   if (!node.start(peers.initial)) return {"frame: a node cannot start", false};
-  for (const rt::Message& message : frame.messages) {
-    node.take(message);
-    for (int turns = 0; turns < 2 && !node.is_stopped(); ++turns) go_on(node);
+  // Some messages come together, and some when the node has gone on.
+  for (std::size_t k = 0; k < frame.messages.size(); ++k) {
+    node.take(frame.messages[k]);
+    for (std::size_t turns = 0; turns < k % 3 && !node.is_stopped(); ++turns) go_on(node);
   }
   std::string text, twice;
   codec.write(frame, text);
-  if (!codec.read(text, 1, 0, again)) return {"frame: what was written cannot be read", true};
+  if (!codec.read(text, frame.from, frame.to, again)) return {"frame: what was written cannot be read", true};
   codec.write(again, twice);
   return {text == twice ? "" : "frame: a frame reads otherwise", true};
 }

@@ -10,6 +10,7 @@ import argparse
 import json
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -84,19 +85,22 @@ def number(value):
     return bytes(made + bytes([value]))
 
 
-PROTOCOL = 3  # runtime/distributed/message.hpp
+PROTOCOL = int(re.search(r"kProtocol = (\d+)", (ROOT / "runtime/distributed/message.hpp").read_text())[1])
 
 
 def frames():
-    """Of the peers of target_frame.cpp, from node 2 to node 1, and greetings."""
+    """Of the peers of target_frame.cpp, from node 2 to node 1 and back, and greetings."""
     cells = [5, 1 << 63]
     offer, net = [0, 1, 3, 1, 1, 0, 17, 2, *cells], [0, 2, 3, 0, 3, 1, 2, 17, 2, *cells]
     release, wake = [5, 0, 3, 1, 0], [6, 0]
     begin, stop = [1, 900, 0, 1, 0, 4, 0, 1, *cells], [2, 12]
     control = [3, 7, 3, 1, 1 << 40, 0, 1, 2, ord("h"), ord("i")]
+    lock, taken = [4, 0, 1, 1, 0, 1, 1, 1, 0, 17, 2, *cells], [1, 900, 0, 1, 1, 0, 0, 1, *cells]
     made = {}
-    for name, messages in {"offer": [offer], "net": [net], "begin": [begin], "control": [control], "release": [release], "wake": [wake], "all": [offer, net, begin, stop, control], "none": []}.items():
+    for name, messages in {"offer": [offer], "net": [net], "begin": [begin], "control": [control], "release": [release], "wake": [wake], "all": [offer, net, begin, stop, control], "none": [], "again": [offer, [*offer[:2], 4, *offer[3:]], begin, [*begin[:5], 1, *begin[6:]], net, [*net[:2], 4, *net[3:]], release, release]}.items():
         made[name + ".frame"] = b"".join(map(number, [PROTOCOL, 42, 1, 3 if messages else 0, 2, 99, len(messages), *(value for message in messages for value in message)]))
+    for name, messages in {"lock": [lock], "locks": [lock, taken, lock]}.items():
+        made[name + ".frame"] = b"".join(map(number, [PROTOCOL, 42, 0, 3, 2, 99, len(messages), *(value for message in messages for value in message)]))
     made["welcome.frame"] = b"\0" + b"".join(map(number, [PROTOCOL, 2, 77, 2])) + b"ab" + b"".join(map(number, [1 << 63, 2, 3, 1, 0, 1, 1]))
     made["answer.frame"] = b"\0" + b"".join(map(number, [PROTOCOL, 1, 5, 1])) + b"m"
     return made
