@@ -330,6 +330,8 @@ void NodeProcess::report_fault() {
 }
 
 void NodeProcess::free_strings() {
+  // Actions that run beside the others have copies of their atoms' cells.
+  if (!node_.core().actions().working().empty()) return;
   LiveStrings live;
   const auto add = [&live](const std::vector<u64>& cells) { live.add(cells); };
   live.add(node_.core());

@@ -250,6 +250,9 @@ class SimulatedRun {
 
   // All nodes share the strings. The core of the run is in the initial state until the end.
   void free_strings() {
+    // Actions that run beside the others have copies of their atoms' cells.
+    const auto works = [](const Seat& seat) { return !seat.node->core().actions().working().empty(); };
+    if (std::any_of(seats_.begin(), seats_.end(), works)) return;
     LiveStrings live;
     const auto add = [&live](const std::vector<u64>& cells) { live.add(cells); };
     live.add(core_);
