@@ -312,8 +312,7 @@ TimeOnNodes time_on_nodes(const Image& image) {
       return {"a model with `resume sync`", "components on several nodes would have to agree on an instant", kOne};
   }
   if (may_open_eagerly(image))
-    return {"a model with `eager` beside a bound with `>`",
-            "no node knows whether time must stop before an open bound",
+    return {"a model with `eager` beside a bound with `>`", "no node knows whether time must stop before an open bound",
             std::string("bound it with `>=`, or ") + kOne};
   return {};
 }

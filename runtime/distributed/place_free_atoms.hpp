@@ -4,7 +4,8 @@
 // of an edge is its weight for each node beyond the first. The first cut is grown breadth first from the atoms that
 // have a home; then single vertices move, the one that gains most first, each once in a pass, and the best state of the
 // pass is kept (C. M. Fiduccia, R. M. Mattheyses, "A linear-time heuristic for improving network partitions", DAC
-// 1982), until a pass gains nothing. No node gets more than its share and a tenth (one more at least), unless the placement says so.
+// 1982), until a pass gains nothing. No node gets more than its share and a tenth (one more at least), unless the
+// placement says so.
 //
 // The same input gives the same homes. A pass costs the edges of each vertex that moves or is beside one that moves.
 #pragma once
