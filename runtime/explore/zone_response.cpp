@@ -39,6 +39,8 @@ class ResponseReplay {
       : core_(image, {.progress = options.progress}), response_(response) {}
 
   MissedResponse run(const TimedPath& path) {
+    // The path says when atoms go on.
+    core_.time().wait_for_resume_at();
     if (!core_.initialize()) return {};
     look(nullptr, 0);
     for (u64 k = 0; k < path.steps.size(); ++k) {
