@@ -57,6 +57,7 @@ constexpr PortfolioRow kRows[] = {
     {&kAffineEngine, kThird},
     {&kExhaustiveEngine, kFirstTurn},
     {&kIc3Engine, kFirstTurn, WhenOver::Skip, takes_turns_with_search},
+    {&kRandomRunsEngine, {ShareOf::TimeLeft, 1.0 / 8, 5}},
     {&kSmallInstanceEngine, {ShareOf::TimeLeft, 1.0 / 2}},
     {&kExhaustiveEngine, kSecondTurn},
     {&kIc3Engine, kSecondTurn, WhenOver::Skip, takes_turns_with_search},

@@ -7,6 +7,7 @@
 #include "compiler/verify/evidence/reached_states.hpp"
 #include "compiler/verify/net/unread_data.hpp"
 #include "compiler/verify/portfolio/local_deadlock_search.hpp"
+#include "compiler/verify/portfolio/random_runs.hpp"
 #include "runtime/explore/explore.hpp"
 #include "runtime/include/bip/assert.hpp"
 
@@ -64,6 +65,20 @@ EngineResult search_first(ProofContext& context, const Budget& budget, const Can
     // The exhaustive search goes on: no reason to report.
     case SearchEnd::Limit: break;
   }
+  return result;
+}
+
+EngineResult run_some(ProofContext& context, const Budget& budget, const CancellationToken& cancellation) {
+  EngineResult result;
+  // The next attempt would make the same runs.
+  result.retry = Retry::Pointless;
+  if (!context.parts.has_code()) return result;
+  SearchResult found = run_at_random(context.parts.image(), goal_of(context.question),
+                                     {.cancellation = cancellation.within(budget.seconds)});
+  if (context.question.what != QuestionKind::NoErrors) result.fault = std::move(found.fault);
+  if (found.end != SearchEnd::Found) return result;
+  result.outcome = Outcome::Violated;
+  result.evidence = Counterexample{std::move(found.choices)};
   return result;
 }
 
@@ -147,6 +162,7 @@ EngineResult search_local_deadlock(ProofContext& context, const Budget& budget, 
 }  // namespace
 
 const Engine kFirstSearchEngine{"first search", may_search, search_first};
+const Engine kRandomRunsEngine{"random runs", may_search, run_some};
 const Engine kExhaustiveEngine{"exhaustive search", may_search, search_all};
 const Engine kLocalDeadlockEngine{"local deadlock search",
                                   [](const ProofContext& context) {

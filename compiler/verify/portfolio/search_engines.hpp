@@ -7,6 +7,8 @@ namespace bip::verify {
 
 /// A short best-first search towards the candidate that the invariants leave open: about a second of work.
 extern const Engine kFirstSearchEngine;
+/// Random runs (random_runs.hpp), for what no first turn of the others has decided.
+extern const Engine kRandomRunsEngine;
 /// The exhaustive search. It stores a state in a tenth of the memory and visits many times as many per second.
 extern const Engine kExhaustiveEngine;
 /// Local deadlock: only the graph of all states decides it. The one engine for QuestionKind::NoLocalDeadlock.
