@@ -379,6 +379,8 @@ class Story {
       const u32 group = above_[node];
       if (group != kNone) {
         for (u32 missing : missing_[group]) {
+          // A connector of two ports of the atom itself: it takes one of them, and waits for others at most.
+          if (tables_.port_atom[missing] == atom) continue;
           if (wants.size() < kWantsKept) wants.push_back({port, missing});
         }
         todo.push_back(group);
