@@ -124,9 +124,10 @@ Result<NewFile> NewFile::create(const fs::path& target) {
   const std::string stem = final.filename().string().substr(0, kMaxStem);
   for (int k = 0; k < kMaxNames; ++k) {
     const std::string name = "." + stem + "." + std::to_string(::getpid()) + "-" + std::to_string(next++) + ".new";
-    fs::path path = folder / name;
+    // Copied before there is a file, which nothing would remove if memory ended here.
+    fs::path path = folder / name, end = final;
     const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (file >= 0) return NewFile(final, std::move(path), file, is_copied);
+    if (file >= 0) return NewFile(std::move(end), std::move(path), file, is_copied);
     if (errno != EEXIST) return failure_of(errno);
   }
   return failure_of(EEXIST);
