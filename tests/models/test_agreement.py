@@ -56,7 +56,7 @@ def explored(answer):
 
 def proved(answer):
     verdict = answer.get("verdict")
-    return {"deadlock": True, "time-lock": True, "error": True, "violated": True, "deadlock-free": False, "no-error": False,
+    return {"deadlock": True, "time lock": True, "error": True, "violated": True, "deadlock-free": False, "no-error": False,
             "error-free": False, "holds": False}.get(verdict)
 
 

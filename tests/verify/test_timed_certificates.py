@@ -141,7 +141,7 @@ def check_demands(folder, seed, oracle, counts, bad):
 
     def random_demand():
         request = None if r.random() < 0.2 else make_condition(r, oracle.atoms, oracle.connectors)
-        return sharp(r, oracle, request, make_condition(r, oracle.atoms, oracle.connectors))
+        return sharp(r, oracle, request, make_condition(r, oracle.atoms, oracle.connectors))[0]
     for _ in range(DEMANDS):
         demand, other = random_demand(), random_demand()
         if oracle.misses(demand) is not False:
