@@ -8,9 +8,11 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <new>
 
 #include "compiler/base/content_hash.hpp"
 #include "compiler/base/read_file.hpp"
+#include "compiler/base/visit_files.hpp"
 #include "compiler/base/write_file.hpp"
 #include "runtime/include/bip/assert.hpp"
 
@@ -100,7 +102,11 @@ bool ContentCache::store(const std::string& name, std::string_view bytes) {
 }
 
 ContentCache::~ContentCache() {
-  if (has_stored_) tidy();
+  try {
+    if (has_stored_) tidy();
+  } catch (const std::bad_alloc&) {
+    // The next one tidies.
+  }
 }
 
 // Others may do the same at the same time: a file that is gone is gone.
@@ -112,25 +118,26 @@ void ContentCache::tidy() const {
   };
   std::vector<File> files;
   std::uint64_t sum = 0;
-  std::error_code error;
   const auto now = fs::file_time_type::clock::now();
-  for (fs::directory_iterator entry(folder_, error), end; !error && entry != end; entry.increment(error)) {
+  visit_files(folder_, [&](const FolderEntry& entry) {
     std::error_code gone;
-    const fs::file_time_type used = entry->last_write_time(gone);
-    const std::uint64_t bytes = gone ? 0 : entry->file_size(gone);
-    if (gone) continue;
-    if (entry->path().extension() == ".new" && now - used > kAbandoned) fs::remove(entry->path(), gone);
-    if (!is_kept_file(entry->path())) continue;
-    files.push_back({used, bytes, entry->path()});
+    const fs::file_time_type used = fs::last_write_time(entry.path, gone);
+    const std::uint64_t bytes = gone || entry.is_folder ? 0 : fs::file_size(entry.path, gone);
+    if (gone || entry.is_folder) return Visit::SkipFolder;
+    if (entry.path.extension() == ".new" && now - used > kAbandoned) fs::remove(entry.path, gone);
+    if (!is_kept_file(entry.path)) return Visit::GoOn;
+    files.push_back({used, bytes, entry.path});
     sum += bytes;
-  }
+    return Visit::GoOn;
+  });
   if (sum <= most_bytes_) return;
   std::sort(files.begin(), files.end(),
             [](const File& a, const File& b) { return a.used != b.used ? a.used < b.used : a.path < b.path; });
   // Somewhat below the limit, so that not every run tidies.
   for (const File& file : files) {
     if (sum <= most_bytes_ / 4 * 3) break;
-    if (fs::remove(file.path, error)) sum -= file.bytes;
+    std::error_code gone;
+    if (fs::remove(file.path, gone)) sum -= file.bytes;
   }
 }
 

@@ -1,8 +1,8 @@
 // A cache on disk of machine code and proofs: files in a folder, named by the hash of all inputs.
 //
 // A look-up returns the bytes that were stored under the name, or nothing: a truncated, changed or renamed file is
-// detected by the hash of name and contents at its beginning and counts as absent. (Whoever can write to the folder can
-// forge the hash as well: it is made with mode 0700, and used only if it is the user's and not writable by others.)
+// detected by the hash of name and contents at its beginning and counts as absent. (A user who can write to the folder
+// can forge the hash as well: it is made with mode 0700, and used only if it is the user's and not writable by others.)
 // Several processes may use a folder at the same time, since files are renamed into place. No function fails: a folder
 // that cannot be written is an empty cache. Cost: reading and hashing the file.
 #pragma once

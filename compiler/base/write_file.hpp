@@ -1,6 +1,6 @@
 // Writes files so that readers see the old contents or the new ones, and never a part.
 //
-// The new contents are written to a new file beside the target (opened with O_EXCL, so no file or link of somebody else
+// The new contents are written to a new file beside the target (opened with O_EXCL, so no file or link of another user
 // is followed), brought to the disk (fsync) and renamed over the target. A target that is no regular file (a pipe, a
 // device) is written directly. After a failure the old file is as it was and the new one is removed.
 #pragma once

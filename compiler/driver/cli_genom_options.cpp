@@ -179,7 +179,7 @@ void add_level(CLI::App& command, BridgeArguments& a, const std::string& ros) {
       ->type_name("NAME");
 }
 void add_reading(CLI::App& command, BridgeArguments& a) {
-  command.add_option("--rate", a.rate, "values of each poster per second, if somebody reads it (default: 10)")
+  command.add_option("--rate", a.rate, "values of each poster per second, if it has a reader (default: 10)")
       ->check(is_real(0.01, 1000))
       ->type_name("HZ");
   command.add_option("--yields", a.level.side_file, "file with additional facts, as for `bipc genom`")

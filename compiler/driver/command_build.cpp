@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "compiler/base/read_file.hpp"
+#include "compiler/base/visit_files.hpp"
 #include "compiler/base/write_file.hpp"
 #include "compiler/driver/check_outputs.hpp"
 #include "compiler/driver/commands.hpp"
@@ -38,8 +39,8 @@ std::vector<std::string> runtime_sources(const std::string& directory) {
   std::vector<std::string> sources;
   for (const char* folder : {"core", "distributed", "engine", "explore", "trace"}) {
     std::error_code ignored;
-    for (const auto& entry : fs::recursive_directory_iterator(fs::path(directory) / folder, ignored)) {
-      if (entry.path().extension() == ".cpp") sources.push_back(entry.path().string());
+    for (const fs::path& path : files_below(fs::path(directory) / folder, ignored)) {
+      if (path.extension() == ".cpp") sources.push_back(path.string());
     }
   }
   std::sort(sources.begin(), sources.end());

@@ -64,7 +64,7 @@ traces::WrittenAs written_as(TraceOutput output) {
 std::string interaction_of(const rt::Core& core, const rt::LastMove& move) {
   const rt::Image& image = core.image();
   if (move.connector != rt::kNone) return image.connectors[move.connector].path();
-  BIP_ASSERT(!move.parts.empty(), "`{}` moves nobody", move.text);
+  BIP_ASSERT(!move.parts.empty(), "`{}` moves no atom", move.text);
   std::string name;
   rt::append_relative(name, image.atoms[move.parts.front().atom]);
   return name + '.' + core.tables().atom_type(move.parts.front().atom).ports[move.parts.front().port].name;

@@ -17,6 +17,7 @@
 
 #include "compiler/base/content_hash.hpp"
 #include "compiler/base/read_file.hpp"
+#include "compiler/base/visit_files.hpp"
 #include "compiler/base/write_file.hpp"
 #include "compiler/driver/distributed_runs.hpp"
 #include "compiler/driver/known_conflicts.hpp"
@@ -154,12 +155,8 @@ std::string model_hash(const fs::path& folder, const rt::Placement& placement) {
   for (const std::uint32_t home : placement.home) homes += std::to_string(home) + ' ';
   homes += "\nsplit above " + std::to_string(placement.split_above);
   texts.push_back(homes);
-  std::set<fs::path> files;
   std::error_code error;
-  for (const auto& entry : fs::recursive_directory_iterator(folder / kCppFolder, error)) {
-    if (entry.is_regular_file(error)) files.insert(entry.path());
-  }
-  for (const fs::path& path : files) {
+  for (const fs::path& path : files_below(folder / kCppFolder, error)) {
     texts.push_back(path.lexically_relative(folder).generic_string());
     texts.push_back(read_file(path).value_or(""));
   }
@@ -170,10 +167,9 @@ std::string model_hash(const fs::path& folder, const rt::Placement& placement) {
 Result<bool> move_cpp(FfiFiles& cpp, const fs::path& folder) {
   std::map<std::string, std::string> folders;  // by name
   std::error_code error;
-  for (const auto& entry : fs::recursive_directory_iterator(folder / kCppFolder, error)) {
-    if (!entry.is_regular_file()) continue;
-    const std::string name = entry.path().filename().string();
-    if (!folders.emplace(name, entry.path().parent_path().lexically_relative(folder).generic_string()).second)
+  for (const fs::path& path : files_below(folder / kCppFolder, error)) {
+    const std::string name = path.filename().string();
+    if (!folders.emplace(name, path.parent_path().lexically_relative(folder).generic_string()).second)
       return Failure{"two C++ files are called `" + name + '`'};
   }
   for (auto* files : {&cpp.includes, &cpp.sources, &cpp.objects}) {

@@ -210,7 +210,7 @@ class ShapeWriter {
     }
   }
 
-  // Who is ready is noted first, without branches: nobody can predict it.
+  // Which are ready is noted first, without branches: a branch would not be predicted.
   void ready(const StepOp& op) {
     out_.line("  {");
     out_.line("    std::uint32_t ready = 0;");

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "compiler/base/read_file.hpp"
+#include "compiler/base/visit_files.hpp"
 #include "compiler/base/write_file.hpp"
 #include "compiler/emit_cpp/copy_ffi_files.hpp"
 
@@ -22,13 +23,13 @@ Result<std::vector<fs::path>> runtime_files(const fs::path& runtime_dir) {
   std::vector<fs::path> files;
   for (const char* part : {"include", "core", "distributed", "engine", "explore", "trace"}) {
     std::error_code error;
-    fs::recursive_directory_iterator it(runtime_dir / part, error);
-    for (; !error && it != fs::recursive_directory_iterator(); it.increment(error)) {
-      const fs::path extension = it->path().extension();
+    for (const fs::path& path : files_below(runtime_dir / part, error)) {
+      const fs::path extension = path.extension();
       if (extension == ".cpp" || extension == ".hpp" || extension == ".h")
-        files.push_back(fs::relative(it->path(), runtime_dir, error));
+        files.push_back(path.lexically_relative(runtime_dir));
     }
-    if (error) return Failure{"cannot read the runtime's sources in " + (runtime_dir / part).string()};
+    if (error)
+      return Failure{"cannot read the runtime's sources in " + (runtime_dir / part).string() + ": " + error.message()};
   }
   std::sort(files.begin(), files.end());
   return files;

@@ -140,7 +140,7 @@ class StepBuilder {
     if (!function->hasFnAttribute(llvm::Attribute::OptimizeNone)) function->addFnAttr(llvm::Attribute::AlwaysInline);
     return function;
   }
-  // By its row of codes, whoever is there when the step is taken.
+  // By its row of codes, so that the row may change between steps.
   Value* call_row(std::uint32_t row, Value* self, Value* all, Value* bind) {
     Value* code = b_.CreateConstInBoundsGEP1_64(b_.getInt8Ty(), module_.getOrInsertGlobal(kCodesName, b_.getInt8Ty()),
                                                 std::uint64_t{row} * sizeof(rt::Code));
@@ -406,7 +406,7 @@ class StepBuilder {
     b_.SetInsertPoint(after);
   }
 
-  // Who is ready is noted first, without branches: nobody can predict it.
+  // Which are ready is noted first, without branches: a branch would not be predicted.
   void ready(const StepOp& op) {
     llvm::IRBuilder<> start(&function_->getEntryBlock(), function_->getEntryBlock().begin());
     Value* count = start.CreateAlloca(i32_);

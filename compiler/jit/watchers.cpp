@@ -40,7 +40,7 @@ class PerfMap : public ObjectLinkingLayer::Plugin {
  private:
   // Several compilations of one process add to one file.
   void write(llvm::jitlink::LinkGraph& graph) const {
-    // perf prescribes the name, in a folder where everybody can lay a link or a file.
+    // perf prescribes the name, in a folder in which every user can create a link or a file.
     const std::string path = "/tmp/perf-" + std::to_string(::getpid()) + ".map";
     const int descriptor = ::open(path.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0600);
     if (descriptor < 0) return;

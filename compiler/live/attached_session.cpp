@@ -371,7 +371,7 @@ void AttachedSession::see(const Json& answer) {
                               {"cycle", cycle_in(story_, atoms_)}});
   const bool is_unknown = (rows_.empty() ? first_candidates_ : rows_.back().candidates) == "null";
   if (is_still && (is_unknown || !was_still || was_ended != is_ended)) {
-    // Its candidates are those of this state, if nobody moves it meanwhile.
+    // Its candidates are those of this state, unless another client moves it meanwhile.
     ask_or_end({{"do", "candidates"}}, [this, now](const Json& given) {
       if (number_in(given, "steps") == now && number_in(model_, "steps") == now) see_candidates(given);
       else is_due_ = true;

@@ -44,7 +44,7 @@ struct LoweredSystem {
   // Compiled steps: shapes that derive_steps found, and a function each if an executor made them.
   Steps steps;
   std::vector<rt::StepFn> step_fns;
-  // Step functions call their pieces by the rows of `codes`, as somebody stands between (rt::Profile); else they are
+  // Step functions call their pieces by the rows of `codes`, if a profile counts each call (rt::Profile); else they are
   // inlined.
   bool calls_rows = false;
   struct Pools;

@@ -298,7 +298,7 @@ struct AtomBuilder {
     return name.empty() || may_begin;
   }
 
-  // The ports of the declaration, from row `first` on, are one to whoever binds them.
+  // The ports of the declaration, from row `first` on, are one to the connectors that bind them.
   void merge_ports(const syntax::PortDecl& d, std::size_t first, NameSpace& exported) {
     exported.declare(d.merged_as, "port");
     MergedPort row{.name = std::string(d.merged_as.text),

@@ -310,7 +310,7 @@ struct BodyBuilder {
     row.guard = guard.guard(c.guard);
     if (out.exports) row.up = up.block(c.up.stmts);
     row.down = down.block(c.down.present ? c.down.stmts : c.action.stmts);
-    // What exports no port has no `up`: nobody sees its data before `down`.
+    // What exports no port has no `up`: no connector reads its data before `down`.
     if (out.exports) row.up = after_inits(row.up);
     else if (row.down.is_valid()) row.down = after_inits(row.down);
     check_participants(c, row.params, at);

@@ -47,7 +47,7 @@ const char* text_of(OperandTypes operands) {
 constexpr int kMaxCalls = 16;
 constexpr std::size_t kMaxUnfolded = 100'000;
 constexpr std::uint32_t kMaxUnfoldedDepth = 1000;
-// Beyond this many errors nobody reads on: names are no longer compared.
+// After this many errors no similar names are looked for: comparing takes time.
 constexpr std::size_t kHelpedErrors = 200;
 
 }  // namespace

@@ -2,7 +2,7 @@
 // (code_builder.hpp). Code is in tree form (code.hpp), so each use has rows of its own.
 //
 // Constants are folded once, so a chain of them in which each is twice the one before costs nothing; arguments are
-// counted by whoever asks for the copy.
+// counted by the caller.
 #include "compiler/model/code_builder.hpp"
 #include "compiler/model/evaluate.hpp"
 #include "runtime/include/bip/assert.hpp"

@@ -132,7 +132,7 @@ class GroupGuard {
  private:
   // After fork: only functions that are safe in signal handlers.
   [[noreturn]] static void guard(int end, pid_t group) {
-    // Nobody waits for the end of other files because of this process.
+    // The child must not keep other files open: their readers wait for their end.
     if (end > 0) ::close_range(0, static_cast<unsigned>(end) - 1, 0);
     ::close_range(static_cast<unsigned>(end) + 1, ~0u, 0);
     char done = 0;

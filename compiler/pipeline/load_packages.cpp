@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 
+#include "compiler/base/visit_files.hpp"
 #include "compiler/pipeline/parts.hpp"
 #include "runtime/include/bip/assert.hpp"
 
@@ -198,13 +199,12 @@ std::vector<std::string> packages_below(const std::vector<fs::path>& folders) {
   std::vector<std::string> names;
   std::size_t seen = 0;
   for (const fs::path& folder : folders) {
-    std::error_code error;
-    fs::recursive_directory_iterator it(folder, fs::directory_options::skip_permission_denied, error);
-    for (; !error && it != fs::recursive_directory_iterator() && seen < kMaxListed; it.increment(error), ++seen) {
-      if (it.depth() >= kMaxListedDepth) it.disable_recursion_pending();
-      if (it->path().extension() == ".bip")
-        names.push_back(package_of_file(it->path().lexically_relative(folder).string()));
-    }
+    visit_files(folder, [&](const FolderEntry& entry) {
+      if (seen++ == kMaxListed) return Visit::Stop;
+      if (entry.path.extension() == ".bip")
+        names.push_back(package_of_file(entry.path.lexically_relative(folder).string()));
+      return entry.depth >= kMaxListedDepth ? Visit::SkipFolder : Visit::GoOn;
+    });
   }
   std::sort(names.begin(), names.end());
   names.erase(std::unique(names.begin(), names.end()), names.end());

@@ -325,7 +325,7 @@ class Server {
     net::async_write(client.out, net::buffer(client.waiting.front()),
                      [this, number, &client](const std::error_code& failed, std::size_t) {
                        client.writes = false;
-                       // Whoever reads our standard output is gone, and with it the only client.
+                       // The reader of our standard output is gone, and with it the only client.
                        ends_ = ends_ || (failed && is_only_client(client));
                        if (failed != net::error::broken_pipe)
                          note_stream_failure(client, "write standard output", failed);

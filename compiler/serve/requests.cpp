@@ -320,7 +320,7 @@ void Requests::note_step(const Step& step) {
       else if (!activities_.empty() && step.ports[k].ends_with(kReply)) hear_end(step, k);
     }
   }
-  // Whoever hears may ask at once.
+  // A client that reads this may ask at once.
   for (const RequestReply& r : replies_) send(r);
   replies_.clear();
 }

@@ -194,7 +194,7 @@ bool Deriver::add_transfers(const rt::PlanUse* uses, u32 count, const rt::PlanNo
   uses_ = uses;
   if (!order_uses(count, nodes)) return false;
   evaluate_uses();
-  // Whoever counts calls sees each.
+  // A profile counts each call.
   if (values_.is_known() && !lowered_.calls_rows && list_assigned()) {
     if (add_joined(out)) return true;
     out.clear();

@@ -61,7 +61,7 @@ class Values {
   u32 either(ExprId condition, u32 yes, u32 no);
 
   const CodeTable& code_;
-  std::vector<u32> now_;  // by cell; kNone: nobody asked
+  std::vector<u32> now_;  // by cell; kNone: not read yet
   std::vector<u32> cells_;
   std::vector<Value> values_;
   Assigned before_;  // what assignments within branches replaced

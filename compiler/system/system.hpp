@@ -70,8 +70,8 @@ struct Connector {
   CompoundId parent;
   std::vector<PortRef> ports;  // one a parameter
   std::vector<DataRef> data;   // one a data_read
-  // Its exported port is bound by another connector: it never runs by itself. A connector that exports a port which
-  // nobody binds never runs at all.
+  // Its exported port is bound by another connector: it never runs by itself. A connector whose exported port is
+  // bound nowhere never runs at all.
   bool bound = false;
   Loc loc{};
   double weight = 1;               // above 0: how likely its interactions are beside others

@@ -54,7 +54,7 @@ void check_port(const System& system, const AtomType& type, const Port& port, Pr
   }
 }
 
-/// Three variables a clock, in their order, and nobody else's; limits are known.
+/// Three variables a clock, in their order, and of no other clock; limits are known.
 void check_when(const AtomType& type, const TimeGuard& when, Problems& problems) {
   for (const Bound& bound : when.bounds) {
     const bool has_clocks =

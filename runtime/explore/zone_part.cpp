@@ -1,5 +1,5 @@
 // A part of a system (zones.hpp, PartQuestion): which locations the whole cannot have, and where time stands still
-// though nobody in the part can go on. Steps in which others take part count for what they lead to, not as a way out.
+// though no atom of the part can go on. Steps in which others take part count for what they lead to, not as a way out.
 #include <algorithm>
 
 #include "bip/assert.hpp"

@@ -411,7 +411,7 @@ void ZoneSearch::pass_time(u32 node, std::vector<Zone>& ahead) {
 
 // At any instant at which its `resume` holds a busy atom goes on, or does not yet.
 void ZoneSearch::go_on(u32 node) {
-  BIP_ASSERT(nodes_[node].is_waking, "nobody waits in node {}", node);
+  BIP_ASSERT(nodes_[node].is_waking, "no atom waits in node {}", node);
   const u32 row = nodes_[node].location;
   for (std::size_t k = 0; k < locations_[row].groups.size(); ++k) {
     const Location& at = locations_[row];

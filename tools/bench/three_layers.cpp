@@ -5,9 +5,9 @@
 // Each node has the interaction protocol of the interactions of which most ports are at home there. A component offers
 // what it can do to each protocol that knows one of its ports; a protocol that has all offers of an interaction asks
 // the one conflict resolution (on the first node) if the interaction conflicts with one of another protocol, and begins
-// it otherwise; whoever takes part is told. Messages within a node are free, and those for several components of one
-// node are one; the layers as processes of their own pay for all. Places alone: of rendezvous without guards; the first
-// transition of a port is the one that it takes.
+// it otherwise; each component that takes part gets a message. Messages within a node are
+// free, and those for several components of one node are one; the layers as processes of their own pay for all. Places
+// alone: of rendezvous without guards; the first transition of a port is the one that it takes.
 //
 // Built by tools/bench/distributed with the C++ that `bipc emit` writes of a model. Arguments: nodes, steps, seed.
 // Prints steps, those of several nodes, messages between nodes, and all messages.
@@ -68,7 +68,7 @@ class ThreeLayers {
   void run() {
     for (u32 atom = 0; atom < place_.size(); ++atom) offer(atom);
     deliver();
-    sent_ = all_ = 0;  // what everybody knows at the start costs nothing in either
+    sent_ = all_ = 0;  // what all nodes know at the start costs nothing in either
     for (NetworkEvent event; network_.next(event);) {
       if (event.kind == NetworkEvent::Kind::Turn) {
         offer(working_[event.node].front());

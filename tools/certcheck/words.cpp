@@ -20,7 +20,7 @@ struct Part {
 
   friend auto operator<=>(const Part&, const Part&) = default;
 };
-/// Parts that move together; with triggers, one of these and whoever else is there. In a loop: at each position from
+/// Parts that move together; with triggers, one of these and any of the others. In a loop: at each position from
 /// `low` on but the last `high` ones. Sure: it is possible whenever its parts are.
 struct Event {
   std::vector<Part> parts;

@@ -8,7 +8,7 @@ namespace bip::gen {
 
 /// Applies the n-th possible edit. False if there are fewer.
 bool apply_edit(Description& model, std::size_t n);
-/// Drops what refers to something that is not there, and what nobody uses, until nothing changes.
+/// Drops what refers to something that is not there, and what is not used, until nothing changes.
 void tidy(Description& model);
 
 /// Tries edits, coarse ones first, until none keeps the failure or `budget` attempts are used.

@@ -65,7 +65,7 @@ class Tidier {
       names.insert(port.vars.begin(), port.vars.end());
       auto same = [&](const Port& p) { return p.merged == port.merged; };
       if (!port.merged.empty() && std::count_if(type.ports.begin(), type.ports.end(), same) == 1) {
-        // Nobody left to merge with; connectors know it by this name.
+        // None is left to merge with; connectors know it by this name.
         for (Transition& t : type.transitions) {
           if (t.port == port.name) t.port = port.merged;
         }

@@ -70,7 +70,7 @@ inline std::string data_text(const rt::Image& image, const std::vector<std::uint
   return text;
 }
 
-/// The state and what can happen next. Steps that nobody watches are another way through the core, and through compiled
+/// The state and what can happen next. Steps without an observer are another way through the core, and through compiled
 /// code: what they lead to is all there is to see.
 inline std::string silent_run(const rt::Image& image, const RunSpec& spec) {
   std::string text;

@@ -146,7 +146,7 @@ Totals check_seeds(std::uint64_t first, std::uint64_t count, int jobs, std::size
   Totals totals;
   auto start = [&](std::size_t w) {
     Slice& slice = slices[w];
-    // A file, not a pipe: nobody has to read while the workers write.
+    // A file, not a pipe: a pipe must be read while the workers write.
     slice.results = std::tmpfile();
     std::fflush(nullptr);
     slice.pid = fork();

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <utility>
 
+#include "compiler/base/visit_files.hpp"
 #include "compiler/pipeline/load_packages.hpp"
 
 namespace bip::lsp {
@@ -50,19 +51,17 @@ std::map<std::string, UnopenedFiles::Version> UnopenedFiles::files() const {
   std::map<std::string, Version> found;
   std::size_t entries = 0;
   for (const std::string& root : roots_) {
-    std::error_code error;
-    fs::recursive_directory_iterator at(root, fs::directory_options::skip_permission_denied, error);
-    for (; !error && at != fs::recursive_directory_iterator(); at.increment(error)) {
-      if (++entries > kMostEntries || found.size() >= kMostFiles) return found;
+    visit_files(root, [&](const FolderEntry& entry) {
+      if (++entries > kMostEntries || found.size() >= kMostFiles) return Visit::Stop;
       std::error_code gone;
-      const std::string name = at->path().filename().string();
-      if (at->is_directory(gone)) {
-        if (name.starts_with('.') || name == "node_modules" || at->is_symlink(gone)) at.disable_recursion_pending();
-      } else if (name.ends_with(".bip") && at->is_regular_file(gone)) {
-        const Version version{at->last_write_time(gone), at->file_size(gone)};
-        if (!gone) found.emplace(at->path().lexically_normal().string(), version);
+      const std::string name = entry.path.filename().string();
+      if (entry.is_folder) return name.starts_with('.') || name == "node_modules" ? Visit::SkipFolder : Visit::GoOn;
+      if (name.ends_with(".bip") && fs::is_regular_file(entry.path, gone)) {
+        const Version version{fs::last_write_time(entry.path, gone), fs::file_size(entry.path, gone)};
+        if (!gone) found.emplace(entry.path.lexically_normal().string(), version);
       }
-    }
+      return Visit::GoOn;
+    });
   }
   return found;
 }

@@ -35,7 +35,7 @@ class Words {
     rest_.remove_prefix(std::min(end + 1, rest_.size()));
     return word;
   }
-  /// What is left of the line: paths hold no spaces, but nobody relies on it.
+  /// What is left of the line: paths hold no spaces, but this does not rely on it.
   std::string_view rest() { return std::exchange(rest_, {}); }
   template <class Number>
   Number number(Number least, Number most) {

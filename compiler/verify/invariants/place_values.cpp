@@ -72,7 +72,7 @@ class PlaceValueAnalysis {
     return net_.access[net_.class_at(atom).type.value];
   }
 
-  // Ints that change, and that nobody changes behind our back.
+  // Ints that change, and only by the atom's own actions.
   [[nodiscard]] std::vector<std::uint8_t> stored_of(u32 atom) const {
     const AtomType& type = type_of(atom);
     std::vector<std::uint8_t> stored(type.variables.size(), 0);

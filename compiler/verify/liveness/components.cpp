@@ -65,8 +65,12 @@ class ComponentSearch {
   static void reach(Product::Node, Product::Node) {}
   void close(const Product::Node* nodes, std::size_t count) {
     if (is_over_) return;
+    BIP_ASSERT(count != 0, "a component of no nodes");
     const Product::Node own = ++regions_;
-    for (std::size_t k = 0; k < count; ++k) found_.region[nodes[k]] = own;
+    for (std::size_t k = 0; k < count; ++k) {
+      BIP_ASSERT(found_.region[nodes[k]] == within_, "node {} is in two components", nodes[k]);
+      found_.region[nodes[k]] = own;
+    }
     // All automaton states of a component are in one component of the automaton.
     if (!product_.may_accept(nodes[0]) || !is_accepting(nodes, count)) return;
     found_.end = AcceptingComponent::End::Found;
@@ -100,6 +104,8 @@ class ComponentSearch {
     bool is_fair = true;
     for (std::uint32_t unit = 0; unit < units_.size() && is_fair; ++unit)
       is_fair = is_taken_[unit] != 0 || (is_weak ? possible_[unit] != count : possible_[unit] == 0);
+    for (std::uint32_t unit = 0; unit < units_.size(); ++unit)
+      BIP_ASSERT(is_taken_[unit] == 0 || possible_[unit] != 0, "unit {} is taken and nowhere possible", unit);
     if (is_fair || is_weak) return is_fair;
     divide(nodes, count);
     return false;

@@ -43,12 +43,14 @@ class CircuitRun {
     }
     states_.push_back(state);
     for (const std::vector<Signal>& inputs : answer.inputs) {
+      BIP_ASSERT(state.size() == machine.bits.size(), "{} bits of a state of {}", state.size(), machine.bits.size());
       std::vector<std::uint8_t>& values = values_.emplace_back(machine.aig.size(), 0);
       for (std::size_t bit = 0; bit < state.size(); ++bit) values[node_of(machine.bits[bit].now)] = state[bit];
       for (const Signal input : inputs) values[node_of(input)] = 1;
       for (u32 node = 1; node < machine.aig.size(); ++node) {
         if (machine.aig.is_input(node)) continue;
         const Aig::Node& operands = machine.aig.node(node);
+        BIP_ASSERT(node_of(operands.a) < node && node_of(operands.b) < node, "node {} comes before its operands", node);
         values[node] = of(values, operands.a) && of(values, operands.b) ? 1 : 0;
       }
       for (std::size_t bit = 0; bit < state.size(); ++bit) state[bit] = of(values, machine.bits[bit].next) ? 1 : 0;

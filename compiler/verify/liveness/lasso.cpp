@@ -38,6 +38,8 @@ class LassoSearch {
     }
     std::vector<ProductStep> cycle;
     find_cycle(entry, cycle);
+    BIP_ASSERT(cycle.front().from == entry && cycle.back().edge.to == entry, "the cycle does not close");
+    BIP_ASSERT(is_connected(cycle), "the cycle has a gap");
     append(lasso.cycle, cycle);
     return lasso;
   }
@@ -45,6 +47,12 @@ class LassoSearch {
  private:
   enum class Within : std::uint8_t { Product, Component };
   [[nodiscard]] bool is_inside(Product::Node node) const { return found_.region[node] == found_.component; }
+
+  [[nodiscard]] static bool is_connected(const std::vector<ProductStep>& steps) {
+    return std::adjacent_find(steps.begin(), steps.end(), [](const ProductStep& step, const ProductStep& next) {
+             return step.edge.to != next.from;
+           }) == steps.end();
+  }
 
   // The fewest edges from a node to one that is wanted, that one included. There is such an edge.
   template <class IsWanted>
@@ -76,6 +84,7 @@ class LassoSearch {
       steps.push_back(step);
     }
     std::reverse(steps.begin(), steps.end());
+    BIP_ASSERT(steps.front().from == from && is_connected(steps), "the way from node {} has a gap", from);
     for (const Product::Node node : queue) parent_[node] = kNoNode;
     return steps;
   }
@@ -169,6 +178,8 @@ class LassoSearch {
 }  // namespace
 
 Lasso find_lasso(const Product& product, const AcceptingComponent& found, const Fairness& fairness) {
+  BIP_ASSERT(found.end == AcceptingComponent::End::Found && found.region.size() == product.size(),
+             "there is no component of this product to go to");
   return LassoSearch(product, found, fairness).run();
 }
 

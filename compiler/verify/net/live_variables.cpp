@@ -29,7 +29,7 @@ std::vector<std::vector<std::uint8_t>> find_live_variables(const System& system,
   for (const Transition& t : type.transitions) {
     Flow flow{t.from[0], t.to[0], std::vector<std::uint8_t>(variables, 0), std::vector<std::uint8_t>(variables, 1)};
     if (t.port != Transition::kInternal) {
-      // Everybody who uses the port writes it.
+      // All uses of the port write it.
       for (std::size_t k = 0; k < variables; ++k) {
         bool has_use = false, is_written = !uses.is_plain.empty() && uses.is_plain[t.port] == 0;
         for (const PortUse& use : uses.uses) {

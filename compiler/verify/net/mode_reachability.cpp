@@ -1,6 +1,8 @@
 // See mode_reachability.hpp.
 #include "compiler/verify/net/mode_reachability.hpp"
 
+#include "runtime/include/bip/assert.hpp"
+
 namespace bip::verify {
 
 ModeReachability::ModeReachability(const Net& net, Direction direction, const ModeReachability* forward)
@@ -11,6 +13,8 @@ ModeReachability::ModeReachability(const Net& net, Direction direction, const Mo
       ready_(net.graph.nodes.size(), 0),
       context_(net.graph.nodes.size(), 0),
       count_(net.graph.nodes.size(), 0) {
+  BIP_ASSERT(net.too_large_atom == kNoRow, "atom {} has too many modes", net.too_large_atom);
+  BIP_ASSERT(forward == nullptr || direction == Direction::Backward, "a search forward follows all moves");
   for (u32 row = 0; row < net.graph.nodes.size(); ++row) {
     const Node& node = net.graph.nodes[row];
     if (node.kind == ConnectorNodeKind::All) count_[row] = node.children;
@@ -19,6 +23,7 @@ ModeReachability::ModeReachability(const Net& net, Direction direction, const Mo
 }
 
 void ModeReachability::turn_on(u32 mode) {
+  BIP_ASSERT(mode < on_.size(), "mode {} of {}", mode, on_.size());
   if (on_[mode] != 0) return;
   on_[mode] = 1;
   mode_todo_.push_back(mode);
@@ -72,6 +77,7 @@ void ModeReachability::run() {
         const u32 group = parent.node;
         switch (net_.graph.nodes[group].kind) {
           case ConnectorNodeKind::All:
+            BIP_ASSERT(count_[group] != 0, "node {} has more children that are ready than children", group);
             if (--count_[group] == 0) make_ready(group);
             if (context_[group] != 0 && count_[group] <= 1) spread_context(group);
             break;
@@ -96,9 +102,25 @@ void ModeReachability::run() {
         if (context_[port] != 0) turn_on(base + move.other);
       }
     } else {
+      BIP_ASSERT(is_closed(), "a possible move leads out of the modes that are on");
       return;
     }
   }
+}
+
+// Does each possible move of a port in its context keep to the modes that are on?
+bool ModeReachability::is_closed() const {
+  for (u32 port = 0; port < net_.graph.atom_of_port.size(); ++port) {
+    if (context_[port] == 0) continue;
+    const u32 base = net_.mode_base[net_.graph.atom_of_port[port]];
+    for (const Move& move : net_.moves(port)) {
+      if (!is_possible(port, base + move.from)) continue;
+      const bool is_forward = direction_ == Direction::Forward;
+      if (on_[base + (is_forward ? move.from : move.to)] != 0 && on_[base + (is_forward ? move.to : move.from)] == 0)
+        return false;
+    }
+  }
+  return true;
 }
 
 }  // namespace bip::verify

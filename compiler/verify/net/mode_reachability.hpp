@@ -3,7 +3,7 @@
 // the mode at its other end. Both fixpoints of the prover are this:
 //
 //   Forward   on = reachable. A move is ready if its source is on, and switches on its target.
-//   Backward  on = not in the trap. A move is ready if its target is on; with everybody else in the step ready, nothing
+//   Backward  on = not in the trap. A move is ready if its target is on; with all others in the step ready, nothing
 //             would be put into the set, so its source must not be in the set either.
 //
 // Steps are decided by structure: `is_ready(node)`: some choice below is; `in_context(node)`: what else the step needs
@@ -38,6 +38,7 @@ class ModeReachability {
   void put_in_context(u32 node);
   void spread_context(u32 group);
   void fire_port(u32 port);
+  [[nodiscard]] bool is_closed() const;
 
   const Net& net_;
   Direction direction_;

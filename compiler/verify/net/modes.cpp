@@ -8,6 +8,7 @@
 
 #include "compiler/system/system.hpp"
 #include "compiler/verify/net/live_variables.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 
@@ -75,7 +76,10 @@ class Explorer {
                                           const std::vector<std::uint32_t>* written,
                                           const PortUse* use = nullptr) const {
     std::set<std::uint32_t> places(mode.places.begin(), mode.places.end());
-    for (std::uint32_t place : t.from) places.erase(place);
+    for (std::uint32_t place : t.from) {
+      BIP_ASSERT(places.contains(place), "the transition leaves place {}, which has no token", place);
+      places.erase(place);
+    }
     for (std::uint32_t place : t.to) {
       if (places.contains(place)) return std::nullopt;
     }
@@ -212,6 +216,28 @@ class Explorer {
         row_.in[move.to].push_back({port, move.from});
       }
     }
+    validate();
+  }
+
+  // What others of this class rely on.
+  void validate() const {
+    BIP_ASSERT(std::is_sorted(row_.initial.begin(), row_.initial.end()), "initial modes are not sorted");
+    for (const std::uint32_t mode : row_.initial)
+      BIP_ASSERT(mode < row_.modes.size(), "initial mode {} of {}", mode, row_.modes.size());
+    for (std::uint32_t m = 0; m < row_.modes.size(); ++m) {
+      const Mode& mode = row_.modes[m];
+      BIP_ASSERT(std::is_sorted(mode.places.begin(), mode.places.end()), "places of mode {} are not sorted", m);
+      BIP_ASSERT(mode.values.size() == type_.variables.size(), "mode {} has {} values", m, mode.values.size());
+      for (std::size_t k = 0; k < mode.values.size(); ++k)
+        BIP_ASSERT(row_.followed[k] != 0 || !mode.values[k].is_known, "variable {} of mode {} is not followed", k, m);
+      // A port that is enabled in every state of a mode can move there, unless a token would land on a marked place.
+      for (std::uint32_t port = 0; port < row_.is_sure.size(); ++port)
+        BIP_ASSERT(row_.is_sure[port][m] == 0 || leaves_by(mode, port), "mode {} is sure of port {}", m, port);
+    }
+  }
+  [[nodiscard]] bool leaves_by(const Mode& mode, std::uint32_t port) const {
+    return std::any_of(type_.transitions.begin(), type_.transitions.end(),
+                       [&](const Transition& t) { return t.port == port && leaves_from(mode, t); });
   }
 
   const CodeTable& code_;
@@ -230,6 +256,7 @@ class Explorer {
 ModeClass explore_modes(const System& system, AtomTypeId type, const std::vector<Value>& args,
                         const analysis::DataAccess& access) {
   const AtomType& atom_type = system.atom_types[type];
+  BIP_ASSERT(access.observed.size() == atom_type.variables.size(), "data access of another type");
   for (const Follow follow : {Follow::Observed, Follow::Booleans, Follow::Nothing}) {
     ModeClass row;
     row.type = type;
@@ -254,6 +281,8 @@ ModeClass explore_modes(const System& system, AtomTypeId type, const std::vector
 
 ModeClass explore_modes(const System& system, const ModeClass& plain, const analysis::DataAccess& access,
                         const AtomUses& uses, UsesAs as) {
+  BIP_ASSERT(!plain.is_too_large, "a class that is too large has no data that it follows");
+  BIP_ASSERT(plain.uses == nullptr, "uses are told apart in a class that tells none apart");
   ModeClass row;
   row.type = plain.type;
   row.args = plain.args;
@@ -284,6 +313,7 @@ std::vector<AbstractValue> constants_of(const ModeClass& row) {
 }
 
 std::string mode_text(const System& system, const ModeClass& row, std::uint32_t mode) {
+  BIP_ASSERT(mode < row.modes.size(), "mode {} of {}", mode, row.modes.size());
   const AtomType& type = system.atom_types[row.type];
   std::string text;
   for (std::uint32_t place : row.modes[mode].places) {

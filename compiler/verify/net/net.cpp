@@ -5,6 +5,7 @@
 #include <map>
 
 #include "compiler/system/system.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 
@@ -64,6 +65,8 @@ class NetBuilder {
       net_.atom_of_mode.resize(modes, static_cast<u32>(row));
     }
     net_.mode_base.push_back(modes);
+    BIP_ASSERT(net_.atom_of_mode.size() == modes, "{} modes with an atom of {}", net_.atom_of_mode.size(), modes);
+    BIP_ASSERT(net_.class_of.size() == system.atoms.size(), "{} atoms with a class", net_.class_of.size());
   }
 
   void add_class(std::size_t atom) {
@@ -88,8 +91,12 @@ Net build_net(const Net& plain, const PortUses& uses, UsesAs as) { return NetBui
 
 u32 Net::leaf_of(ConnectorId connector, std::size_t param) const {
   const PortRef& ref = system->connectors[connector].ports[param];
+  BIP_ASSERT(ref.kind == PortRef::Kind::Atom, "parameter {} of connector {} is not bound to an atom's port", param,
+             connector);
   const bool has_uses = !uses.of_param.empty() && !uses.of_param[connector.value].empty();
   const u32 use = has_uses ? uses.of_param[connector.value][param] : 0;
+  BIP_ASSERT(use == 0 || uses.of_atom[ref.atom.value].uses[use - 1].port == ref.port, "use {} is one of another port",
+             use);
   return use == 0 ? ref.port : static_cast<u32>(class_at(ref.atom.value).is_sure.size()) + use - 1;
 }
 
@@ -99,6 +106,7 @@ u32 Net::port_node(ConnectorId connector, std::size_t param) const {
 }
 
 std::string Net::mode_name(u32 mode) const {
+  BIP_ASSERT(mode < mode_count(), "mode {} of {}", mode, mode_count());
   const u32 atom = atom_of_mode[mode];
   const std::string& path = system->atoms[AtomId(std::size_t{atom})].path;
   return (path.starts_with("ROOT.") ? path.substr(5) : path) + '@' +

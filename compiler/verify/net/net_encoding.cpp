@@ -6,6 +6,7 @@
 
 #include "compiler/system/system.hpp"
 #include "compiler/verify/invariants/weighted_sum.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 
@@ -16,6 +17,7 @@ constexpr std::size_t kMaxCombinations = 4096;
 
 Encoding::Encoding(const Net& net, const ModeReachability& reachable, Encoded what)
     : net_(net), reachable_(reachable), guards_(net.system->code, solver_) {
+  BIP_ASSERT(net.too_large_atom == kNoRow, "atom {} has too many modes", net.too_large_atom);
   add_atoms();
   if (what == Encoded::Nothing) return;
   add_no_end();
@@ -104,6 +106,7 @@ Encoding::Lacking Encoding::port(u32 row) {
   else std::iota(modes.begin(), modes.end(), 0);
   for (u32 mode : modes) {
     if (!reachable_.is_on(base + mode)) continue;
+    BIP_ASSERT(marked_[base + mode] != 0, "mode {} is reachable and has no variable", base + mode);
     if (is_sure[mode] != 0) {
       sure.push_back(marked_[base + mode]);
       continue;
@@ -132,6 +135,7 @@ Encoding::Lacking Encoding::port(u32 row) {
 
 // A node that needs all of these lacks something if one of them does.
 Encoding::Lacking Encoding::all_of(const std::vector<u32>& children) {
+  BIP_ASSERT(!children.empty(), "a rendezvous of nothing");
   std::vector<Lit> clause;
   for (u32 child : children) {
     const Lacking& below = lacking_[child];
@@ -217,12 +221,14 @@ std::vector<GuardLiterals::Place> Encoding::sources_of(u32 row) const {
     for (std::size_t v = 0; v < atom_port.variables.size(); ++v)
       sources[type.params[p].first_bind + v] = {ref.atom.value, atom_port.variables[v]};
   }
+  BIP_ASSERT(connector.data.size() == type.data_reads.size(), "{} of {} data that the connector reads",
+             connector.data.size(), type.data_reads.size());
   sources.resize(type.bind_count(system.port_types) - type.data_reads.size());
   for (const DataRef& ref : connector.data) sources.push_back({ref.atom.value, ref.variable});
   return sources;
 }
 
-// Available if everybody is and the guard is true; an `up` might change what the guard reads.
+// Available if all parts are and the guard is true; an `up` might change what the guard reads.
 Encoding::Lacking Encoding::rendezvous(u32 row) {
   const System& system = *net_.system;
   const ConnectorType& type =
@@ -244,7 +250,7 @@ Encoding::Lacking Encoding::rendezvous(u32 row) {
 }
 
 // A guarded rendezvous whose guard reads followed data: for each combination of the modes that it reads in which the
-// guard is true, somebody else must lack something.
+// guard is true, another part must lack something.
 void Encoding::add_guarded_rendezvous(u32 row) {
   if (!is_guarded_rendezvous(row)) return;
   const System& system = *net_.system;

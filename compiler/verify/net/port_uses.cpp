@@ -6,6 +6,7 @@
 
 #include "compiler/system/system.hpp"
 #include "compiler/verify/net/net.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 
@@ -49,8 +50,9 @@ class PortUseAnalysis {
         all.of_param[c].push_back(0);
         if (!is_worth_it(uses[p])) continue;
         const std::vector<PortUse>& known = all.of_atom[connector.ports[p].atom.value].uses;
-        all.of_param[c].back() =
-            static_cast<std::uint32_t>(std::lower_bound(known.begin(), known.end(), uses[p]) - known.begin()) + 1;
+        const auto place = std::lower_bound(known.begin(), known.end(), uses[p]);
+        BIP_ASSERT(place != known.end() && *place == uses[p], "a use of connector {} is none of its atom", c);
+        all.of_param[c].back() = static_cast<std::uint32_t>(place - known.begin()) + 1;
       }
     }
     mark_plain(all);
@@ -88,6 +90,7 @@ class PortUseAnalysis {
       const Stmt& s = system_.code.stmts[id];
       if (s.op == StmtOp::StoreBind && s.index < bind.size()) {
         const bool is_exact = s.type == Type::Int || s.type == Type::Bool || s.type == Type::String;
+        BIP_ASSERT(is_stored.size() == bind.size(), "{} marks of {} data", is_stored.size(), bind.size());
         bind[s.index] = is_exact ? evaluate(system_.code, s.value, {}, bind) : AbstractValue{};
         is_stored[s.index] = 1;
       } else if (s.op == StmtOp::If) {

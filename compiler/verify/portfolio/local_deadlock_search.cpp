@@ -160,7 +160,7 @@ class Visit {
     if (row != kNoRow) confirm(row);
   }
 
-  // The core's state, perhaps new, reached by a step. True: somebody is stuck in it, that can be seen at once.
+  // The core's state, perhaps new, reached by a step. True: an atom is stuck in it, which its candidates show.
   bool enter(u32 parent, u32 choice) {
     rt::State state = core_.snapshot();
     std::string key = state_key(state);

@@ -22,7 +22,7 @@ struct Share {
   ShareOf of = ShareOf::TimeLeft;
   double fraction = 1;
   double at_most = std::numeric_limits<double>::infinity();  // seconds
-  double fraction_without_search = fraction;                 // states cannot be searched: nobody else needs the rest
+  double fraction_without_search = fraction;  // states cannot be searched: no other engine needs the rest
 };
 /// Attempt: what is cheap still has an answer when the time is over before it begins.
 enum class WhenOver : std::uint8_t { Skip, Attempt };

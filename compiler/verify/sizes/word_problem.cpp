@@ -179,7 +179,7 @@ class WordProblemMaker {
     }
   }
 
-  // A connector with all elements of an array: a rendezvous of all, or single triggers that take along whoever can.
+  // A connector with all elements of an array: a rendezvous of all, or single triggers with what is available.
   // Its type is that of the instance, in which [*] is unfolded.
   void interactions_of_all(const SizedConnector& connector) {
     const std::string path = "ROOT." + name_of(connector);

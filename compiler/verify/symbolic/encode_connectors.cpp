@@ -80,7 +80,7 @@ void TransitionSystemBuilder::choose_one(const std::vector<u32>& rows, const std
   }
 }
 
-// Everybody that is available, from the root down; of alternatives, any one that is.
+// All ports that are available, from the root down; of alternatives, any one that is.
 std::vector<Signal> TransitionSystemBuilder::largest_choice(const Tree& tree) {
   const std::size_t count = tree.nodes.size();
   std::vector<Signal> available(count, kFalse), chosen(count, kFalse);

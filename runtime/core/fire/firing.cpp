@@ -46,7 +46,7 @@ void Firing::zero_frame(u32 connector) {
 bool Firing::run_code(Code code, u32 connector) {
   BIP_ASSERT(code.fn == nullptr || core_.tables.image->connectors[connector].bind_count == 0 ||
                  core_.memory.binds.rows != nullptr,
-             "connector {} reads variables that nobody bound", connector);
+             "connector {} reads variables that are not bound", connector);
   if (code.fn == nullptr) return true;
   const Connector& row = core_.tables.image->connectors[connector];
   const std::int32_t status = code.fn(code.context, core_.memory.cells.data() + row.first_cell,
@@ -72,7 +72,7 @@ bool Firing::fire_flat(const InteractionInfo& info) {
   return true;
 }
 
-// Whoever is ready takes part; that a port fires changes no other atom's readiness, so one pass finds and fires.
+// All ports that are ready take part; that a port fires changes no other atom's readiness, so one pass finds and fires.
 bool Firing::fire_star(const InteractionInfo& info) {
   const u32* ports = core_.tables.flat_ports.data() + info.first;
   const u32 type_row = core_.tables.image->connectors[info.row].type;
@@ -85,7 +85,7 @@ bool Firing::fire_star(const InteractionInfo& info) {
     const u32 row = core_.tables.clause_of(type_row, {params_.data(), static_cast<u32>(params_.size())});
     if (row != kNone && !run_transfer(info, row)) return false;
   }
-  // 64 at a time: who is ready nobody can predict, so it is asked without branches, and only the answers are walked.
+  // 64 at a time: which are ready cannot be predicted, so that is computed without branches; only set bits are visited.
   for (u32 first = 0; first < info.count; first += 64) {
     const u32 count = std::min(info.count - first, 64u);
     u64 ready = 0;

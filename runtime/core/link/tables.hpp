@@ -104,7 +104,7 @@ struct Plan {
   u32 first_use = 0, use_count = 0;
   u32 leaves = 0, words = 0;  // 64-bit words of a configuration
   bool guarded = false;       // a clause in its tree has a guard, or an `up` that may fault
-  bool rigid = true;          // no triggers and no choices: one configuration, everybody
+  bool rigid = true;          // no triggers and no choices: one configuration, all ports
   bool has_choice = false;
   bool is_tree = true;                 // no connector has two uses
   std::vector<PlanWitness> witnesses;  // by depth of the group's compound, deepest last
@@ -206,7 +206,7 @@ struct Tables {
 };
 
 /// What connectors and rules bind, as their code wants it: rows in `all`. The image's own ones, if those are not folded
-/// and nobody changes them.
+/// and are never changed.
 struct Binds {
   const u32* rows = nullptr;
   std::vector<u32> own;  // choices move rows of it

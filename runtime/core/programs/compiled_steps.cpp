@@ -116,7 +116,7 @@ void wait_a_little(u64 seed) {
 
 }  // namespace
 
-// Finds the runs. An interaction without one is fired by the core; if somebody might look at rules then, all
+// Finds the runs. An interaction without one is fired by the core; if rules might be read then, all
 // interactions that can fire have one (derive_steps).
 void CompiledSteps::link() {
   const Image& image = *core_.tables.image;
@@ -179,7 +179,7 @@ u64 CompiledSteps::run_watched(Choose& given, u64 limit, bool (*is_stopped)(), b
   constexpr u64 kBetweenLooks = 4096;
   EnabledSet::List list = core_.enabled.open_list();
   StepState s = state_of(list);
-  // Copies that nobody else can change.
+  // Copies: no call can change them.
   Choose choose = given;
   u32* const history = core_.history.ring();
   u32 history_at = core_.history.next();
@@ -349,18 +349,18 @@ u64 CompiledSteps::run(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound,
     sound = close_run(*core_.enabled.open_list().count);
     return done;
   }
-  Unwatched nobody;
+  Unwatched none;
   Drawn drawn{prng};
-  const u64 done = profile == nullptr ? run_watched(drawn, limit, is_stopped, sound, nobody)
+  const u64 done = profile == nullptr ? run_watched(drawn, limit, is_stopped, sound, none)
                                       : run_watched(drawn, limit, is_stopped, sound, *profile);
   prng = drawn.numbers;
   return done;
 }
 
 u64 CompiledSteps::run(StepOrder& order, u64 limit, bool (*is_stopped)(), bool& sound, Profile* profile) {
-  Unwatched nobody;
+  Unwatched none;
   InOrder in_order{order, &core_.enabled.order()};
-  const u64 done = profile == nullptr ? run_watched(in_order, limit, is_stopped, sound, nobody)
+  const u64 done = profile == nullptr ? run_watched(in_order, limit, is_stopped, sound, none)
                                       : run_watched(in_order, limit, is_stopped, sound, *profile);
   order = in_order.order;
   return done;

@@ -8,9 +8,9 @@
 // 26; if a count does not fit, kWide and a word each), then codes (row of codes_, row of their own first cell, row of
 // binds), (atom, place) pairs, codes, touched interactions, and deltas: node << 6 | last << 5 | difference + 16, `last`
 // ends the nodes of one word of the enabled set. Pure: nothing is touched and all nodes are interactions whose counter
-// is all there is to know; then nothing branches on what becomes enabled, which under a random policy nobody can
-// predict. Only for rendezvous that touch few counters: a hub's ports would make the tables quadratic. Interaction k's
-// program is at row k of equal rows, a cache line at most, so that reaching it costs one; what is longer lies
+// is all there is to know; then nothing branches on what becomes enabled, which under a random policy cannot be
+// predicted. Only for rendezvous that touch few counters: a hub's ports would make the tables quadratic. Interaction
+// k's program is at row k of equal rows, a cache line at most, so that reaching it costs one; what is longer lies
 // elsewhere, where the row says.
 #pragma once
 #include <map>

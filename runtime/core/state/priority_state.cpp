@@ -49,8 +49,8 @@ bool PriorityState::evaluate_rule_guards() {
     const Priority& row = image.priorities[rule];
     bool holds = true;
     if (row.guard != kNone) {
-      BIP_ASSERT(row.bind_count == 0 || core_.memory.binds.rows != nullptr, "rule {} reads variables that nobody bound",
-                 rule);
+      BIP_ASSERT(row.bind_count == 0 || core_.memory.binds.rows != nullptr,
+                 "rule {} reads variables that are not bound", rule);
       const Code guard = image.codes[row.guard];
       const std::int32_t status =
           guard.fn(guard.context, nullptr, core_.memory.cells.data(), core_.memory.binds.rows + row.binds);

@@ -1,5 +1,5 @@
-// A sender that hands its number to all n receivers, and re-arms nobody: interaction 0 is the whole broadcast, 1 counts
-// the sender's number up, in turns.
+// A sender that hands its number to all n receivers, and re-arms no port: interaction 0 is the whole broadcast, 1
+// counts the sender's number up, in turns.
 #include "limit.hpp"
 
 namespace {

@@ -1,0 +1,70 @@
+#include "compiler/base/visit_files.hpp"
+
+#include <fts.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <memory>
+#include <new>
+#include <string>
+#include <utility>
+
+namespace bip {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::error_code error_of(int number) {
+  if (number == ENOMEM) throw std::bad_alloc();
+  return {number, std::generic_category()};
+}
+
+}  // namespace
+
+std::error_code visit_files(const fs::path& folder, const std::function<Visit(const FolderEntry&)>& visit) {
+  std::string root = folder.string();
+  char* const roots[] = {root.data(), nullptr};
+  const std::unique_ptr<FTS, int (*)(FTS*)> tree(fts_open(roots, FTS_PHYSICAL | FTS_COMFOLLOW | FTS_NOCHDIR, nullptr),
+                                                 fts_close);
+  if (tree == nullptr) return error_of(errno);
+  while (true) {
+    errno = 0;
+    FTSENT* const entry = fts_read(tree.get());
+    if (entry == nullptr) return errno == 0 ? std::error_code() : error_of(errno);
+    const bool is_root = entry->fts_level == FTS_ROOTLEVEL;
+    switch (entry->fts_info) {
+      case FTS_DP: continue;
+      case FTS_DNR:
+      case FTS_ERR:
+      case FTS_NS:
+        if (is_root || entry->fts_errno == ENOMEM) return error_of(entry->fts_errno);
+        continue;
+      default: break;
+    }
+    const bool is_folder = entry->fts_info == FTS_D || entry->fts_info == FTS_DC;
+    if (is_root) {
+      if (!is_folder) return {ENOTDIR, std::generic_category()};
+      continue;
+    }
+    const fs::path path(entry->fts_path);
+    switch (visit({path, entry->fts_level - 1, is_folder})) {
+      case Visit::GoOn: break;
+      case Visit::SkipFolder: fts_set(tree.get(), entry, FTS_SKIP); break;
+      case Visit::Stop: return {};
+    }
+  }
+}
+
+std::vector<fs::path> files_below(const fs::path& folder, std::error_code& error) {
+  std::vector<fs::path> files;
+  error = visit_files(folder, [&](const FolderEntry& entry) {
+    std::error_code gone;
+    if (!entry.is_folder && fs::is_regular_file(entry.path, gone)) files.push_back(entry.path);
+    return Visit::GoOn;
+  });
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+}  // namespace bip
