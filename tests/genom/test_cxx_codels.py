@@ -117,8 +117,14 @@ def connections(level):
 
 def restart(level, nursery):
     """Ends the process of survey, while a codel is beside its task: where the task's own is alone, it would be what has ended it."""
+    log = pathlib.Path(level.path).with_name("log")
+    begun = log.read_text(encoding="utf-8").count("survey: ponders")
     ponder = level.begin("survey.ponder", seconds=20)
     level.next(ponder, "intermediate")
+    # Its codel begins after the reply.
+    end = time.monotonic() + 10
+    while log.read_text(encoding="utf-8").count("survey: ponders") == begun and time.monotonic() < end:
+        time.sleep(0.01)
     end_process(nursery, "survey")
     check("what ran there fails", level.final(ponder)[0] == "codel_exception", level.replies)
 

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <stdexcept>
 #include <thread>
 
@@ -217,6 +218,7 @@ faultNext(survey::speed how, const genom_context self)
 genom_event
 ponderStart(double seconds, std::string &answer, const genom_context)
 {
+  std::fputs("survey: ponders\n", stderr);
   std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
   answer = "forty-two";
   return survey_ether;
