@@ -310,10 +310,6 @@ TimeOnNodes time_on_nodes(const Image& image) {
   for (const ConnectorType& type : image.connector_types) {
     if (type.resume_sync)
       return {"a model with `resume sync`", "components on several nodes would have to agree on an instant", kOne};
-    // A node would plan what another one knows to be over, and time would stand still.
-    if (std::any_of(type.define.begin(), type.define.end(), [](const DefineNode& node) { return node.trigger; }))
-      return {"a model with triggers and time",
-              "a broadcast looks at all of its components at the instant at which it begins", kOne};
   }
   if (may_open_eagerly(image))
     return {"a model with `eager` beside a bound with `>`", "no node knows whether time must stop before an open bound",

@@ -31,6 +31,8 @@ bool Node::start(const State& state) {
     if (is_timed && distribution_.home(atom) == self_ && !partial.find_enabled_ports(atom, enabled_)) return false;
   }
   if (!partial.settle()) return false;
+  // The restored state had candidates of all interactions, and other nodes coordinate most of them.
+  partial.drop_held();
   start_locks();
   return true;
 }

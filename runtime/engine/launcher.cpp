@@ -589,7 +589,10 @@ class Launcher {
 
   void pass_time() {
     const i64 next = std::min(limit_.change, planned_);
-    const bool is_over = !may_pass_time() || next == kForever || next > limit_.last;
+    // What a node plans is decided there, and only a step of that node or a later instant can take it away.
+    stands_still_ = may_pass_time() && next == now_ && steps() == steps_at_again_;
+    const bool is_over = !may_pass_time() || next == kForever || next > limit_.last || stands_still_;
+    steps_at_again_ = next == now_ ? steps() : ~u64{0};
     limit_ = {};
     planned_ = kForever;
     is_changed_ = true;
@@ -697,6 +700,7 @@ class Launcher {
     else if (is_time_locked(core_)) result_.end = End::Fault;
     else result_.end = end_without_step(core_);
     const bool is_over = result_.end == End::Limit || result_.end == End::Interrupted || core_.candidate_count() == 0;
+    if (stands_still_) return end_with_nonsense("they plan steps for an instant and begin none", initial);
     if (is_known && !is_over) end_with_nonsense("they rest in a state in which a step is possible", initial);
   }
 
@@ -758,6 +762,8 @@ class Launcher {
   u64 instant_step_ = 0;     // its number among the steps; 0: there was only the first one
   TimeLimit limit_;          // of the nodes that answered
   i64 planned_ = kForever;
+  u64 steps_at_again_ = ~u64{0};  // when this instant was told last without a later one before it
+  bool stands_still_ = false;     // it would be told for ever
   SavedTime time_;
   i64 began_ = 0;
   bool has_fault_ = false, has_lost_ = false;

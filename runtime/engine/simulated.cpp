@@ -72,7 +72,7 @@ class SimulatedRun {
         const bool may_pause = !is_pausing_ && !has_lost() && steps_ != options_.limit;
         if (may_pause && checkpoints_.take_due(network_.now())) is_pausing_ = true;
       }
-      // Nobody is at work, nothing is on its way.
+      // No atom is at work, no message is on its way.
       if (std::exchange(is_pausing_, false)) take_checkpoint(initial);
       else if (!has_passed_time()) break;
     }
@@ -175,7 +175,7 @@ class SimulatedRun {
     return true;
   }
 
-  // Nobody is at work, nothing is on its way: tells all nodes of the next instant. False: there is none.
+  // Requires that no atom is at work and no message on its way: tells all nodes the next instant. False: there is none.
   bool has_passed_time() {
     const bool is_stopped =
         std::any_of(seats_.begin(), seats_.end(), [](const Seat& seat) { return seat.node->is_stopped(); });
@@ -186,6 +186,9 @@ class SimulatedRun {
     i64 next = limit.change;
     for (Seat& seat : seats_) next = std::min(next, seat.time.plan(seat.node->core(), limit.last));
     if (next == kForever || next > limit.last) return false;
+    // Progress: what a node plans is decided there, and only a step of that node or a later instant can take it away.
+    BIP_ENSURE(next > moment_.instant || steps_ != steps_at_again_, "no step began at the instant {}", next);
+    steps_at_again_ = next > moment_.instant ? ~u64{0} : steps_;
     if (next != moment_.instant) {
       moment_ = {next, steps_ + instants_};
       ++instants_;
@@ -306,9 +309,11 @@ class SimulatedRun {
     if (has_lost()) return end_with_loss(is_sound, initial, result);
     BIP_ENSURE(is_sound, "the last state has no fault");
     if (steps_ == options_.limit) result.end = End::Limit;
-    else if (!is_interrupted() && is_time_locked(core_)) result.end = End::Fault;
-    else result.end = core_.candidate_count() != 0 ? End::Interrupted : end_without_step(core_);
-    BIP_ENSURE(result.end != End::Interrupted || is_interrupted(), "a node waits for what never comes");
+    else if (is_interrupted()) result.end = End::Interrupted;
+    else if (is_time_locked(core_)) result.end = End::Fault;
+    else result.end = end_without_step(core_);
+    BIP_ENSURE(result.end == End::Limit || result.end == End::Interrupted || core_.candidate_count() == 0,
+               "a node waits for what never comes");
   }
 
   // What was at work when nodes were lost stays so. It may have left data behind that no state of the model has.
@@ -317,7 +322,7 @@ class SimulatedRun {
     if (!is_sound) BIP_ENSURE(core_.restore(initial), "the initial state has no fault");
     const Survivors survivors(core_, distribution_, lost_nodes());
     if (is_sound && !is_stopping_ && !is_interrupted() && steps_ != options_.limit && !core_.is_timed())
-      ensure_nobody_waits_in_vain(survivors);
+      ensure_no_node_waits_in_vain(survivors);
     std::string& story = result.end == End::Limit ? result.warning : result.lost_nodes;
     story = loss_story(core_, distribution_, survivors, locked_atoms(), lost_after_, {});
     core_.partial().allow();
@@ -335,7 +340,7 @@ class SimulatedRun {
 
   // What needs no lost node went on until it could no more. Attempts at interactions of split sets may have ended at a
   // lost node.
-  void ensure_nobody_waits_in_vain(const Survivors& survivors) const {
+  void ensure_no_node_waits_in_vain(const Survivors& survivors) const {
     for (u64 k = 0; k < core_.candidate_count(); ++k) {
       const u32 interaction = core_.position(k).interaction;
       const bool is_split = distribution_.is_split[distribution_.sets.of_interaction[interaction]] != 0;
@@ -355,8 +360,9 @@ class SimulatedRun {
   u64 steps_ = 0, border_steps_ = 0, lost_after_ = 0;
   u64 instants_ = 0;  // to which time has passed
   Moment moment_;
-  bool is_stopping_ = false;  // a node was lost
-  bool is_pausing_ = false;   // nothing begins until a checkpoint can be taken
+  u64 steps_at_again_ = ~u64{0};  // when this instant was told last without a later one before it
+  bool is_stopping_ = false;      // a node was lost
+  bool is_pausing_ = false;       // nothing begins until a checkpoint can be taken
   Checkpoints checkpoints_;
   // Scratch.
   std::vector<Message> heard_;

@@ -29,7 +29,7 @@ CASES = [
     ("classic/token_ring", None, 200), ("classic/readers_writers", None, 200), ("liveness/peterson", None, 200), ("bench/philosophers", "Table(12)", 500),
     ("bench/priority_desks", None, 300), ("bench/pingpong", "Pairs(8)", 2000), ("bench/ring", "Ring(9)", 300),
     # In logical time.
-    ("timed/train_gate", None, 300), ("timed/watchdog", None, 200), ("timed/rods", "Park(3, 8, 108)", 200),
+    ("timed/train_gate", None, 300), ("timed/watchdog", None, 200), ("timed/heart_pacer", None, 200), ("timed/rods", "Park(3, 8, 108)", 200),
 ]
 FAULTY = """package m
   port type P()

@@ -324,6 +324,15 @@ void PartialSteps::send_away(u32 atom) {
   occupy(atom);
 }
 
+// What settle() held stays marked, so it comes back when it is looked at. All others follow their ports at once.
+void PartialSteps::drop_held() {
+  for (const u32 interaction : core_.ports.dirty()) {
+    BIP_ASSERT(!is_decided(interaction), "interaction {} is decided and was not looked at", interaction);
+    core_.enabled.set(interaction, 0);
+  }
+  core_.enabled.settle_list();
+}
+
 u32 PartialSteps::place_at_rest(u32 atom) const {
   const u32 place = core_.memory.places[atom];
   return place != kNone || state_->rest.empty() ? place : state_->rest[atom];

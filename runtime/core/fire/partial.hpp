@@ -115,6 +115,10 @@ class PartialSteps {
   void share();
   /// The atom, at rest and offered here, is away from now on. Settle follows.
   void send_away(u32 atom);
+  /// Takes the candidates of interactions at which settle() did not look, as atoms that they depend on are away, out of
+  /// the enabled set until it does. Of a state that was restored as a whole: these atoms may never be offered here, and
+  /// their candidates of that state would count for ever.
+  void drop_held();
   /// An atom that is at home here and away begins the transition (row of Tables::transitions) that another core's step
   /// `step` gave it as its `order`-th. False: a fault.
   bool take_up(u32 atom, u32 transition, u64 step, u32 order, Work& work);
