@@ -41,6 +41,15 @@ void add_node(CLI::App& app, NodeArguments& a) {
              "when a node is lost, stop the run or go on with what does not need it (default: stop)");
   add_duration(*command, "--lost-after", a.run.lost_after,
                "a node that gives no sign for TIME is lost; more than its longest action takes (default: 10s)");
+  add_duration(
+      *command, "--stall-after", a.stall_after,
+      "when no step of this node has ended for so long, say so and call the safe-stop function (default: 1s if "
+      "the model's C++ has one, else 0: never)");
+  command
+      ->add_option("--safe-stop", a.safe_stop,
+                   "the C function of the model's C++ that stops the robot, `extern \"C\" void NAME(const char* why)` "
+                   "(default: safe_stop, if there is one)")
+      ->type_name("NAME");
   command->add_flag("-s,--silent", a.run.silent, "print no steps, only the seed and how the run ended");
   command->add_flag("--show-state", a.run.show_state, "print the places and data of each component at the end");
   command->add_flag("--stats", a.run.stats,

@@ -42,7 +42,9 @@ struct DeployArguments {
 /// Such a folder; `file` and `placement_path` of the run are in it.
 struct NodeArguments : RunArguments {
   std::string folder;
-  std::string listen;  // ADDRESS:PORT; empty: as the placement says
+  std::string listen;             // ADDRESS:PORT; empty: as the placement says
+  std::int64_t stall_after = -1;  // ns; -1: a second if the model's C++ has a safe-stop function, else never
+  std::string safe_stop;          // empty: `safe_stop` if the model's C++ has it
 };
 /// A debugging session on a model.
 struct SessionArguments {

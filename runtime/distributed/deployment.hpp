@@ -8,6 +8,14 @@
 
 namespace bip::rt {
 
+/// When and how a node that stands still stops its robot (runtime/engine/stall_watch.hpp).
+struct StallOptions {
+  std::int64_t after = 0;                    // ns of the wall clock without the end of a step; 0: there is no watch
+  void (*stop)(const char* why) = nullptr;   // stops the robot; not null if there is a watch
+  void (*go_on)(const char* why) = nullptr;  // called when steps end again; may be null
+  std::string stop_name;                     // for messages
+};
+
 struct Deployment {
   std::uint32_t self = 0;
   std::string model;  // names everything that all nodes must have alike
@@ -18,6 +26,7 @@ struct Deployment {
   std::string listen;                  // where this node listens, ADDRESS:PORT; ADDRESS may be `*`
   FabricKeys keys;
   FabricKeys launcher_keys;  // of node 0; of others empty
+  StallOptions stall;
 
   [[nodiscard]] std::uint32_t launcher() const { return static_cast<std::uint32_t>(names.size()); }
 };

@@ -66,6 +66,7 @@ bool NodeProcess::run(const State& initial) {
   for (u32 peer = 0; peer < setup_.self; ++peer) station_.greet(peer);
   say(Control::Kind::Ready, {});
   started_ = wall_clock();
+  if (!begin_watch()) return false;
   bool has_work = true;
   i64 leave_at = 0;
   for (;;) {
@@ -94,6 +95,15 @@ bool NodeProcess::run(const State& initial) {
     station_.tick(wall_clock());
     if (is_finished_ && leave_at == 0) leave_at = wall_clock() + kLastWords;
   }
+}
+
+// False: it cannot be watched.
+bool NodeProcess::begin_watch() {
+  const Deployment* const deployment = setup_.options.deployment;
+  if (deployment == nullptr || deployment->stall.after <= 0) return true;
+  watch_.emplace(deployment->stall, setup_.distribution.placement.nodes[setup_.self]);
+  if (!watch_->start()) why_ = "the system has no thread for --stall-after";
+  return why_.empty();
 }
 
 // A launcher that knocks again, with another number, has forgotten this run.
@@ -225,6 +235,7 @@ bool NodeProcess::has_worked() {
     i64 sent_at = wall_clock();
     while (node_.work_count() != 0) {
       node_.run(node_.work_count() - 1);
+      if (watch_) watch_->note_steps();
       if (const i64 now = wall_clock(); now - sent_at > kSendWhile) {
         post();
         station_.send(now);

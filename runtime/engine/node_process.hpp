@@ -5,6 +5,7 @@
 // in as few frames as that allows. With nothing to do it sleeps.
 #pragma once
 #include <deque>
+#include <optional>
 
 #include "runtime/core/core.hpp"
 #include "runtime/distributed/greeting.hpp"
@@ -13,6 +14,7 @@
 #include "runtime/engine/node_time.hpp"
 #include "runtime/engine/output.hpp"
 #include "runtime/engine/scheduler.hpp"
+#include "runtime/engine/stall_watch.hpp"
 
 namespace bip::rt {
 
@@ -56,6 +58,7 @@ class NodeProcess {
     Outgoing outgoing;
   };
 
+  [[nodiscard]] bool begin_watch();
   void take_greeting(const Arrival& arrival);
   [[nodiscard]] bool must_leave(i64 now);
   void take(const Heard& heard);
@@ -87,6 +90,7 @@ class NodeProcess {
   Station station_;
   Scheduler scheduler_;
   NodeTime time_;
+  std::optional<StallWatch> watch_;  // of runs on several hosts
   const State* initial_ = nullptr;
 
   bool is_remote_;   // the launcher may be on another host, and cannot watch this process

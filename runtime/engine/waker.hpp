@@ -1,6 +1,6 @@
 // Sleeping until an instant of the wall clock, or until another thread or a signal handler wakes the sleeper.
 //
-// A futex: the kernel compares the word before it lets anybody sleep, so no wake is lost between looking and sleeping,
+// A futex: the kernel compares the word before it lets a thread sleep, so no wake is lost between looking and sleeping,
 // and no time is spent between. wake() costs a system call only if the thread sleeps. One thread sleeps.
 #pragma once
 #include <atomic>
