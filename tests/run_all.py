@@ -135,7 +135,7 @@ def groups(options):
         ("serve", [script("serve", "tests/serve/test_serve.py", alone=True), script("stepping", "tests/serve/test_stepping.py"), script("requests", "tests/serve/test_requests.py"), script("watchdog", "tests/serve/test_watchdog.py", alone=True), script("processes", "tests/serve/test_processes.py", weight=10)]),
         ("ros1", [script("component", "tests/ros1/test_ros1.py", alone=True)]),
         ("ros2", [script("component", "tests/ros2/test_ros2.py", "component", alone=True), script("mission", "tests/ros2/test_ros2.py", "mission", alone=True)]),
-        ("distributed", [script("distributed", "tests/distributed/test_processes.py", alone=True), script("hosts", "tests/distributed/test_hosts.py", alone=True)]),
+        ("distributed", [script("distributed", "tests/distributed/test_processes.py", alone=True), script("hosts", "tests/distributed/test_hosts.py", alone=True), script("dala_hosts", "tests/distributed/test_dala.py", alone=True)]),
         # Sanitizers make system calls and allocate by themselves, need much address space, and trace the process to find leaks.
         ("faults", [script("faults", "tests/faults/test_faults.py", *(["output", "input", "threads", "kill"] if is_sanitized() else []), alone=True)]),
         ("traces", [script("traces", "tests/traces/test_traces.py", weight=3), script("record", "tests/traces/test_record.py", alone=True)]),

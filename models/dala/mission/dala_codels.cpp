@@ -74,8 +74,10 @@ bool& is_sharp() {
   return sharp;
 }
 
-// The wheels' wires: sensors, then commands.
-void talk_to_rover(Bus& b) {
+// The wires of the rover's sensors, which each host has.
+void read_sensors() {
+  if (bus() == nullptr) return;
+  const Bus& b = *bus();
   World& w = world();
   w.now = b.now;
   w.x = b.x;
@@ -83,6 +85,11 @@ void talk_to_rover(Bus& b) {
   w.heading = b.heading;
   w.v = b.v;
   w.windows = {{{0, 1e9}, {0, 1e9}}};
+}
+// The wheels' wires: sensors, then commands.
+void talk_to_rover(Bus& b) {
+  read_sensors();
+  const World& w = world();
   b.wanted_v = w.wanted_v;
   b.wanted_turn = w.wanted_turn;
   b.follows = w.is_tracking;
@@ -92,6 +99,8 @@ void talk_to_rover(Bus& b) {
 
 // The watchdog's thread: it waits for nothing.
 extern "C" void safe_stop(const char* /*why*/) { is_stopped() = true; }
+// `bipc node` calls it when a node goes on that stood still, of whose reference nothing is forgotten.
+extern "C" void safe_go_on(const char* /*why*/) { is_stopped() = false; }
 
 // What posters hold, as their descriptions say; null: this one does not show it.
 extern "C" const char* bip_poster_value(const char* poster) {
@@ -277,11 +286,15 @@ int ptuMoveAbsoluteMain(int&) {
   return std::abs(w.pan_to - w.pan) > 0.001 ? kExec : kEther;
 }
 int viamAcquireStart(int&) {
+  read_sensors();
   if (bus() != nullptr) bus()->exposes = is_sharp();
   world().busy_until = world().now + 3;
   return kExec;
 }
-int viamAcquireMain(int&) { return world().now < world().busy_until ? kExec : kEnd; }
+int viamAcquireMain(int&) {
+  read_sensors();
+  return world().now < world().busy_until ? kExec : kEnd;
+}
 // To the sides of the front wheels, where the PTU looks.
 int viamAcquireEnd(int&) {
   if (bus() != nullptr) bus()->exposes = false;
@@ -291,6 +304,7 @@ int viamAcquireEnd(int&) {
   return kEther;
 }
 int viamAcquireContinuousMain(int&) {
+  read_sensors();
   take(panorama(), world(), 1280, 480, -kPi, kPi);
   return kExec;
 }
