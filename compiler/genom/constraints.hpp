@@ -64,7 +64,7 @@ struct Condition {
 
 enum class ConstraintKind : std::uint8_t {
   Admit,      // `subject` is accepted only if the condition holds, else rejected
-  Keep,       // and told to stop as soon as it does not
+  Keep,       // and is stopped as soon as it does not
   Interrupt,  // a request for `subject` tells `other` to stop
   Wait,       // `subject`, accepted, begins only when `other` does not run
   When        // `recovery` is asked for each time the condition becomes true; no subject

@@ -131,7 +131,7 @@ struct Module {
   std::string data_type;                    // GenoM 2: its internal data, one of `structs` if it is described
   std::vector<CStruct> structs;             // GenoM 2; nothing of the translation depends on them
   std::optional<idl::Component> component;  // GenoM 3, if its codels are called in C
-  bool is_killed = false;                   // it has genom3's service `kill`, which stops its tasks, too
+  bool is_killed = false;                   // it has genom3's service `kill`, which also stops its tasks
   bool is_open = false;                     // a header was missing: names that are not known may be declared there
   [[nodiscard]] bool has_init() const {
     for (const Service& s : services) {

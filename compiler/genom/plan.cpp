@@ -76,7 +76,7 @@ bool yields(const Activity& activity, const ActivityPlan& a, std::size_t to, Nex
   return false;
 }
 
-// `is_killed`: of a task that is told to stop; it ends like one that does so by itself.
+// `is_killed`: the plan of a task that a service `kill` can stop; it ends like a task that stops by itself.
 ActivityPlan plan_activity(const Activity& activity, bool can_be_stopped, const std::vector<std::string>& reports,
                            int generation, bool is_killed = false) {
   const bool has_reports = !reports.empty();

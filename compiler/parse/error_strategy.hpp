@@ -39,7 +39,7 @@ class ReportingStrategy final : public antlr4::DefaultErrorStrategy {
   void note_skipped_to_end(antlr4::Parser* parser);
   antlr4::Token* conjure(antlr4::Parser* parser, std::size_t type);
   void report_missing_end(antlr4::Parser* parser, const antlr4::Token* found);
-  /// False if this was told, or something on its line, or on the line before it a string or comment without end.
+  /// False if this was reported, or something on its line, or on the line before it a string or comment without end.
   [[nodiscard]] bool is_first_report_at(antlr4::Parser* parser, const antlr4::Token* token);
   [[nodiscard]] bool is_first_of_line(antlr4::Parser* parser, const antlr4::Token* token) const;
   [[nodiscard]] std::size_t column(const antlr4::Token* token) const;

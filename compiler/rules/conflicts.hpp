@@ -1,7 +1,7 @@
 // What rules say that cannot go well, and that shows without a proof: recoveries that rules refuse, recoveries that
 // call each other, and bounds of freshness that the writer of a poster does not meet.
 //
-// A recovery is asked for when its rule is violated: then the rule's condition is false, and a service that is told to
+// A recovery is asked for when its rule is violated: then the rule's condition is false, and a service that must
 // stop is active. Other rules about the recovery are judged with these facts; what is not decided by them counts as
 // unknown.
 #pragma once

@@ -47,8 +47,8 @@ class Network {
   /// The node's next turn, when it has done what takes its time.
   void await_turn(u32 node);
   void await_again(u32 node, u32 peer);
-  /// All nodes hear, each at its time, of the next instant of a model with time. Whoever finds it out stands beside the
-  /// first node, asks the others first, and reaches none over a cut.
+  /// Sends the next instant of a model with time to all nodes; each receives it after a delay of its own. The sender
+  /// computes it beside the first node, from answers of the others, so a cut delays it for the nodes behind the cut.
   void tell_instant(u32 nodes);
   /// The next event. False: nothing will happen any more, but for crashes.
   bool next(NetworkEvent& event);

@@ -14,9 +14,10 @@
 // decides about it as about any other, and begins it or gives everything back. What was refused is tried again when
 // an atom that it was refused for has changed.
 //
-// Models with time: all nodes pass from one instant to the next, which whoever calls has found out when all of them
-// rested and nothing was on its way. An atom's home has its clocks. An offer says until when it holds; after that its
-// coordinator counts the atom as at work, and its home offers it again. An action that runs beside the others
+// Models with time: all nodes pass from one instant to the next, which the caller computes when all of them rest and
+// no message is on its way (engine/node_time.hpp). An atom's home has its clocks. An offer says until when it holds;
+// after that its coordinator counts the atom as at work, and its home offers it again. An action that runs beside the
+// others
 // (`@async`) is such a change: the atom offers nothing until its budget is over, and its action runs then.
 #pragma once
 #include <deque>
@@ -87,7 +88,7 @@ class Node {
   /// To the initial state, which all nodes know. False: a fault.
   bool start(const State& state);
 
-  /// Is told what happens from now on; for tests.
+  /// Calls `observer` with each event from now on; for tests.
   void observe(NodeObserver observer) { observer_ = std::move(observer); }
   /// Takes a message of another node. Requires what Codec::read checks. What does not fit the state of this node is
   /// refused and counted.
@@ -95,7 +96,7 @@ class Node {
   /// Begins a candidate that is_decided, as step `step` of the whole run: numbers grow along whatever depends on
   /// something. Appends the atoms that take part.
   void begin(EnabledSet::Position at, u64 step, std::vector<u32>& atoms);
-  /// An interaction of a split set of which all is locked here, before any other: whoever chooses what begins takes one
+  /// The interaction of a split set that must begin next, as all that it needs is locked here: the caller chooses one
   /// of its candidates. kNone: there is none.
   [[nodiscard]] u32 locked_interaction() const { return ready_.empty() ? kNone : ready_.front().interaction; }
   /// Interactions of split sets that may be worth an attempt.

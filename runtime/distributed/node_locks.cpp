@@ -2,7 +2,7 @@
 //
 // Deadlock-free: an attempt waits only for an atom that is at work, which ends, or that another attempt has locked; and
 // of the atoms at their homes it locks those of earlier nodes first, at a node those of smaller numbers. What its
-// coordinator holds besides, no other attempt waits for. Whoever has all begins.
+// coordinator holds besides, no other attempt waits for. An attempt that has all begins.
 // Fair: attempts are served at an atom in the order in which they come, before anything else takes it.
 // Nothing is forgotten: an attempt is refused only if the interaction is not possible, at an atom or, if all are there,
 // in this state of all of them. It can become possible only by a change of that atom, or of one of them, and each of

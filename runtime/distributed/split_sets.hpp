@@ -6,7 +6,7 @@
 // - On an occasion whose interactions have one coordinator the atom is offered to that node, as in sets that are not
 //   split. On others it is *shared*: it is offered at its home, and locked there for one attempt after the other.
 // So all locks of an attempt are at its coordinator or at later nodes, and a chain of locks in the order of nodes
-// visits each of them once (node.hpp). A set whose occasions turn out to be shared by nobody is not split: it comes
+// visits each of them once (node.hpp). A set of which no occasion is shared is not split: it comes
 // apart.
 //
 // Not split are sets whose atoms show C++ objects, which cannot be sent, and sets at home on one node. Linear in the

@@ -14,7 +14,7 @@ namespace bip::verify {
 
 namespace {
 
-/// FactsOnly: stop before lemmas are looked for. Guesses: only those that somebody else has an idea of.
+/// FactsOnly: without lemmas. Guesses: only with the lemmas that the caller proposes. Lemmas: searches for lemmas.
 enum class Effort : std::uint8_t { FactsOnly, Guesses, Lemmas };
 
 // One attempt of either engine. `share` ends the attempt, `whole_` the question.

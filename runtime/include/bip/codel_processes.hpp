@@ -312,7 +312,7 @@ class Level {
     }
   }
 
-  // What earlier processes of the module were told goes first, whoever calls.
+  // Calls to earlier processes of the module are repeated before any other call.
   Wait repeat_calls(int module, std::uint32_t generation, Channel& c) {
     Book& book = books_[index(module)];
     const auto is_done = [&] {
@@ -642,7 +642,7 @@ class Level {
 
   // ---- a module's side
 
-  // A codel asks: over the channel of its call, on whose other side somebody waits for the answer.
+  // A codel's request to the controller: over the channel of its call, whose other end waits for the answer.
   static const char* ask_controller(const char* service, const char* input) {
     thread_local std::string answer;
     answer = "{}";

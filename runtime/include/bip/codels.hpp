@@ -79,7 +79,7 @@ inline void note_exception(const char* codel, const CodelOwner& owner, ReplyNote
 
 /// What asks for a service as clients do, with an input of JSON, and waits for its final reply:
 /// {"report":"OK","result":{…}}, or {"report":"","problem":"there is no service …"}. The text lasts until the thread
-/// asks again. `bipc serve` sets it; null: nobody can be asked.
+/// asks again. `bipc serve` sets it; null: there are no services.
 using ServiceCaller = const char* (*)(const char* service, const char* input);
 inline std::atomic<ServiceCaller>& service_caller() {
   static std::atomic<ServiceCaller> caller{nullptr};

@@ -87,7 +87,7 @@ TEST_CASE("a session that cannot ask for the candidates ends") {
   played.say(R"({"ok":true,"id":3,"steps":1})");
   CHECK(played.session->hear());
   played.read_no_more();
-  // The state after the step has candidates that nobody has seen.
+  // The state after the step has candidates that no page has shown.
   played.say(R"({"ok":true,"id":4,"paused":true,"steps":1,"time":0,"atoms":{"ROOT.lamp":{"place":"ON","data":{}}}})");
   CHECK_FALSE(played.session->hear());
 }
