@@ -102,9 +102,9 @@ Runs::Runs(const Certificate& certificate, const Tree& claim, const Terms& terms
       is_of_points_(claim.head() == "points"),
       states_(c_.states.begin(), c_.states.end()),
       edges_(states_.size()) {
-  constexpr std::size_t kMostBits = 8;
+  // Of each of their values something is computed and stored.
+  constexpr std::size_t kMostBits = 20;
   if (formula_.bits() > kMostBits) throw NotCheckable("the claim has too many operators");
-  if (states_.size() >= std::size_t{1} << (31 - formula_.bits())) throw NotCheckable("there are too many states");
 }
 
 Runs::Node Runs::row_of_state(const std::u32string& state) const {
@@ -161,17 +161,18 @@ const Runs::Changes& Runs::changes_of(const std::vector<bool>& truth) {
   Local leaves;
   for (bool is_true : truth) leaves.push_back(t_.truth(is_true));
   at->second.resize(count);
-  for (Node from = 0; from < count; ++from) {
-    for (Node to = 0; to < count; ++to) {
-      const Formula::Point point = formula_.point(t_, leaves, bits_of(from), bits_of(to));
-      bool is_possible = is(point.possible, true);
-      for (std::size_t bit = 0; bit < formula_.bits(); ++bit)
-        is_possible = is_possible && (formula_.looks_ahead(bit) || is(point.next[bit], (to >> bit & 1) != 0));
-      Change change{to, 0, is(point.violated, true)};
-      for (std::size_t k = 0; k < point.pending.size(); ++k)
-        change.pending |= std::uint64_t{is(point.pending[k], true)} << k;
-      if (is_possible) at->second[from].push_back(change);
+  // What looks back is known of this point, what looks ahead of the next one: the others follow.
+  for (Node known = 0; known < count; ++known) {
+    const Local bits = bits_of(known);
+    const Formula::Point point = formula_.point(t_, leaves, bits, bits);
+    Node from = known, to = known;
+    for (std::size_t bit = 0; bit < formula_.bits(); ++bit) {
+      Node& other = formula_.looks_ahead(bit) ? from : to;
+      other = (other & ~(Node{1} << bit)) | Node{is(point.next[bit], true)} << bit;
     }
+    Change& change = at->second[from].emplace_back(Change{to, 0, is(point.violated, true)});
+    for (std::size_t k = 0; k < point.pending.size(); ++k)
+      change.pending |= std::uint64_t{is(point.pending[k], true)} << k;
   }
   return at->second;
 }
@@ -188,12 +189,10 @@ std::vector<Runs::Move> Runs::moves(Node node) const {
   return moves;
 }
 
-Runs::Nodes Runs::reached(Node first) const {
+Runs::Nodes Runs::reach_all(Node first) {
   Nodes nodes;
-  std::vector<bool> is_reached(states_.size() << formula_.bits(), false);
   const auto reach = [&](Node node) {
-    if (!is_reached[node]) nodes.push_back(node);
-    is_reached[node] = true;
+    if (marks_.try_emplace(node).second) nodes.push_back(node);
   };
   for (Node bits = 0; bits < Node{1} << formula_.bits(); ++bits) {
     bool is_first = true;
@@ -207,9 +206,8 @@ Runs::Nodes Runs::reached(Node first) const {
 }
 
 void Runs::check(const std::u32string& first) {
-  const Nodes all = reached(row_of_state(first));
+  const Nodes all = reach_all(row_of_state(first));
   if (is_of_points_) return;
-  region_ = number_ = low_ = Nodes(states_.size() << formula_.bits(), 0);
   for (std::vector<Nodes> todo{all}; !todo.empty();) {
     const Nodes nodes = std::move(todo.back());
     todo.pop_back();
@@ -228,35 +226,36 @@ void Runs::each_component(const Nodes& nodes, const std::function<void(const Nod
     std::vector<Move> moves;
     std::size_t at = 0;
   };
-  const Node within = ++regions_;
-  for (Node node : nodes) region_[node] = within, number_[node] = 0;
+  const std::size_t within = ++regions_;
+  for (Node node : nodes) marks_[node] = {within, 0, 0};
   std::vector<Frame> path;
   Nodes open;
-  Node count = 0;
+  std::size_t count = 0;
   const auto enter = [&](Node node) {
-    number_[node] = low_[node] = ++count;
+    marks_[node].number = marks_[node].low = ++count;
     open.push_back(node);
     path.push_back({node, moves(node)});
   };
   for (Node root : nodes) {
-    if (number_[root] == 0) enter(root);
+    if (marks_[root].number == 0) enter(root);
     while (!path.empty()) {
       const Node node = path.back().node;
+      Mark& mark = marks_[node];
       if (path.back().at < path.back().moves.size()) {
         const Node to = path.back().moves[path.back().at++].to;
-        if (region_[to] != within) continue;
-        if (number_[to] == 0) enter(to);
-        else low_[node] = std::min(low_[node], number_[to]);
+        if (marks_[to].region != within) continue;
+        if (marks_[to].number == 0) enter(to);
+        else mark.low = std::min(mark.low, marks_[to].number);
         continue;
       }
       path.pop_back();
-      if (!path.empty()) low_[path.back().node] = std::min(low_[path.back().node], low_[node]);
-      if (low_[node] != number_[node]) continue;
+      if (!path.empty()) marks_[path.back().node].low = std::min(marks_[path.back().node].low, mark.low);
+      if (mark.low != mark.number) continue;
       const auto own = std::find(open.rbegin(), open.rend(), node).base() - 1;
       const Nodes component(own, open.end());
       open.erase(own, open.end());
       ++regions_;
-      for (Node member : component) region_[member] = regions_;
+      for (Node member : component) marks_[member].region = regions_;
       visit(component);
     }
   }
@@ -264,7 +263,7 @@ void Runs::each_component(const Nodes& nodes, const std::function<void(const Nod
 
 // The nodes of the component in which a fair run that violates the claim may stay: all of them if there is one.
 Runs::Nodes Runs::fair_part(const Nodes& component) const {
-  const Node own = region_[component[0]];
+  const std::size_t own = marks_.at(component[0]).region;
   std::uint64_t always_pending = ~std::uint64_t{0};
   bool has_cycle = false;
   Units taken, always;
@@ -276,7 +275,7 @@ Runs::Nodes Runs::fair_part(const Nodes& component) const {
   };
   for (Node node : component) {
     for (const Move& move : moves(node)) {
-      if (region_[move.to] != own) continue;
+      if (marks_.at(move.to).region != own) continue;
       has_cycle = true;
       always_pending &= move.pending;
       if (move.edge->label != kNone) taken.insert(units_[move.edge->label].begin(), units_[move.edge->label].end());

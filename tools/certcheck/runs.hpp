@@ -6,6 +6,8 @@
 // only if the promise is kept. One that looks back: what the point before has left. A promise that some point is to
 // come must not be postponed for ever: each pending one is over infinitely often.
 #pragma once
+#include <unordered_map>
+
 #include "tools/certcheck/successors.hpp"
 
 namespace certcheck {
@@ -59,8 +61,11 @@ class Runs {
   void check(const std::u32string& first);
 
  private:
-  using Node = std::uint32_t;  // a listed state and bits of the formula
+  using Node = std::uint64_t;  // a listed state and bits of the formula
   using Nodes = std::vector<Node>;
+  struct Mark {
+    std::size_t region = 0, number = 0, low = 0;
+  };
   static constexpr Node kNowhere = ~Node{0};
   using Units = std::set<std::size_t>;
   struct Change {
@@ -85,7 +90,7 @@ class Runs {
   void add_edge(Node to, std::size_t label, bool is_sure);
   const Changes& changes_of(const std::vector<bool>& truth);
   [[nodiscard]] std::vector<Move> moves(Node node) const;
-  [[nodiscard]] Nodes reached(Node first) const;
+  [[nodiscard]] Nodes reach_all(Node first);
   void each_component(const Nodes& nodes, const std::function<void(const Nodes&)>& visit);
   [[nodiscard]] Nodes fair_part(const Nodes& component) const;
 
@@ -100,8 +105,8 @@ class Runs {
   std::map<std::pair<std::size_t, Rows>, std::size_t> labels_;  // by connector and ports
   std::vector<Units> units_;                                    // by label
   std::map<std::vector<bool>, Changes> changes_;
-  Nodes region_, number_, low_;
-  Node regions_ = 0;
+  std::unordered_map<Node, Mark> marks_;  // of those that are reached
+  std::size_t regions_ = 0;
 };
 
 }  // namespace certcheck
