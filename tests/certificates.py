@@ -26,7 +26,7 @@ def compile_arguments(arguments):
 def problem_of_certificate(bipc, certcheck, arguments, cwd=None, timeout=600):
     """Asks once more with --certificate, and certcheck about that. None if it is accepted, cannot be checked for a documented reason, or there is none to be
     had (the property does not hold, or is one without certificates); else what is wrong."""
-    if any(a in ("--partial", "--certificate", "--help") for a in arguments):
+    if any(a in ("--certificate", "--help") for a in arguments):
         return None
     with tempfile.TemporaryDirectory(prefix="certificates-") as work:
         system, certificate = pathlib.Path(work) / "system.bsys", pathlib.Path(work) / "certificate"

@@ -58,8 +58,7 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
   command
       ->add_flag("--partial", a.partial,
                  "decide whether some components can wait forever while others move (local deadlock)")
-      ->excludes("--property")
-      ->excludes("--certificate");
+      ->excludes("--property");
   command
       ->add_option("--for-all", a.for_all,
                    "decide whether a compound with one parameter, `int N`, is free of deadlocks for every value of it, "

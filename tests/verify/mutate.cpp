@@ -42,6 +42,7 @@ constexpr std::uint64_t kFewStates = 300;
 enum class Told { Accepted, Rejected, NotCheckable };
 struct Totals {
   unsigned long long lists = 0, proofs = 0, refused_proofs = 0, skipped = 0, same = 0;
+  unsigned long long waits = 0, forged = 0;
   unsigned long long insufficient = 0, rejected = 0, not_checkable = 0, malformed = 0, sufficient = 0, accepted = 0,
                      failed = 0;
 };
@@ -84,6 +85,7 @@ class Run {
     int number = 0;
     for (const verify::Question* question : {&deadlock, &errors, &state})
       one(c, model, *question, name + '-' + std::to_string(number++), seed);
+    local_deadlock(c, model, name + "-local", seed);
   }
 
  private:
@@ -106,15 +108,7 @@ class Run {
         seed * 3 + static_cast<std::uint64_t>(question.what));
 
     // The same claim once more, by the states that a search reaches.
-    verify::StateCollector states(*c.system, c.lowered->image, 10'000'000);
-    const verify::SearchLimits few{.cancellation = verify::within_seconds(2),
-                                   .states = kFewStates,
-                                   .report = {},
-                                   .visit = [&](const rt::State& state) { states.add(state); }};
-    if (!states.is_listable() ||
-        verify::search(portfolio.net(), c.lowered->image, goal, {}, few).end != verify::SearchEnd::Exhausted)
-      return;
-    const std::string rows = states.rows();
+    const std::string rows = reached(c, portfolio, goal);
     if (rows.empty()) return;
     d.evidence = verify::ReachedStates{rows};
     ++t_.lists;
@@ -124,6 +118,49 @@ class Run {
           return verify::test::listed_worth(text, *c.system, c.lowered->image, goal, o_.states);
         },
         seed * 3 + static_cast<std::uint64_t>(question.what) + 1000003);
+  }
+
+  // The rows of all states that a search without such a goal reaches; empty: it does not end.
+  static std::string reached(const gen::Compiled& c, verify::Portfolio& portfolio, const verify::SearchGoal& goal) {
+    verify::StateCollector states(*c.system, c.lowered->image, 10'000'000);
+    const verify::SearchLimits few{.cancellation = verify::within_seconds(2),
+                                   .states = kFewStates,
+                                   .report = {},
+                                   .visit = [&](const rt::State& state) { states.add(state); }};
+    const bool is_all = states.is_listable() && verify::search(portfolio.net(), c.lowered->image, goal, {}, few).end ==
+                                                    verify::SearchEnd::Exhausted;
+    return is_all ? states.rows() : std::string();
+  }
+  // By the states alone: of changed ones those do not suffice that are not closed under steps. Where somebody waits for
+  // ever, no list of states may be accepted.
+  void local_deadlock(const gen::Compiled& c, const certcheck::Model& model, const std::string& name,
+                      std::uint64_t seed) {
+    verify::Question question;
+    question.what = verify::QuestionKind::NoLocalDeadlock;
+    verify::PortfolioLimits limits;
+    limits.cancellation = verify::within_seconds(2);
+    verify::Portfolio portfolio(
+        *c.system, c.lowered->image, verify::StateAccess::Searchable, [] { return true; },
+        [](const char*, std::uint64_t, const char*) {});
+    const verify::Outcome outcome = portfolio.decide(question, limits).outcome;
+    if (outcome == verify::Outcome::Unknown) return;
+    const std::string rows = reached(c, portfolio, {});
+    if (rows.empty()) return;
+    const std::string text =
+        verify::certificate_head(question, *c.system, "Root()") + "method induction\n" + rows + "end\n";
+    if (outcome == verify::Outcome::Holds) {
+      ++t_.waits;
+      judge(
+          model, name, text,
+          [&](const std::string& changed) {
+            return verify::test::listed_worth(changed, *c.system, c.lowered->image, {}, o_.states);
+          },
+          seed * 3 + 2000003);
+      return;
+    }
+    ++t_.forged;
+    std::string why;
+    if (ask(model, text, why) == Told::Accepted) fail(name, "somebody waits for ever, and yet: " + why, text);
   }
 
   void judge(const certcheck::Model& model, const std::string& name, const std::string& proof,
@@ -196,11 +233,13 @@ int main(int argc, char** argv) {
     run.system("model" + std::to_string(seed), gen::print_packages(gen::generate(seed)), seed);
   }
   std::printf(
-      "proofs %llu (%llu of states; %llu refused, %llu more have too many states); changed so that they do not "
+      "proofs %llu (%llu of states, %llu more of states for local deadlocks, where %llu more do not hold; %llu "
+      "refused, "
+      "%llu more have too many states); changed so that they do not "
       "suffice: %llu (rejected %llu, not checkable %llu), no certificate any more: %llu; "
       "they still do: %llu (accepted %llu); nothing changed: %llu\n",
-      t.proofs, t.lists, t.refused_proofs, t.skipped, t.insufficient, t.rejected, t.not_checkable, t.malformed,
-      t.sufficient, t.accepted, t.same);
+      t.proofs, t.lists, t.waits, t.forged, t.refused_proofs, t.skipped, t.insufficient, t.rejected, t.not_checkable,
+      t.malformed, t.sufficient, t.accepted, t.same);
   std::printf("mutations: %llu passed, %llu failed\n", t.insufficient + t.malformed - t.failed, t.failed);
-  return t.failed == 0 && t.insufficient > 0 && t.lists > 0 ? 0 : 1;
+  return t.failed == 0 && t.insufficient > 0 && t.lists > 0 && t.waits > 0 && t.forged > 0 ? 0 : 1;
 }

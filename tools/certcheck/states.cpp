@@ -1,6 +1,7 @@
 // The states that the rows allow: the first one is among them, every step stays among them, and none of them is bad.
 // All at once, as terms with the rows as facts.
 #include "tools/certcheck/rounds.hpp"
+#include "tools/certcheck/waits.hpp"
 
 namespace certcheck {
 namespace {
@@ -10,7 +11,11 @@ class States {
   States(const Model& model, const Certificate& certificate, z3::context& z)
       : m_(model), c_(certificate), z_(z), terms_(model, z), system_(model, terms_) {
     if (c_.rounds && !c_.claim.starts_with("runs ")) throw Rejected("rounds of a claim that is not about runs");
-    if (c_.claim == "deadlock-free" || c_.claim == "error-free") return;
+    if (c_.claim == "local-deadlock-free") {
+      if (c_.states.empty()) throw Rejected("no states are listed");
+      waits_.emplace(m_, c_);
+    }
+    if (waits_ || c_.claim == "deadlock-free" || c_.claim == "error-free") return;
     claim_ = read_trees(c_.claim);
     const Text form = claim_.head();
     is_of_runs_ = form == "runs" || form == "points";
@@ -40,6 +45,7 @@ class States {
       check_from(first, true, &state);
     }
     if (runs_ && begin) runs_->check(*begin);
+    if (waits_) waits_->check();
   }
 
  private:
@@ -56,6 +62,7 @@ class States {
       throw NotCheckable("what a state does depends on values that are not followed");
     terms_.assume(no(system_.state_fault()));
     if (runs_) runs_->enter(*listed, system_);
+    if (waits_) waits_->enter(*listed, system_);
     const auto check_step = [&](const Step& step) {
       // First without what priorities hide, and only for the atoms that move.
       const auto can = [&](const expr& e) {
@@ -63,6 +70,7 @@ class States {
       };
       if (no_errors && can(step.fault)) throw Rejected("a step ends with an error");
       const expr goes_on = no(step.fault);
+      if (waits_) waits_->take(step);
       if (is(both(step.possible, goes_on), false)) return;
       if (listed != nullptr) return check_listed(*listed, step, goes_on);
       std::map<std::size_t, std::set<const Case*>> touched;
@@ -101,13 +109,14 @@ class States {
       for (const auto& [node, is_in] : step.parts) next[kNone].push_back(is_in);
     const bool is_clear =
         !runs_ || std::ranges::all_of(next[kNone], [](const expr& e) { return value_of(e).has_value(); });
-    if (is_clear && goes_to(state, step, next)) return;
+    if (is_clear && goes_to(state, step, next, true)) return;
     terms_.each_solution(both(step.possible, goes_on), next, [&](const std::map<std::size_t, Local>& one) {
-      if (!goes_to(state, step, one)) throw Rejected("a step leads out of what the certificate allows");
+      if (!goes_to(state, step, one, false)) throw Rejected("a step leads out of what the certificate allows");
     });
   }
-  bool goes_to(const std::u32string& state, const Step& step, const std::map<std::size_t, Local>& next) {
+  bool goes_to(const std::u32string& state, const Step& step, const std::map<std::size_t, Local>& next, bool is_clear) {
     const std::optional<std::u32string> to = listed(state, next);
+    if (to && waits_ && is_clear) waits_->lead(step, *to);
     if (!to || !runs_) return to.has_value();
     std::map<std::size_t, expr> parts = step.parts;
     auto value = next.at(kNone).begin();
@@ -246,6 +255,7 @@ class States {
   bool is_of_runs_ = false;
   std::optional<Runs> runs_;
   std::optional<Rounds> rounds_;
+  std::optional<Waits> waits_;
   std::map<std::size_t, std::map<std::size_t, std::set<const Case*>>> facts_of_;  // by atom and fact
 };
 

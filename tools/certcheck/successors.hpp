@@ -68,12 +68,20 @@ class System {
   /// Is each atom at final places only?
   [[nodiscard]] expr is_final() const {
     expr final = t_.truth(true);
-    for (std::size_t atom = 0; atom < m_.atoms.size(); ++atom) {
-      const AtomType& type = m_.type_of(atom);
-      for (std::size_t place = 0; place < type.places; ++place)
-        if (!contains(type.finals, place)) final = both(final, no(now_[atom][place]));
-    }
+    for (std::size_t atom = 0; atom < m_.atoms.size(); ++atom) final = both(final, is_final(atom));
     return final;
+  }
+  [[nodiscard]] expr is_final(std::size_t atom) const {
+    expr final = t_.truth(true);
+    const AtomType& type = m_.type_of(atom);
+    for (std::size_t place = 0; place < type.places; ++place)
+      if (!contains(type.finals, place)) final = both(final, no(now_[atom][place]));
+    return final;
+  }
+  /// Could the atom take a port, by itself, and has it not come to its end?
+  [[nodiscard]] expr wants(std::size_t atom) const {
+    const expr has_ended = m_.type_of(atom).finals.empty() ? t_.truth(false) : is_final(atom);
+    return both(t_.some(offers_[atom].ports, [](const expr& port) { return port; }), no(has_ended));
   }
   /// All steps, one by one.
   void each_step(const std::function<void(const Step&)>& visit) {

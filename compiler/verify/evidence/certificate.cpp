@@ -154,8 +154,8 @@ std::string certificate_head(const Question& question, const System& system, con
     case QuestionKind::DeadlockFreedom: out += "deadlock-free"; break;
     case QuestionKind::NoErrors: out += "error-free"; break;
     case QuestionKind::State: out += "never " + certificate_text(question.property, system); break;
-    case QuestionKind::NoLocalDeadlock:
-    case QuestionKind::Runs: BIP_UNREACHABLE("no local deadlock has a certificate, and runs have one of their own");
+    case QuestionKind::NoLocalDeadlock: out += "local-deadlock-free"; break;
+    case QuestionKind::Runs: BIP_UNREACHABLE("runs have a certificate of their own");
   }
   return out + '\n';
 }

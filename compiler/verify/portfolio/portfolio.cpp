@@ -83,8 +83,7 @@ class PortfolioRun {
     }
     if (decision_.outcome == Outcome::Unknown) explain_unknown();
     else decision_.reason.clear();
-    if (is_exhaustive(decision_.evidence) && context_.question.what != QuestionKind::NoLocalDeadlock)
-      improve_exhaustive_evidence();
+    if (is_exhaustive(decision_.evidence)) improve_exhaustive_evidence();
     decision_.facts = std::move(context_.facts);
     return std::move(decision_);
   }
@@ -132,7 +131,7 @@ class PortfolioRun {
       add_reason(context_.parts.system().code.has_cpp() ? "the model calls C++, whose state cannot be searched"
                                                         : "the model draws random numbers, which are not searched");
   }
-  // All states are fine: lemmas of a proof, or, for a certificate, the states themselves.
+  // All states are fine: lemmas of a proof (not of local deadlocks), or, for a certificate, the states themselves.
   void improve_exhaustive_evidence() {
     if (!context_.limits.wants_minimal_proof) return;
     if (kIc3Engine.applies_to(context_)) {
