@@ -116,12 +116,30 @@ class PairProver {
     return true;
   }
 
+  // What `*` says of the ports that there are, it does not say of those that come.
+  static std::vector<AtomPriority> without_wildcards(const AtomType& type) {
+    std::vector<AtomPriority> rules;
+    for (const AtomPriority& rule : type.priorities) {
+      for (u32 low = 0; low < type.ports.size(); ++low) {
+        for (u32 high = 0; high < type.ports.size(); ++high) {
+          const bool fits = (rule.low == AtomPriority::kAnyPort || rule.low == low) &&
+                            (rule.high == AtomPriority::kAnyPort || rule.high == high);
+          if (!fits || low == high) continue;
+          rules.push_back(rule);
+          rules.back().low = low;
+          rules.back().high = high;
+        }
+      }
+    }
+    return rules;
+  }
   // A port of each of the two for each of its places, which shows that it is there.
   void add_places_as_ports() {
     const PortTypeId signal = base_.port_types.push({.name = "Place", .variables = {}});
     for (std::size_t k = 0; k < 2; ++k) {
       AtomType& type = base_.atom_types[base_.atoms[AtomId(std::size_t{local(pair_[k])})].type];
       first_place_port_ = static_cast<u32>(type.ports.size());
+      type.priorities = without_wildcards(type);
       for (u32 place = 0; place < type.places.size(); ++place) {
         type.ports.push_back({.name = "at" + std::to_string(place), .type = signal, .variables = {}, .exported = true});
         Transition stays;
