@@ -163,6 +163,18 @@ Verdict unknown_because_of_values(const System& system) {
   return verdict_of(json, "unknown: " + reason + '\n', kUnknown);
 }
 
+// Of what has been proved.
+static Verdict verdict_of_parts(const verify::TimeProof& proof, const verify::Question& question, const System& system,
+                                const std::string& note, const std::string& stats, nlohmann::ordered_json json) {
+  std::string text = proof_text(proof, question);
+  if (can_end_in_error(system)) text += kErrorsNotAsked;
+  text += note;
+  json["verdict"] = question.what == verify::QuestionKind::State ? "holds" : "deadlock-free";
+  json["method"] = "parts";
+  json["text"] = text;
+  return verdict_of(json, text + stats, kOk);
+}
+
 Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify::Question& question,
                      const std::string& note, const verify::CancellationToken& token) {
   if (!is_answerable(c, question)) return {};
@@ -172,7 +184,20 @@ Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify:
   std::string stats;
   const bool asks_state = question.what == verify::QuestionKind::State;
   if (asks_state) json["property"] = question.property.text;
-  // A certificate is the whole zone graph.
+  // A certificate is the zone graph, of two components or of the whole.
+  if (request.wants_certificate && asks_state && c.system->priorities.empty() && !has_resume(*c.system)) {
+    const verify::TimeProof proof = verify::prove_state_by_pairs(*c.system, question.property, explore_system,
+                                                                 cancellation.within(request.timeout / kShareOfParts),
+                                                                 {}, request.megabytes * (kMega / 2));
+    if (request.stats) stats = stats_text(proof);
+    if (request.stats) json["parts"] = parts_json(proof);
+    if (proof.is_proved && !proof.rows.empty()) {
+      Verdict verdict = verdict_of_parts(proof, question, *c.system, note, stats, std::move(json));
+      verdict.certificate =
+          verify::certificate_head(question, *c.system, c.root_name) + "method pairs\n" + proof.rows + "end\n";
+      return verdict;
+    }
+  }
   if (!request.wants_certificate && (asks_state || question.what == verify::QuestionKind::DeadlockFreedom)) {
     const verify::CancellationToken soon = cancellation.within(request.timeout / kShareOfParts);
     verify::TimeProof proof = asks_state
@@ -187,15 +212,7 @@ Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify:
       stats = stats_text(proof);
       json["parts"] = parts_json(proof);
     }
-    if (proof.is_proved) {
-      std::string text = proof_text(proof, question);
-      if (can_end_in_error(*c.system)) text += kErrorsNotAsked;
-      text += note;
-      json["verdict"] = asks_state ? "holds" : "deadlock-free";
-      json["method"] = "parts";
-      json["text"] = text;
-      return verdict_of(json, text + stats, kOk);
-    }
+    if (proof.is_proved) return verdict_of_parts(proof, question, *c.system, note, stats, std::move(json));
   }
   Executor executor(MachineCode::Fresh);
   if (!executor.prepare(c, request.backend, Optimisation::Auto)) return {};

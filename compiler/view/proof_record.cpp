@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -53,8 +54,10 @@ class CertificateReader {
         if (!problem_.empty()) return fail(fmt::format("line {}: {}", k + 1, problem_));
         if (out["rows"].size() < kMostInvariants) out["rows"].push_back(std::move(row));
         else ++left_out;
-      } else if (out["method"] == "zones" && (kind == "state" || kind == "zone")) {
-        if (kind == "state") zones_.add_state(split(rest, ' '));
+      } else if (has_zones(out) && kind == "pair") {
+        for (const std::string_view word : split(rest, ' ')) holders_.insert(word);
+      } else if (has_zones(out) && (kind == "state" || kind == "zone")) {
+        if (kind == "state") zones_.add_state(without_numbers(split(rest, ' ')));
         else zones_.add_zone(split(rest, ' '));
         if (!zones_.problem().empty()) return fail(fmt::format("line {}: {}", k + 1, zones_.problem()));
       } else if (kind == "state" || kind == "states") ++left_out;
@@ -68,7 +71,7 @@ class CertificateReader {
       else ++left_out;
     }
     out["left_out"] = left_out + zones_.left_out();
-    if (out["method"] == "zones") out["locations"] = zones_.take();
+    if (has_zones(out)) out["locations"] = zones_.take();
     return out;
   }
 
@@ -82,6 +85,12 @@ class CertificateReader {
   };
 
   static Result<Json> fail(const std::string& why) { return Failure{why}; }
+  static bool has_zones(const Json& out) { return out["method"] == "zones" || out["method"] == "pairs"; }
+  // Of a pair: the number of a third component stands for all others, so the page is told no numbers.
+  [[nodiscard]] std::vector<std::string_view> without_numbers(std::vector<std::string_view> words) const {
+    std::erase_if(words, [&](std::string_view word) { return holders_.contains(word.substr(0, word.find('='))); });
+    return words;
+  }
 
   void begin_class(std::string_view rest) {
     const std::vector<std::string_view> words = split(rest, ' ');
@@ -203,6 +212,7 @@ class CertificateReader {
   std::map<std::size_t, std::size_t> class_of_;
   std::vector<Json> domains_;
   ZoneRecorder zones_;
+  std::set<std::string_view> holders_;  // data of a pair, in the text
   std::string problem_;
 };
 

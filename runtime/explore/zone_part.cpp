@@ -57,6 +57,8 @@ PartReport ZoneSearch::run_part() {
   report.zones = report_.zones;
   report.locations = locations_.size();
   report.impossible = impossible_;
+  if (part_->visit && report.is_complete && !report.is_open)
+    visit_locations(report_, [&](const ListedLocation& location) { part_->visit(image_, location); });
   return report;
 }
 

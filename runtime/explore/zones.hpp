@@ -103,6 +103,8 @@ struct PartQuestion {
   std::function<bool(const Core&)> is_impossible;  // no state of the whole has these markings and data; asked once each
   std::function<bool(const Core&)> is_asked;       // only there; empty: everywhere
   bool asks_places = false;                        // else: is there a state where is_asked says so, whatever time does?
+  // All locations that have zones, in the order of finding, if the graph is complete and nothing was open.
+  std::function<void(const Image&, const ListedLocation&)> visit = {};
 };
 struct PartReport {
   bool is_complete = false;  // all zones were seen, or an open one was found

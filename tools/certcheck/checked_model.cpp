@@ -224,17 +224,22 @@ class ModelReader {
 
 }  // namespace
 
-Model with_observer(const Model& model) {
+AtomType empty_type(Text name) {
   static const Tree kNothing{true, false, {}, {}};
-  Model result = model;
   AtomType type;
-  type.name = "observer";
-  type.variables = {{"waits", "bool"}, {"to", "float"}, {"is-set", "bool"}, {"speed", "float"}, {"since", "clock"}};
+  type.name = name;
   type.initial = {kNone, {}, {}, &kNothing, &kNothing, &kNothing, &kNothing};
+  return type;
+}
+
+Model with_observer(const Model& model) {
+  Model result = model;
+  AtomType type = empty_type("observer");
+  type.variables = {{"waits", "bool"}, {"to", "float"}, {"is-set", "bool"}, {"speed", "float"}, {"since", "clock"}};
   type.clocks = {{"since", 1, 1}};
   type.first_clock = 4;
   type.waits = 5;
-  result.atoms.push_back({"observer", result.atom_types.size(), &kNothing});
+  result.atoms.push_back({"observer", result.atom_types.size(), type.initial.row});
   result.atom_types.push_back(std::move(type));
   result.first_port.push_back(result.first_port.back());
   return result;

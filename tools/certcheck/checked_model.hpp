@@ -3,6 +3,7 @@
 // a certificate: its rows, with names turned into numbers.
 #pragma once
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <istream>
 #include <map>
@@ -227,6 +228,7 @@ struct Connector {
   Rows exported;                // variables of the port that it exports
   std::vector<Clause> clauses;
   bool is_sync = false;  // its ports resume together
+  bool is_cut = false;   // more take part than the model has: it is not known whether they can
 };
 
 struct Model {
@@ -251,6 +253,8 @@ struct Model {
 /// The model keeps the text, and points into it.
 void read_model(std::string text, Model& model);
 
+/// Nothing happens in it.
+[[nodiscard]] AtomType empty_type(Text name);
 /// The model with one more atom, `observer`: a bool `waits` and a clock `since`, which no step touches. Points into the
 /// model.
 [[nodiscard]] Model with_observer(const Model& model);
@@ -307,6 +311,11 @@ struct Bound {
   std::int64_t limit = 0;
 };
 using Zone = std::vector<Bound>;
+/// With time: states say nothing of components that are like these two, any two of which they speak of (pairs.cpp).
+struct Pair {
+  std::size_t first = kNone, second = kNone;
+  std::set<std::pair<std::size_t, std::size_t>> holders;  // atom, variable: may hold the number of such a component
+};
 /// A row of an automaton that reads sets of modes, by atom: first those outside of the arrays, then position by
 /// position.
 struct SetRow {
@@ -325,9 +334,10 @@ struct Certificate {
   std::set<std::u32string> states;                    // all that a search has reached: by atom a row of locals
   std::map<std::u32string, std::vector<Zone>> zones;  // with time: of each state, one of these holds
   std::vector<std::vector<bool>> is_told;             // with time, by atom and variable: states say it; else: any value
-  std::vector<SetRow> set_rows;                       // of a proof for all sizes
-  std::vector<Class> classes;                         // none: the certificate says nothing of modes
-  Rows class_of;                                      // by atom
+  std::optional<Pair> pair;
+  std::vector<SetRow> set_rows;  // of a proof for all sizes
+  std::vector<Class> classes;    // none: the certificate says nothing of modes
+  Rows class_of;                 // by atom
   std::vector<Modes> reachable;
 };
 
@@ -340,8 +350,19 @@ enum class Last { Yes, No };
 [[nodiscard]] std::string check(const Model& model, std::istream& certificate, z3::context& z);
 /// The same of a text with several systems, for all sizes of one (sizes.cpp), or with one.
 [[nodiscard]] std::string check_all(const std::string& systems, std::istream& certificates, z3::context& z);
-/// The same for a model with time (zones.cpp): of states with zones.
-void check_zones(const Model& model, const Certificate& certificate, z3::context& z);
+/// The two of the certificate and a third one; without the other ones that are like them, but for what all do together.
+struct PairModel {
+  Model model;
+  std::array<std::size_t, 3> members{};
+  // What tells those apart that are alike, if anything does: of these three, then of the others; where it is an
+  // argument.
+  std::vector<int> numbers;
+  std::array<std::vector<const Tree*>, 3> args;
+};
+/// Any three are to the rest as these three are, but for their numbers; throws Rejected or NotCheckable (pairs.cpp).
+[[nodiscard]] PairModel model_of_pair(const Model& model, const Certificate& certificate);
+/// The same for a model with time (zones.cpp): of states with zones, all told or of a pair.
+void check_zones(const Model& model, const Certificate& certificate, z3::context& z, const PairModel* pair = nullptr);
 /// Modes of the first of these sizes, with rows that say how it grows, exclude a deadlock from it on (words.cpp). The
 /// others are compared with what the rows say.
 void check_words(const std::vector<const Model*>& models, const Certificate& certificate, z3::context& z);

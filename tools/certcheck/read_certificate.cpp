@@ -50,21 +50,14 @@ class CertificateReader {
   void row(Text line) {
     // Each with the least number of its words.
     static const std::map<Text, std::pair<std::size_t, void (CertificateReader::*)()>> kForms{
-        {"class", {3, &CertificateReader::class_row}},
-        {"mode", {3, &CertificateReader::mode_row}},
-        {"component", {5, &CertificateReader::component_row}},
-        {"trap", {1, &CertificateReader::fact_row}},
-        {"one-token", {1, &CertificateReader::fact_row}},
-        {"sum", {2, &CertificateReader::fact_row}},
-        {"lemma", {1, &CertificateReader::fact_row}},
-        {"equation", {2, &CertificateReader::fact_row}},
-        {"state", {1, &CertificateReader::state_row}},
-        {"zone", {1, &CertificateReader::zone_row}},
-        {"fairness", {2, &CertificateReader::fairness_row}},
-        {"rounds", {2, &CertificateReader::rounds_row}},
-        {"turn", {2, &CertificateReader::turn_row}},
-        {"begin", {3, &CertificateReader::set_row}},
-        {"next", {4, &CertificateReader::set_row}}};
+        {"class", {3, &CertificateReader::class_row}},         {"mode", {3, &CertificateReader::mode_row}},
+        {"component", {5, &CertificateReader::component_row}}, {"trap", {1, &CertificateReader::fact_row}},
+        {"one-token", {1, &CertificateReader::fact_row}},      {"sum", {2, &CertificateReader::fact_row}},
+        {"lemma", {1, &CertificateReader::fact_row}},          {"equation", {2, &CertificateReader::fact_row}},
+        {"state", {1, &CertificateReader::state_row}},         {"pair", {3, &CertificateReader::pair_row}},
+        {"zone", {1, &CertificateReader::zone_row}},           {"fairness", {2, &CertificateReader::fairness_row}},
+        {"rounds", {2, &CertificateReader::rounds_row}},       {"turn", {2, &CertificateReader::turn_row}},
+        {"begin", {3, &CertificateReader::set_row}},           {"next", {4, &CertificateReader::set_row}}};
     const Text head = words_.empty() ? Text() : words_[0];
     if (line == "method exhaustive") throw NotCheckable("the evidence is a search of all states");
     if (head == "root" || head == "method") return;
@@ -202,12 +195,24 @@ class CertificateReader {
     now_ = rows;
     c_.states.insert(std::move(rows));
   }
+  // Beside a pair there are components of which nothing is said.
   void tell_first() {
     for (std::size_t a = 0; a < state_.size(); ++a) {
-      for (std::size_t k = 0; k < state_[a].size(); ++k) {
+      for (std::size_t k = 0; k < state_[a].size(); ++k)
         c_.is_told[a][k] = state_[a][k].has_value() && !m_.type_of(a).variables[k].is_param;
-        if (!state_[a][k] && k >= m_.type_of(a).places && k < m_.type_of(a).waits) state_[a][k] = 0;
-      }
+      const bool is_silent = c_.pair && !contains(c_.is_told[a], true);
+      for (std::size_t k = 0; k < state_[a].size(); ++k)
+        if (!state_[a][k] && (is_silent || (k >= m_.type_of(a).places && k < m_.type_of(a).waits))) state_[a][k] = 0;
+    }
+  }
+  // "pair ROOT.a[0] ROOT.a[1] ROOT.b.n": the two, and data that may hold numbers
+  void pair_row() {
+    need(m_.is_timed && c_.states.empty() && !c_.pair, "no states of a pair follow");
+    c_.pair = Pair{atom_of(words_[1]), atom_of(words_[2]), {}};
+    for (std::size_t k = 3; k < words_.size(); ++k) {
+      const Literal l = literal(words_[k], true);
+      need(!l.is_negated, "is no variable", words_[k]);
+      c_.pair->holders.emplace(l.atom, l.variable);
     }
   }
   // "ROOT.a.x<=7", "ROOT.a.x-ROOT.b.y<=3", "ROOT.a.x>=2": of the state above

@@ -282,8 +282,14 @@ std::string check(const Model& model, const Certificate& c, z3::context& z) {
   const std::size_t observers = model.atoms.empty() || model.atoms.back().path != "observer" ? 0 : 1;
   const std::string components = std::to_string(model.atoms.size() - observers) + " components, ";
   if (!c.classes.empty()) check_structure(model, c, z);
-  if (model.is_timed) check_zones(model, c, z);
-  else States(model, c, z).run();
+  if (c.pair) {
+    const PairModel pair = model_of_pair(model, c);
+    check_zones(pair.model, c, z, &pair);
+  } else if (model.is_timed) {
+    check_zones(model, c, z);
+  } else {
+    States(model, c, z).run();
+  }
   const auto count = [](std::size_t number, const std::string& what) {
     return std::to_string(number) + " " + what + (number == 1 ? "" : "s");
   };
@@ -293,7 +299,8 @@ std::string check(const Model& model, const Certificate& c, z3::context& z) {
   if (c.claim.starts_with("runs ") || c.claim.starts_with("points "))
     return components + (c.rounds ? count(*c.rounds, "round") + ", " + count(c.facts.size(), "fact") : states) +
            (c.claim.starts_with("r") ? "; fairness of runs: " + c.fairness : "");
-  if (!c.states.empty()) return components + (zones == 0 ? "" : count(zones, "zone") + " of ") + states;
+  if (!c.states.empty())
+    return components + (zones == 0 ? "" : count(zones, "zone") + " of ") + states + (c.pair ? " of any two" : "");
   return components + count(c.sets.size(), "invariant") + (c.facts.empty() ? "" : ", " + count(c.facts.size(), "fact"));
 }
 

@@ -274,7 +274,12 @@ class System {
           all_[first + k].possible = both(all_[first + k].possible, no(all_[first + j].offered));
       }
     }
-    for (std::size_t k = 0; k < count; ++k) all_[first + k].offered = all_[first + k].sure = all_[first + k].possible;
+    const std::size_t connector = m_.nodes[node].connector;
+    const bool is_cut = connector != kNone && m_.connectors[connector].is_cut;
+    for (std::size_t k = 0; k < count; ++k) {
+      all_[first + k].offered = all_[first + k].possible;
+      all_[first + k].sure = is_cut ? t_.truth(false) : all_[first + k].possible;
+    }
   }
   // Does a port that takes part have that?
   [[nodiscard]] expr has(const Candidate& c, Local Offer::*what) const {

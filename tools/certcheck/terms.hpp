@@ -69,6 +69,8 @@ class Terms {
   Terms(const Model& model, z3::context& z)
       : m_(model), z_(z), solver_(model.is_timed ? z3::solver(z) : z3::solver(z, "QF_BV")) {}
 
+  /// The argument of an atom may be any value.
+  void let(const Tree* arg, const expr& value) { args_.emplace(arg, value); }
   /// What is assumed between the two is forgotten then.
   void begin() { solver_.push(); }
   void end() { solver_.pop(); }
@@ -230,7 +232,10 @@ class Terms {
     for (const Variable& variable : m_.atom_types[atom.type].variables) {
       const std::optional<int> value = others[local.size()];
       const expr other = value ? constant(variable.type, *value) : fresh(variable.type);
-      local.push_back(variable.is_param ? evaluate(atom.args->at(++arg), {}, fault, fault) : other);
+      const auto any = variable.is_param ? args_.find(&atom.args->at(++arg)) : args_.end();
+      local.push_back(any != args_.end()  ? any->second
+                      : variable.is_param ? evaluate(atom.args->at(arg), {}, fault, fault)
+                                          : other);
     }
     forget_settings(m_.atom_types[atom.type], local);
     return local;
@@ -586,6 +591,7 @@ class Terms {
   z3::context& z_;
   z3::solver solver_;
   std::map<std::size_t, std::vector<expr>> assumed_;  // by atom
+  std::map<const Tree*, expr> args_;
   // By operation and its terms, which are kept with the value: else their numbers would be given to others.
   mutable std::map<std::tuple<Text, unsigned, unsigned>, Local> unknown_;
 };

@@ -9,8 +9,14 @@ namespace {
 
 class Zones {
  public:
-  Zones(const Model& model, const Certificate& certificate, z3::context& z)
-      : m_(model), c_(certificate), z_(z), terms_(model, z), system_(model, terms_), after_(model, terms_) {
+  Zones(const Model& model, const Certificate& certificate, z3::context& z, const PairModel* pair)
+      : m_(model),
+        c_(certificate),
+        z_(z),
+        pair_(pair),
+        terms_(model, z),
+        system_(model, terms_),
+        after_(model, terms_) {
     for (const AtomType& type : m_.atom_types) {
       const auto has = [&](Text op) {
         return std::any_of(type.transitions.begin(), type.transitions.end(), [&](const Transition& t) {
@@ -20,6 +26,7 @@ class Zones {
       };
       has_open_ = has_open_ || has("gt");
     }
+    if (pair_ != nullptr) let_numbers();
     if (is_about("deadlock-free") || is_about("error-free")) return;
     claim_ = read_trees(c_.claim);
     if (claim_.head() == "within") {
@@ -30,9 +37,12 @@ class Zones {
       return;
     }
     if (claim_.items.size() != 2 || claim_.items[0].text != "never") throw Rejected("the claim " + quoted(c_.claim));
+    if (pair_ != nullptr && !claim_.find({"can", "can-port"}).empty())
+      throw NotCheckable("what can be done, of a pair of components");
   }
 
   void run() {
+    if (pair_ != nullptr && claim_.head() != "never") throw Rejected("a pair shows nothing but what never is");
     expr fault = terms_.truth(false);
     State first;
     for (const Atom& atom : m_.atoms) {
@@ -62,6 +72,7 @@ class Zones {
       now.push_back(terms_.local(m_.atoms[a], values));
     }
     terms_.assume(is_inside(key, now));
+    if (pair_ != nullptr) look_at_third(now);
     State later = now;
     for (std::size_t a = 0; a < later.size(); ++a) {
       const AtomType& type = m_.type_of(a);
@@ -123,7 +134,8 @@ class Zones {
       demand(both(waits, (now.back()[m_.atom_types.back().first_clock] > z_.int_val(*limit_)).simplify()),
              "a state that the certificate allows comes too late");
     else if (!claim_.items.empty())
-      demand(system_.claim(claim_.items[1]), "a state that the certificate allows is what should never be");
+      demand(both(own_numbers_, system_.claim(claim_.items[1])),
+             "a state that the certificate allows is what should never be");
     if (!is_about("deadlock-free") && !limit_) return;
     const expr is_stuck = no(system_.has_step()),
                may_stop = either(no(may_pass), either(system_.is_urgent(false), may_open)),
@@ -155,20 +167,28 @@ class Zones {
   // Where `when` holds, and the run does not end in an error, this is a listed state in one of its zones.
   void stays(const expr& when, const State& next, const std::string& otherwise) {
     if (is(when, false)) return;
-    std::u32string key(next.size(), U'\0');
+    std::u32string key = c_.zones.begin()->first;
     std::map<std::size_t, Local> open;  // what need not be constant
-    for (std::size_t a = 0; a < next.size(); ++a)
-      for (std::size_t k = 0; k < next[a].size(); ++k)
-        if (c_.is_told[a][k] && !value_of(next[a][k])) open[a].push_back(next[a][k]);
+    State told = next;
+    for (std::size_t a = 0; a < next.size(); ++a) {
+      for (std::size_t k = 0; k < next[a].size(); ++k) {
+        if (!c_.is_told[a][k]) continue;
+        if (holds_number(a, k)) told[a][k] = number_told(next[a][k], 0, 1);
+        if (!value_of(told[a][k])) open[a].push_back(told[a][k]);
+      }
+    }
     const auto check = [&](const expr& there, const std::map<std::size_t, Local>& solution) {
       bool is_listed = true;
       State there_is = next;
       for (std::size_t a = 0; a < next.size(); ++a) {
+        // Nothing is said of it.
+        if (!contains(c_.is_told[a], true)) continue;
         Values values(next[a].size(), 0);
         for (std::size_t k = 0, at = 0; k < values.size(); ++k) {
           if (!c_.is_told[a][k]) continue;
-          if (!value_of(next[a][k])) there_is[a][k] = solution.at(a).at(at++);
-          values[k] = value_of(there_is[a][k]);
+          const expr value = value_of(told[a][k]) ? told[a][k] : solution.at(a).at(at++);
+          if (!holds_number(a, k)) there_is[a][k] = value;
+          values[k] = value_of(value);
         }
         const auto row = c_.row_of_local.find(values);
         if (row != c_.row_of_local.end()) key[a] = row->second;
@@ -201,6 +221,77 @@ class Zones {
       });
     });
   }
+  // Any three numbers that differ, of those that there are; the claim is about their own.
+  void let_numbers() {
+    if (pair_->numbers.empty()) return;
+    for (std::size_t k = 0; k < 3; ++k) {
+      numbers_.push_back(terms_.fresh("int"));
+      for (const Tree* arg : pair_->args[k]) terms_.let(arg, numbers_[k]);
+      own_numbers_ = both(own_numbers_, equals(numbers_[k], pair_->numbers[k]));
+      terms_.assume(is_number(numbers_[k]));
+      for (std::size_t j = 0; j < k; ++j) terms_.assume(numbers_[k] != numbers_[j]);
+    }
+  }
+  [[nodiscard]] expr is_number(const expr& e) const {
+    const auto [least, most] = std::ranges::minmax(pair_->numbers);
+    if (most - least + 1 == static_cast<int>(pair_->numbers.size()))
+      return (e >= terms_.constant("int", least) && e <= terms_.constant("int", most)).simplify();
+    return terms_.some(pair_->numbers, [&](int number) { return equals(e, number); });
+  }
+  [[nodiscard]] bool holds_number(std::size_t atom, std::size_t variable) const {
+    return !numbers_.empty() && c_.pair->holders.contains({atom, variable});
+  }
+  // As states say it of members `a` and `b`: their numbers are those of the first and the second one, all others that
+  // of the third.
+  [[nodiscard]] expr number_told(const expr& e, std::size_t a, std::size_t b) const {
+    const std::vector<int>& all = pair_->numbers;
+    if (const auto known = value_of(e); known && !contains(all, *known)) return e;
+    const expr one = terms_.constant("int", all[0]), two = terms_.constant("int", all[1]),
+               other = terms_.constant("int", all[2]);
+    for (std::size_t k = 0; k < 3; ++k)
+      if (z3::eq(e, numbers_[k])) return k == a ? one : k == b ? two : other;
+    return choose((e == numbers_[a]).simplify(), one,
+                  choose((e == numbers_[b]).simplify(), two, choose(is_number(e), other, e)));
+  }
+  // In a state of the first two, as it is told: which numbers its data hold, and what the third one may be. It is with
+  // each of the two in a state that is listed, too.
+  void look_at_third(State& now) {
+    for (std::size_t a = 0; a < now.size(); ++a) {
+      for (std::size_t k = 0; k < now[a].size(); ++k) {
+        if (!holds_number(a, k)) continue;
+        expr& value = now[a][k];
+        const std::optional<int> told = value_of(value);
+        for (std::size_t j = 0; j < 2; ++j) value = told == pair_->numbers[j] ? numbers_[j] : value;
+        if (told != pair_->numbers[2]) continue;
+        value = terms_.fresh("int");
+        terms_.assume(both(is_number(value), value != numbers_[0] && value != numbers_[1]));
+      }
+    }
+    Local& third = now[pair_->members[2]];
+    const std::size_t waits = m_.type_of(pair_->members[2]).waits;
+    if (m_.type_of(pair_->members[2]).is_timed) third[waits] = third[waits + 1] = terms_.constant("int", 0);
+    for (std::size_t with = 0; with < 2; ++with) {
+      for (const bool is_first : {true, false}) {
+        const std::size_t a = is_first ? with : 2, b = is_first ? 2 : with;
+        terms_.assume(terms_.some(c_.zones, [&](const auto& listed) { return is_told(listed.first, now, a, b); }));
+      }
+    }
+  }
+  // Is that what the state is of members `a` and `b`, but for clocks?
+  [[nodiscard]] expr is_told(const std::u32string& key, const State& now, std::size_t a, std::size_t b) const {
+    expr result = terms_.truth(true);
+    for (std::size_t atom = 0; atom < now.size() && !is(result, false); ++atom) {
+      const std::size_t whose = atom == pair_->members[0]   ? pair_->members[a]
+                                : atom == pair_->members[1] ? pair_->members[b]
+                                                            : atom;
+      for (std::size_t k = 0; k < now[whose].size(); ++k) {
+        if (!c_.is_told[atom][k]) continue;
+        const expr value = holds_number(atom, k) ? number_told(now[whose][k], a, b) : now[whose][k];
+        result = both(result, equals(value, *c_.locals[key[atom]][k]));
+      }
+    }
+    return result;
+  }
   [[nodiscard]] static State replaced(State state, const std::map<std::size_t, Local>& others) {
     for (const auto& [atom, local] : others) state[atom] = local;
     return state;
@@ -217,8 +308,11 @@ class Zones {
   const Model& m_;
   const Certificate& c_;
   z3::context& z_;
+  const PairModel* pair_;
   Terms terms_;
   System system_, after_;
+  Local numbers_;  // of the pair and the third one; none: there are no numbers
+  expr own_numbers_ = terms_.truth(true);
   Tree claim_;
   std::optional<std::int64_t> limit_;  // of a claim that something comes within it; the last atom observes
   bool has_open_ = false;
@@ -226,8 +320,8 @@ class Zones {
 
 }  // namespace
 
-void check_zones(const Model& model, const Certificate& certificate, z3::context& z) {
-  Zones(model, certificate, z).run();
+void check_zones(const Model& model, const Certificate& certificate, z3::context& z, const PairModel* pair) {
+  Zones(model, certificate, z, pair).run();
 }
 
 }  // namespace certcheck

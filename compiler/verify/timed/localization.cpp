@@ -163,38 +163,11 @@ class Localizer {
     local_.is_whole.push_back(1);
   }
 
-  void add_environment_connector(const std::vector<Neighbours::Leaf>& leaves, ExprId guard) {
-    System& to = local_.system;
-    ConnectorType type;
-    type.name = "Cut" + std::to_string(to.connectors.size());
-    type.define.emplace_back();
-    Connector connector;
-    connector.path = "ROOT.cut" + std::to_string(to.connectors.size());
-    connector.parent = CompoundId(std::size_t{0});
-    u32 binds = 0;
-    for (const Neighbours::Leaf& leaf : leaves) {
-      const AtomId atom = new_atom_.at(leaf.atom);
-      const PortTypeId port_type = to.atom_types[to.atoms[atom].type].ports[leaf.port].type;
-      type.define[0].children.push_back(static_cast<u32>(type.define.size()));
-      type.define.push_back(
-          {.is_leaf = true, .trigger = false, .param = static_cast<u32>(type.params.size()), .children = {}});
-      type.params.push_back({.name = "p" + std::to_string(type.params.size()), .type = port_type, .first_bind = binds});
-      binds += static_cast<u32>(to.port_types[port_type].variables.size());
-      PortRef ref;
-      ref.atom = atom;
-      ref.port = leaf.port;
-      connector.ports.push_back(ref);
-    }
-    if (guard.is_valid()) {
-      Clause clause;
-      for (u32 param = 0; param < type.params.size(); ++param) clause.params.push_back(param);
-      clause.guard = guard;
-      type.clauses.push_back(std::move(clause));
-    }
-    BIP_ASSERT(connector.ports.size() == type.params.size() && type.define.size() == type.params.size() + 1,
-               "{} ports of {} parameters", connector.ports.size(), type.params.size());
-    connector.type = to.connector_types.push(std::move(type));
-    to.connectors.push(std::move(connector));
+  void add_environment_connector(std::vector<Neighbours::Leaf> leaves, ExprId guard) {
+    for (Neighbours::Leaf& leaf : leaves) leaf.atom = new_atom_.at(leaf.atom).value;
+    Clause clause;
+    clause.guard = guard;
+    add_rendezvous(local_.system, "cut", leaves, std::move(clause));
     local_.is_whole.push_back(0);
   }
 
@@ -285,6 +258,44 @@ void Neighbours::walk(const System& system, Top& top) {
   sort_unique(top.atoms);
   sort_unique(top.tree);
   sort_unique(top.written);
+}
+
+void add_rendezvous(System& to, const std::string& name, const std::vector<Neighbours::Leaf>& leaves, Clause clause) {
+  const std::string number = std::to_string(to.connectors.size());
+  ConnectorType type;
+  type.name = name + number;
+  type.define.emplace_back();
+  Connector connector;
+  connector.path = "ROOT." + name + number;
+  connector.parent = CompoundId(std::size_t{0});
+  u32 binds = 0;
+  for (const Neighbours::Leaf& leaf : leaves) {
+    const AtomId atom{std::size_t{leaf.atom}};
+    const PortTypeId port_type = to.atom_types[to.atoms[atom].type].ports[leaf.port].type;
+    clause.params.push_back(static_cast<u32>(type.params.size()));
+    type.define[0].children.push_back(static_cast<u32>(type.define.size()));
+    type.define.push_back(
+        {.is_leaf = true, .trigger = false, .param = static_cast<u32>(type.params.size()), .children = {}});
+    type.params.push_back({.name = "p" + std::to_string(type.params.size()), .type = port_type, .first_bind = binds});
+    binds += static_cast<u32>(to.port_types[port_type].variables.size());
+    PortRef ref;
+    ref.atom = atom;
+    ref.port = leaf.port;
+    connector.ports.push_back(ref);
+  }
+  if (clause.guard.is_valid() || clause.down.is_valid()) type.clauses.push_back(std::move(clause));
+  BIP_ASSERT(connector.ports.size() == type.params.size() && type.define.size() == type.params.size() + 1,
+             "{} ports of {} parameters", connector.ports.size(), type.params.size());
+  connector.type = to.connector_types.push(std::move(type));
+  to.connectors.push(std::move(connector));
+}
+
+Property localize(Property property, const std::vector<u32>& members) {
+  for (PropertyNode& node : property.nodes) {
+    if (node.kind == PropertyKind::At || node.kind == PropertyKind::Data)
+      node.owner = static_cast<u32>(std::lower_bound(members.begin(), members.end(), node.owner) - members.begin());
+  }
+  return property;
 }
 
 LocalizedSystem localize(const System& whole, const Neighbours& neighbours,

@@ -21,6 +21,7 @@
 
 #include "compiler/system/system.hpp"
 #include "compiler/verify/net/abstract_code.hpp"
+#include "compiler/verify/property/property.hpp"
 
 namespace bip::verify {
 
@@ -69,6 +70,12 @@ using VariableFacts = std::function<AbstractValue(u32 atom, u32 variable)>;
 [[nodiscard]] LocalizedSystem localize(const System& whole, const Neighbours& neighbours,
                                        const std::vector<std::vector<std::uint8_t>>& is_read,
                                        const VariableFacts& constant, const std::vector<u32>& members);
+
+/// Adds a rendezvous of ports of atoms of a local system, given by their rows there, with the guard or `down` of the
+/// clause, if it has any. `name`: of its type and its path, before a number.
+void add_rendezvous(System& to, const std::string& name, const std::vector<Neighbours::Leaf>& leaves, Clause clause);
+/// Translates a property of the members to their rows in the local system.
+[[nodiscard]] Property localize(Property property, const std::vector<u32>& members);
 
 /// May the guard of a rendezvous be true for these values of its atoms? Of other connectors: yes.
 [[nodiscard]] bool may_hold(const System& system, const Neighbours::Top& top, const VariableFacts& value);

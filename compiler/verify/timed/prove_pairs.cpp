@@ -7,9 +7,9 @@
 
 #include "compiler/model/code_uses.hpp"
 #include "compiler/system/system.hpp"
+#include "compiler/verify/evidence/reached_zones.hpp"
 #include "compiler/verify/net/unread_data.hpp"
 #include "compiler/verify/timed/like_components.hpp"
-#include "compiler/verify/timed/time_divergence.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
@@ -22,14 +22,15 @@ constexpr std::uint64_t kZonesOfPairs = 200000;
 class PairProver {
  public:
   PairProver(const System& system, const Property& property, const ExplorePart& explore,
-             const CancellationToken& cancellation, const PartLimits& limits)
+             const CancellationToken& cancellation, const PartLimits& limits, std::size_t certificate_bytes)
       : property_(property),
         is_read_(find_read_data(system, data_of(property))),
         simple_(without_unread_data(system, is_read_)),
         neighbours_(simple_),
         explore_(explore),
         cancellation_(cancellation),
-        limits_(limits) {}
+        limits_(limits),
+        certificate_bytes_(certificate_bytes) {}
 
   TimeProof prove() {
     proof_.is_proved = choose_members() && prepare_steps() && reach_fixpoint();
@@ -98,6 +99,10 @@ class PairProver {
     if (!part.obstacle.empty()) return fail(part.obstacle);
     if (!part.required.empty()) return fail("others write data beside the array");
     base_ = std::move(part.system);
+    for (u32 row = 0; row < members_.size(); ++row) {
+      const std::string& path = simple_.atoms[AtomId(std::size_t{members_[row]})].path;
+      base_.atoms[AtomId(std::size_t{row})].path = path;
+    }
     IndexVector<ConnectorId, Connector> kept;
     for (std::size_t k = 0; k < base_.connectors.size(); ++k) {
       Connector& connector = base_.connectors[ConnectorId(k)];
@@ -178,35 +183,18 @@ class PairProver {
     return true;
   }
   bool add_step(System& to, const OutsideStep& step, u32 a, u32 b) {
-    ConnectorType type;
-    type.name = "Third" + std::to_string(to.connectors.size());
-    type.define.emplace_back();
-    Connector connector;
-    connector.path = "ROOT.third" + std::to_string(to.connectors.size());
-    connector.parent = CompoundId(std::size_t{0});
-    u32 binds = 0;
+    std::vector<Neighbours::Leaf> leaves;
     std::map<std::pair<u32, u32>, u32> bind_of;  // atom, variable
-    const auto add = [&](u32 atom, u32 port) {
-      const Port& row = to.atom_types[to.atoms[AtomId(std::size_t{local(atom)})].type].ports[port];
-      type.define[0].children.push_back(static_cast<u32>(type.define.size()));
-      type.define.push_back(
-          {.is_leaf = true, .trigger = false, .param = static_cast<u32>(type.params.size()), .children = {}});
-      type.params.push_back({.name = "p" + std::to_string(type.params.size()), .type = row.type, .first_bind = binds});
-      for (u32 variable : row.variables) bind_of[{atom, variable}] = binds++;
-      PortRef ref;
-      ref.atom = AtomId(std::size_t{local(atom)});
-      ref.port = port;
-      connector.ports.push_back(ref);
-    };
-    for (const Neighbours::Leaf& leaf : step.leaves) add(leaf.atom, leaf.port);
-    add(pair_[0], first_place_port_ + a);
-    add(pair_[1], first_place_port_ + b);
+    u32 binds = 0;
+    for (const Neighbours::Leaf& leaf : step.leaves) {
+      leaves.push_back({local(leaf.atom), leaf.port});
+      for (u32 variable : type_of(leaf.atom).ports[leaf.port].variables) bind_of[{leaf.atom, variable}] = binds++;
+    }
+    leaves.push_back({local(pair_[0]), first_place_port_ + a});
+    leaves.push_back({local(pair_[1]), first_place_port_ + b});
     Clause clause;
-    for (u32 param = 0; param < type.params.size(); ++param) clause.params.push_back(param);
     if (!add_numbers(to, step, bind_of, clause)) return false;
-    if (clause.down.is_valid()) type.clauses.push_back(std::move(clause));
-    connector.type = to.connector_types.push(std::move(type));
-    to.connectors.push(std::move(connector));
+    add_rendezvous(to, "third", leaves, std::move(clause));
     return true;
   }
   // The numbers that the step writes: that of the third component stands for all numbers but those of the two.
@@ -243,10 +231,7 @@ class PairProver {
 
   // Explores with the steps that the pairs so far allow, until there are no new pairs.
   bool reach_fixpoint() {
-    Property mine = property_;
-    for (PropertyNode& node : mine.nodes) {
-      if (node.kind == PropertyKind::At || node.kind == PropertyKind::Data) node.owner = local(node.owner);
-    }
+    const Property mine = localize(property_, members_);
     while (true) {
       System system = base_;
       std::vector<std::uint8_t> is_whole = is_whole_;
@@ -262,10 +247,14 @@ class PairProver {
         together_.insert({b, a});
         return false;
       };
-      rt::ExploreOptions options;
-      options.limit = kZonesOfPairs;
-      options.is_stopped = [this] { return cancellation_.is_over(); };
-      const rt::PartReport found = explore_(system, options, question);
+      std::optional<ZoneCollector> listed;
+      if (certificate_bytes_ != 0) {
+        question.visit = [&](const rt::Image& image, const rt::ListedLocation& location) {
+          if (!listed) listed.emplace(system, image, unread_cells(image), certificate_bytes_);
+          listed->add(location);
+        };
+      }
+      const rt::PartReport found = explore_(system, local_options(kZonesOfPairs, cancellation_), question);
       ++proof_.explored;
       proof_.zones += found.zones;
       if (found.is_open) return fail("two components that are alike, and what is beside them, do not show it");
@@ -273,8 +262,40 @@ class PairProver {
         return fail(!found.inexact.empty()    ? found.inexact
                     : cancellation_.is_over() ? "the time is over"
                                               : "two components that are alike have too many zones");
-      if (together_.size() == before) return true;
+      if (together_.size() != before) continue;
+      if (listed) add_certificate(std::move(*listed));
+      return true;
     }
+  }
+  [[nodiscard]] bool is_read(u32 atom, u32 variable) const {
+    return is_read_[simple_.atoms[AtomId(std::size_t{atom})].type.value][variable] != 0;
+  }
+  // Of the local system, ascending.
+  [[nodiscard]] std::vector<u32> unread_cells(const rt::Image& image) const {
+    std::vector<u32> cells;
+    for (u32 row = 0; row < members_.size(); ++row) {
+      for (u32 variable = 0; variable < type_of(members_[row]).variables.size(); ++variable) {
+        if (!is_read(members_[row], variable)) cells.push_back(image.atoms[row].first_cell + variable);
+      }
+    }
+    return cells;
+  }
+  // The pair, the data in which numbers are, and the zone graph.
+  void add_certificate(ZoneCollector listed) {
+    const std::string rows = std::move(listed).rows();
+    if (rows.empty()) return;
+    const auto path_of = [&](u32 atom) { return ' ' + simple_.atoms[AtomId(std::size_t{atom})].path; };
+    proof_.rows = "pair" + path_of(pair_[0]) + path_of(pair_[1]);
+    for (u32 atom : members_) {
+      const bool is_of_pair = std::find(pair_.begin(), pair_.end(), atom) != pair_.end();
+      for (u32 variable = 0; variable < type_of(atom).variables.size(); ++variable) {
+        const DataVariable& row = type_of(atom).variables[variable];
+        const bool holds_number =
+            is_of_pair ? like_->is_number[variable] != 0 : like_->number_outside.contains({atom, variable});
+        if (holds_number && !row.is_param && is_read(atom, variable)) proof_.rows += path_of(atom) + '.' + row.name;
+      }
+    }
+    proof_.rows += '\n' + rows;
   }
   [[nodiscard]] u32 place_of(const rt::Core& core, u32 atom) const {
     const AtomType& type = type_of(atom);
@@ -291,6 +312,7 @@ class PairProver {
   const ExplorePart& explore_;
   CancellationToken cancellation_;
   PartLimits limits_;
+  std::size_t certificate_bytes_;
   std::optional<LikeComponents> like_;
   std::vector<u32> pair_, members_;
   u32 third_ = 0;
@@ -305,15 +327,12 @@ class PairProver {
 }  // namespace
 
 TimeProof prove_state_by_pairs(const System& system, const Property& property, const ExplorePart& explore,
-                               const CancellationToken& cancellation, const PartLimits& limits) {
+                               const CancellationToken& cancellation, const PartLimits& limits,
+                               std::size_t certificate_bytes) {
   TimeProof proof;
-  proof.reason = obstacle_to_time_divergent_limit(system);
-  for (const PropertyNode& node : property.nodes) {
-    if (node.kind == PropertyKind::CanConnector || node.kind == PropertyKind::CanPort)
-      proof.reason = "what `can` asks depends on the instant";
-  }
+  proof.reason = obstacle_to_local_proof(system, property);
   if (!proof.reason.empty()) return proof;
-  return PairProver(system, property, explore, cancellation, limits).prove();
+  return PairProver(system, property, explore, cancellation, limits, certificate_bytes).prove();
 }
 
 }  // namespace bip::verify

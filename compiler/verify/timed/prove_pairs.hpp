@@ -21,8 +21,9 @@
 namespace bip::verify {
 
 /// Properties with `can` depend on the instant and are not proved. `proof.alike` says how many components the pair
-/// stands for.
+/// stands for. `certificate_bytes`: of the text of `proof.rows`; 0: none is wanted.
 [[nodiscard]] TimeProof prove_state_by_pairs(const System& system, const Property& property, const ExplorePart& explore,
-                                             const CancellationToken& cancellation, const PartLimits& limits = {});
+                                             const CancellationToken& cancellation, const PartLimits& limits = {},
+                                             std::size_t certificate_bytes = 0);
 
 }  // namespace bip::verify

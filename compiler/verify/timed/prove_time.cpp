@@ -189,7 +189,7 @@ class TimeProver {
     };
     if (query.property != nullptr) {
       question.asks_places = true;
-      question.is_asked = [mine = in_part(*query.property, part.members)](const rt::Core& core) {
+      question.is_asked = [mine = localize(*query.property, part.members)](const rt::Core& core) {
         return is_broken(mine, core);
       };
     }
@@ -242,21 +242,7 @@ class TimeProver {
     return false;
   }
 
-  [[nodiscard]] rt::ExploreOptions options() const {
-    rt::ExploreOptions options;
-    options.limit = limits_.zones;
-    options.is_stopped = [this] { return cancellation_.is_over(); };
-    return options;
-  }
-
-  // Translates the property to the rows of the local system.
-  static Property in_part(Property property, const std::vector<u32>& members) {
-    for (PropertyNode& node : property.nodes) {
-      if (node.kind == PropertyKind::At || node.kind == PropertyKind::Data)
-        node.owner = static_cast<u32>(std::lower_bound(members.begin(), members.end(), node.owner) - members.begin());
-    }
-    return property;
-  }
+  [[nodiscard]] rt::ExploreOptions options() const { return local_options(limits_.zones, cancellation_); }
 
   // Refinement loop: `joined` are the members; a neighbour joins while the query stays open.
   bool prove_by_refinement(const Query& query, std::vector<u32> joined) {
@@ -390,6 +376,21 @@ std::string open_eager_bound(const System& system) {
   return "";
 }
 
+std::string obstacle_to_local_proof(const System& system, const Property& property) {
+  for (const PropertyNode& node : property.nodes) {
+    if (node.kind == PropertyKind::CanConnector || node.kind == PropertyKind::CanPort)
+      return "what `can` asks depends on the instant";
+  }
+  return obstacle_to_time_divergent_limit(system);
+}
+
+rt::ExploreOptions local_options(std::uint64_t zones, const CancellationToken& cancellation) {
+  rt::ExploreOptions options;
+  options.limit = zones;
+  options.is_stopped = [&cancellation] { return cancellation.is_over(); };
+  return options;
+}
+
 TimeProof prove_time(const System& system, const ExplorePart& explore, const CancellationToken& cancellation,
                      const PartLimits& limits) {
   TimeProof proof;
@@ -403,11 +404,7 @@ TimeProof prove_time(const System& system, const ExplorePart& explore, const Can
 TimeProof prove_state_in_time(const System& system, const Property& property, const ExplorePart& explore,
                               const CancellationToken& cancellation, const PartLimits& limits) {
   TimeProof proof;
-  proof.reason = obstacle_to_time_divergent_limit(system);
-  for (const PropertyNode& node : property.nodes) {
-    if (node.kind == PropertyKind::CanConnector || node.kind == PropertyKind::CanPort)
-      proof.reason = "what `can` asks depends on the instant";
-  }
+  proof.reason = obstacle_to_local_proof(system, property);
   if (atoms_of(property).empty()) proof.reason = "the property speaks of no component";
   if (!proof.reason.empty()) return proof;
   return TimeProver(system, data_of(property), explore, cancellation, limits).prove(property);

@@ -34,12 +34,18 @@ struct TimeProof {
   std::uint64_t explored = 0;        // zone graphs made
   std::uint64_t zones = 0;           // of all of these
   std::uint64_t invariants = 0;      // without time
+  std::string rows;                  // of a certificate, if one is wanted and there is nothing that it cannot say
 };
 
 struct PartLimits {
   std::size_t members = 6;      // of a neighbourhood
   std::uint64_t zones = 20000;  // of its graph
 };
+
+/// Returns why no local system can decide the property; empty: one may.
+[[nodiscard]] std::string obstacle_to_local_proof(const System& system, const Property& property);
+/// Of the exploration of a local system; refers to the token.
+[[nodiscard]] rt::ExploreOptions local_options(std::uint64_t zones, const CancellationToken& cancellation);
 
 /// Proves that there is neither deadlock nor time lock.
 [[nodiscard]] TimeProof prove_time(const System& system, const ExplorePart& explore,

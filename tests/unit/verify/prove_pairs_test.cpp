@@ -9,7 +9,7 @@
 #include "compiler/verify/timed/like_components.hpp"
 #include "compiler/verify/timed/prove_pairs.hpp"
 #include "runtime/explore/zones.hpp"
-#include "runtime/include/bip/prng.hpp"
+#include "tests/verify/pair_systems.hpp"
 #include "tools/gen/compiled.hpp"
 
 namespace {
@@ -21,83 +21,6 @@ rt::PartReport explore_local(const System& part, const rt::ExploreOptions& optio
   const interp::Interpreter interpreter(*lowered);
   return rt::explore_part(lowered->image, options, question);
 }
-
-// Processes that differ in a number, and a variable that may hold one.
-class PairSystemWriter {
- public:
-  explicit PairSystemWriter(std::uint64_t seed) : random_(seed * 2654435761u + 3) {}
-
-  std::string model(std::uint64_t size) {
-    std::string text =
-        "package t\n  port type S()\n  port type N(int n)\n  connector type One(S a)\n    define a\n  end\n"
-        "  connector type Two(S a, S b)\n    define a b\n  end\n"
-        "  connector type Put(N a, N b)\n    define a b\n    on a b down { b.n = a.n; }\n  end\n"
-        "  connector type Same(N a, N b)\n    define a b\n    on a b provided (a.n == b.n)\n  end\n"
-        "  connector type Other(N a, N b)\n    define a b\n    on a b provided (a.n != b.n)\n  end\n";
-    text +=
-        "  atom type Process(int me)\n    clock x\n    data int n = me\n"
-        "    export port S p(), q(), r(), all()\n    export port N put(n), see(n)\n";
-    text += body("x", {"p", "q", "r", "all", "put", "see"}, false);
-    text +=
-        "  atom type Middle()\n    clock y\n    data int n = 0\n    export port S p(), q(), all()\n"
-        "    export port N put(n), see(n)\n";
-    text += body("y", {"p", "q", "all", "put", "see"}, true);
-    text += "  compound type Row(int n)\n    for i in 0..n component Process a[i](i + 1)\n    component Middle m()\n";
-    text += "    for i in 0..n {\n      connector One r[i](a[i].r)\n";
-    const char* const ports[] = {"p", "q"};
-    const std::uint64_t count = 1 + below(3);
-    for (std::uint64_t k = 0; k < count; ++k)
-      text += std::string("      connector Two c") + std::to_string(k) + "[i](a[i]." + ports[below(2)] + ", m." +
-              ports[below(2)] + ")\n";
-    if (below(3) != 0) text += "      connector Put w[i](a[i].put, m.put)\n";
-    const std::uint64_t sees = below(4);
-    if (sees != 0)
-      text += std::string("      connector ") + (sees == 3 ? "Other" : "Same") + " s[i](a[i].see, m.see)\n";
-    text += "    }\n";
-    if (below(3) == 0) text += "    connector all(m.all, a[*].all)\n      define [m.all, a[*].all]\n";
-    return text + "  end\n  compound type Root()\n    component Row row(" + std::to_string(size) + ")\n  end\nend\n";
-  }
-
-  [[nodiscard]] std::string property() {
-    std::string text = "never row.a[0]@S" + std::to_string(below(places_[0]));
-    if (below(4) != 0) text += " && row.a[1]@S" + std::to_string(below(places_[0]));
-    if (below(4) == 0) text += " && row.m@S" + std::to_string(below(places_[1]));
-    return text;
-  }
-
- private:
-  std::uint64_t below(std::uint64_t n) { return random_.below(n); }
-
-  std::string body(const std::string& clock, const std::vector<std::string>& ports, bool is_middle) {
-    const std::uint64_t places = is_middle ? 1 + below(2) : 2 + below(2);
-    places_[is_middle ? 1 : 0] = places;
-    std::string text = "    place S0";
-    for (std::uint64_t k = 1; k < places; ++k) text += ", S" + std::to_string(k);
-    text += "\n    initial to S0\n";
-    for (const std::string& port : ports) {
-      for (std::uint64_t place = 0; place < places; ++place) {
-        if (below(2) != 0 && place != 0) continue;
-        text += "    on " + port + " from S" + std::to_string(place) + " to S" + std::to_string(below(places));
-        std::string guard;
-        if (below(3) == 0) guard = clock + (below(2) == 0 ? " >= " : " <= ") + std::to_string(1 + below(3));
-        if (is_middle && below(3) == 0) guard += (guard.empty() ? "" : " && ") + std::string("n == 0");
-        if (!guard.empty()) text += " provided (" + guard + ")";
-        std::string action;
-        if (below(3) != 0) action += " " + clock + " = 0;";
-        if (is_middle && port != "put" && below(4) == 0) action += " n = 0;";
-        if (!action.empty()) text += " do {" + action + " }";
-        text += "\n";
-      }
-    }
-    if (below(3) != 0)
-      text += "    invariant soon at S" + std::to_string(below(places)) + " provided (" + clock +
-              " <= " + std::to_string(2 + below(2)) + ")\n";
-    return text + "  end\n";
-  }
-
-  rt::Prng random_;
-  std::uint64_t places_[2] = {1, 1};
-};
 
 struct PairQuestion {
   gen::Compiled compiled;
@@ -120,7 +43,7 @@ TEST_CASE("pairs of like components prove nothing that a zone graph refutes") {
   const std::uint64_t seeds = wanted != nullptr ? std::strtoull(wanted, nullptr, 10) : 250;
   int proved = 0, compared = 0, broken = 0;
   for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
-    PairSystemWriter writer(seed);
+    verify::test::PairSystemWriter writer(seed);
     const std::string text = writer.model(3 + seed % 2);
     const std::optional<PairQuestion> asked = ask_of_pair(text, writer.property());
     const System& system = *asked->compiled.system;
