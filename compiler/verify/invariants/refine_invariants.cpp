@@ -12,11 +12,13 @@
 
 namespace bip::verify {
 
-namespace {
+// Named, for InvariantRefiner::Parts has a member of it.
+namespace refinement {
 
 /// The bad states that the invariants so far allow, as clauses.
 class BadStateAbstraction {
  public:
+  /// `bad`: kTrue if it is assumed by each question.
   BadStateAbstraction(const Net& net, TransitionSystem& system, const rt::Image& image, Signal bad,
                       const std::vector<std::vector<Signal>>& assumed, const Proof& proof)
       : net_(net),
@@ -27,8 +29,9 @@ class BadStateAbstraction {
     for (const std::vector<Signal>& clause : modes_.clauses) cnf_.add(clause);
     for (const std::vector<Signal>& clause : assumed) cnf_.add(clause);
     cnf_.add_state(system);
-    cnf_.add({bad});
+    if (bad != kTrue) cnf_.add({bad});
   }
+  [[nodiscard]] Lit literal(Signal signal) { return cnf_.literal(signal); }
   /// False: a place invariant that is too large for clauses. A trap with a switch counts only where that is assumed.
   bool add(const TokenInvariant& invariant, Lit activation = 0) {
     if (invariant.kind == InvariantKind::Sum) {
@@ -63,50 +66,90 @@ class BadStateAbstraction {
   Cnf cnf_;
 };
 
-}  // namespace
+/// Adds invariants to a proof until they exclude what is asked for.
+class Refinement {
+ public:
+  Refinement(const Net& net, TransitionSystem& system, const rt::Image& image, Signal bad,
+             const std::vector<std::vector<Signal>>& assumed, const CancellationToken& cancellation, Proof& proof)
+      : cancellation_(cancellation),
+        proof_(proof),
+        abstraction_(net, system, image, bad, assumed, proof),
+        reachable_(net, Direction::Forward, nullptr),
+        traps_(net, spread(net, reachable_)),
+        place_invariants_(net, reachable_, cancellation),
+        components_(net, reachable_) {
+    for (const TokenInvariant& invariant : proof.invariants) (void)abstraction_.add(invariant);
+  }
+
+  /// `states`: kTrue: the bad ones.
+  bool run(Signal states) {
+    while (true) {
+      if (states != kTrue) abstraction_.solver().assume(abstraction_.literal(states));
+      const Answer answer = abstraction_.solver().solve(cancellation_);
+      if (answer != Answer::Satisfiable) {
+        BIP_LOG(Portfolio, 1, "structural refinement: {} invariants, {}", proof_.invariants.size(),
+                answer == Answer::Unsatisfiable ? "no bad state is left" : "the time is over");
+        return answer == Answer::Unsatisfiable;
+      }
+      ++proof_.candidates;
+      // The cheapest kind that excludes the candidate refines. What satisfies the marking equation satisfies all
+      // components, too.
+      const std::vector<std::uint8_t> marked = abstraction_.marked();
+      std::size_t added = add_all(traps_.find(marked));
+      if (added == 0) {
+        added = add_all(place_invariants_.find(marked));
+        if (added == 0 && !place_invariants_.satisfies_all())
+          added = add_all(components_.find(marked, kComponentBatch, cancellation_));
+      }
+      if (added == 0) return false;
+    }
+  }
+
+ private:
+  static const ModeReachability& spread(const Net& net, ModeReachability& reachable) {
+    Proof ignored;
+    spread_from_initial(net, reachable, ignored);
+    return reachable;
+  }
+  std::size_t add_all(std::vector<TokenInvariant> found) {
+    std::size_t added = 0;
+    for (TokenInvariant& invariant : found) {
+      if (!abstraction_.add(invariant)) continue;
+      proof_.invariants.push_back(std::move(invariant));
+      ++added;
+    }
+    return added;
+  }
+
+  CancellationToken cancellation_;
+  Proof& proof_;
+  BadStateAbstraction abstraction_;
+  ModeReachability reachable_;
+  TrapFinder traps_;
+  PlaceInvariantFinder place_invariants_;
+  StateMachineComponentFinder components_;
+};
+
+}  // namespace refinement
+
+using refinement::BadStateAbstraction;
+using refinement::Refinement;
 
 bool refine_invariants(const Net& net, TransitionSystem& system, const rt::Image& image, Signal bad,
                        const std::vector<std::vector<Signal>>& assumed, const CancellationToken& cancellation,
                        Proof& proof) {
   if (bad == kFalse) return true;
-  BadStateAbstraction abstraction(net, system, image, bad, assumed, proof);
-  for (const TokenInvariant& invariant : proof.invariants) (void)abstraction.add(invariant);
-  const auto add_all = [&](std::vector<TokenInvariant> found) {
-    std::size_t added = 0;
-    for (TokenInvariant& invariant : found) {
-      if (!abstraction.add(invariant)) continue;
-      proof.invariants.push_back(std::move(invariant));
-      ++added;
-    }
-    return added;
-  };
-
-  ModeReachability reachable(net, Direction::Forward, nullptr);
-  Proof ignored;
-  spread_from_initial(net, reachable, ignored);
-  TrapFinder traps(net, reachable);
-  PlaceInvariantFinder place_invariants(net, reachable, cancellation);
-  StateMachineComponentFinder components(net, reachable);
-  while (true) {
-    const Answer answer = abstraction.solver().solve(cancellation);
-    if (answer != Answer::Satisfiable) {
-      BIP_LOG(Portfolio, 1, "structural refinement: {} invariants, {}", proof.invariants.size(),
-              answer == Answer::Unsatisfiable ? "no bad state is left" : "the time is over");
-      return answer == Answer::Unsatisfiable;
-    }
-    ++proof.candidates;
-    // The cheapest kind that excludes the candidate refines. What satisfies the marking equation satisfies all
-    // components, too.
-    const std::vector<std::uint8_t> marked = abstraction.marked();
-    std::size_t added = add_all(traps.find(marked));
-    if (added == 0) {
-      added = add_all(place_invariants.find(marked));
-      if (added == 0 && !place_invariants.satisfies_all())
-        added = add_all(components.find(marked, kComponentBatch, cancellation));
-    }
-    if (added == 0) return false;
-  }
+  return Refinement(net, system, image, bad, assumed, cancellation, proof).run(kTrue);
 }
+
+struct InvariantRefiner::Parts {
+  Refinement refinement;
+};
+InvariantRefiner::InvariantRefiner(const Net& net, TransitionSystem& system, const rt::Image& image,
+                                   const CancellationToken& cancellation, Proof& proof)
+    : parts_(new Parts{Refinement(net, system, image, kTrue, {}, cancellation, proof)}) {}
+InvariantRefiner::~InvariantRefiner() = default;
+bool InvariantRefiner::exclude(Signal states) { return states == kFalse || parts_->refinement.run(states); }
 
 void minimize_invariants(const Net& net, TransitionSystem& system, const rt::Image& image, Signal bad,
                          const std::vector<std::vector<Signal>>& assumed, const CancellationToken& cancellation,

@@ -3,6 +3,8 @@
 // refine the abstraction; repeat (E. Clarke, O. Grumberg, S. Jha, Y. Lu, H. Veith: Counterexample-Guided Abstraction
 // Refinement, 2000, with invariants as the refinement).
 #pragma once
+#include <memory>
+
 #include "compiler/verify/symbolic/transition_system.hpp"
 #include "compiler/verify/portfolio/prove_by_invariants.hpp"
 
@@ -14,6 +16,22 @@ namespace bip::verify {
 [[nodiscard]] bool refine_invariants(const Net& net, TransitionSystem& system, const rt::Image& image, Signal bad,
                                      const std::vector<std::vector<Signal>>& assumed,
                                      const CancellationToken& cancellation, Proof& proof);
+/// The same for one set of states after the other. All arguments must outlive it, and `proof.invariants` only grows.
+class InvariantRefiner {
+ public:
+  InvariantRefiner(const Net& net, TransitionSystem& system, const rt::Image& image,
+                   const CancellationToken& cancellation, Proof& proof);
+  ~InvariantRefiner();
+  InvariantRefiner(const InvariantRefiner&) = delete;
+  InvariantRefiner& operator=(const InvariantRefiner&) = delete;
+  /// Do invariants exclude all of these states? Those that are missing are added to the proof, also where one of the
+  /// states is left.
+  [[nodiscard]] bool exclude(Signal states);
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
 /// Keeps the invariants that are in the unsatisfiable core of such a proof.
 void minimize_invariants(const Net& net, TransitionSystem& system, const rt::Image& image, Signal bad,
                          const std::vector<std::vector<Signal>>& assumed, const CancellationToken& cancellation,

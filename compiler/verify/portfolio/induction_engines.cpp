@@ -6,6 +6,8 @@
 #include "compiler/verify/invariants/houdini.hpp"
 #include "compiler/verify/invariants/refine_invariants.hpp"
 #include "compiler/system/system.hpp"
+#include "compiler/verify/symbolic/cnf.hpp"
+#include "compiler/verify/symbolic/localized_ic3.hpp"
 #include "compiler/verify/symbolic/mode_signals.hpp"
 #include "compiler/verify/symbolic/replay_steps.hpp"
 #include "runtime/include/bip/assert.hpp"
@@ -14,8 +16,13 @@ namespace bip::verify {
 
 namespace {
 
-/// FactsOnly: without lemmas. Guesses: only with the lemmas that the caller proposes. Lemmas: searches for lemmas.
-enum class Effort : std::uint8_t { FactsOnly, Guesses, Lemmas };
+/// FactsOnly: without lemmas. Guesses: only with the lemmas that the caller proposes. Localized: searches for lemmas
+/// about few atoms. Lemmas: about all.
+enum class Effort : std::uint8_t { FactsOnly, Guesses, Localized, Lemmas };
+
+/// Below so many atoms IC3 follows all of them; and so many are followed at most, of those that there are.
+constexpr std::size_t kFewAtoms = 40;
+constexpr double kMostFollowed = 0.5;
 
 // One attempt of either engine. `share` ends the attempt, `whole_` the question.
 class Induction {
@@ -38,6 +45,10 @@ class Induction {
     if (!is_usable()) return std::move(result_);
     problem_.bad = machine_.aig.make_or(bad_states(context_.question, machine_, image_), machine_.lost);
     if (!confirm_ranges()) return std::move(result_);
+    if (effort == Effort::Localized) {
+      localize();
+      return std::move(result_);
+    }
     InductiveLemmas cached;
     if (context_.facts.proof && context_.induction != InductionStage::InvariantsRefined && refine(cached))
       return std::move(result_);
@@ -58,12 +69,14 @@ class Induction {
     else if (machine_.starts_with_fault) give_up({});
     return context_.induction != InductionStage::Unusable;
   }
-  // The intervals of data, which the circuit's widths rest on, are invariants: one question to the solver.
+  // The intervals of data, which the circuit's widths rest on, are invariants: a question to the solver for each.
   bool confirm_ranges() {
     if (context_.induction != InductionStage::Untried) return true;
+    constexpr const char* kReason = "the ranges of data could not be confirmed";
     if (ranges_hold(machine_, problem_.cancellation)) context_.induction = InductionStage::RangesConfirmed;
-    else give_up("the ranges of data could not be confirmed");
-    return context_.induction != InductionStage::Unusable;
+    else if (!problem_.cancellation.is_over()) give_up(kReason);
+    else result_.reason = kReason;
+    return context_.induction == InductionStage::RangesConfirmed;
   }
 
   [[nodiscard]] std::vector<std::vector<Signal>> structural_clauses() {
@@ -136,6 +149,48 @@ class Induction {
     problem_.invariants = structural_clauses();
     InductiveLemmas held = houdini(problem_, guesses(machine_));
     if (held.is_enough) prove(std::move(held.lemmas));
+  }
+
+  // Is it false by the ranges of data and the places of automata alone?
+  [[nodiscard]] bool is_never(Signal states) {
+    if (states == kFalse) return true;
+    Solver solver;
+    Cnf cnf(machine_.aig, solver);
+    cnf.add_state(machine_);
+    cnf.add({states});
+    return solver.solve(problem_.cancellation) == Answer::Unsatisfiable;
+  }
+
+  void localize() {
+    // Rows of internal transitions mostly end by themselves, and few guards have faults. Otherwise the bad states, or
+    // each step, would depend on all components.
+    problem_.bad = violating_signal(context_.question.property, machine_, image_);
+    if (!is_never(machine_.lost)) problem_.bad = machine_.aig.make_or(problem_.bad, machine_.lost);
+    const bool has_no_fault = is_never(machine_.state_fault);
+    const auto clauses = [&] {
+      std::vector<std::vector<Signal>> known = structural_clauses();
+      if (has_no_fault) known.push_back({negated(machine_.state_fault)});
+      return known;
+    };
+    problem_.invariants = clauses();
+    const Net& net = context_.parts.net();
+    std::optional<InvariantRefiner> refiner;
+    const ExcludeStates exclude = [&](Signal states) {
+      if (!context_.facts.proof) return false;
+      Proof& proof = *context_.facts.proof;
+      const std::size_t before = proof.invariants.size();
+      if (!refiner) refiner.emplace(net, machine_, image_, problem_.cancellation, proof);
+      const bool is_excluded = refiner->exclude(states);
+      if (proof.invariants.size() == before) return false;
+      problem_.invariants = clauses();
+      return is_excluded;
+    };
+    const auto most =
+        static_cast<std::size_t>(kMostFollowed * static_cast<double>(context_.parts.system().atoms.size()));
+    LocalizedAnswer found = run_localized_ic3(problem_, machine_, net.graph.atom_of_port, most, exclude);
+    result_.frames = found.answer.frames;
+    if (!problem_.cancellation.is_over()) result_.retry = Retry::Pointless;
+    if (found.answer.end == Ic3End::Safe) prove(std::move(found.answer.lemmas));
   }
 
   void find_lemmas(InductiveLemmas cached) {
@@ -221,6 +276,14 @@ EngineResult try_lemmas(ProofContext& context, const Budget& budget, const Cance
   return attempt_induction(context, budget, cancellation, Effort::Guesses, &guesses);
 }
 
+const Engine kLocalizedEngine{"localized IC3",
+                              [](const ProofContext& context) {
+                                return context.question.what == QuestionKind::State &&
+                                       context.parts.system().atoms.size() >= kFewAtoms && is_inductive(context);
+                              },
+                              [](ProofContext& context, const Budget& budget, const CancellationToken& cancellation) {
+                                return attempt_induction(context, budget, cancellation, Effort::Localized);
+                              }};
 const Engine kAffineEngine{"affine invariants", is_inductive,
                            [](ProofContext& context, const Budget& budget, const CancellationToken& cancellation) {
                              return attempt_induction(context, budget, cancellation, Effort::FactsOnly);

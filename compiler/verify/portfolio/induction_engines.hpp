@@ -6,6 +6,8 @@
 
 namespace bip::verify {
 
+/// Properties of states of systems with many atoms: IC3 that follows few of them (localized_ic3.hpp).
+extern const Engine kLocalizedEngine;
 /// Structural and affine invariants, found for this question's bad states; no lemmas. Only its first attempt does
 /// something.
 extern const Engine kAffineEngine;

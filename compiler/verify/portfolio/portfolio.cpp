@@ -54,6 +54,7 @@ constexpr PortfolioRow kRows[] = {
     {&kPortUseEngine, {ShareOf::TimeLeft, 1.0 / 4}, WhenOver::Attempt, has_no_plainer_proof},
     {&kInvariantEngine, {}, WhenOver::Attempt},
     {&kFirstSearchEngine, {}, WhenOver::Attempt},
+    {&kLocalizedEngine, {ShareOf::TimeOfLongEngines, 1.0 / 3}},
     {&kAffineEngine, kThird},
     {&kExhaustiveEngine, kFirstTurn},
     {&kIc3Engine, kFirstTurn, WhenOver::Skip, takes_turns_with_search},

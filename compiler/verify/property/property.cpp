@@ -151,7 +151,7 @@ bool is_broken(const Property& property, const rt::Core& core) {
   return (evaluate(property, property.root, core).i != 0) == property.is_never;
 }
 
-Signal broken_signal(const Property& property, TransitionSystem& machine, const rt::Image& image) {
+Signal violating_signal(const Property& property, TransitionSystem& machine, const rt::Image& image) {
   std::vector<std::uint32_t> port_base;
   std::uint32_t next = 0;
   for (const rt::Atom& atom : image.atoms) {
@@ -161,8 +161,12 @@ Signal broken_signal(const Property& property, TransitionSystem& machine, const 
   BIP_ASSERT(property.nodes[property.root].type == Type::Bool, "a property of type {}",
              property.nodes[property.root].type);
   const Signal holds = signal_of(property, property.root, machine, image, port_base)[0];
+  return property.is_never ? holds : negated(holds);
+}
+
+Signal broken_signal(const Property& property, TransitionSystem& machine, const rt::Image& image) {
   // A state in which the run ends with a fault is none.
-  return machine.aig.make_and(negated(machine.state_fault), property.is_never ? holds : negated(holds));
+  return machine.aig.make_and(negated(machine.state_fault), violating_signal(property, machine, image));
 }
 
 namespace {

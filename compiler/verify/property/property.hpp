@@ -84,6 +84,8 @@ struct Property {
 /// Adds the states that violate the property to the circuit and returns their signal. Floats are not followed: a
 /// comparison of them is a free input, so the signal over-approximates.
 [[nodiscard]] Signal broken_signal(const Property& property, TransitionSystem& machine, const rt::Image& image);
+/// The same with states in which the run ends with a fault, so that it depends on the property's atoms only.
+[[nodiscard]] Signal violating_signal(const Property& property, TransitionSystem& machine, const rt::Image& image);
 /// Returns the rows of the atoms that the property is about, each once, ascending.
 [[nodiscard]] std::vector<std::uint32_t> atoms_of(const Property& property);
 /// The data that it reads.

@@ -1,6 +1,8 @@
 // See cnf.hpp.
 #include "compiler/verify/symbolic/cnf.hpp"
 
+#include <algorithm>
+
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
@@ -72,7 +74,8 @@ class InputVisitor {
 
 }  // namespace
 
-ConeOfInfluence cone_of_influence(const TransitionSystem& system, const std::vector<Signal>& signals) {
+ConeOfInfluence cone_of_influence(const TransitionSystem& system, const std::vector<Signal>& signals,
+                                  const std::vector<std::uint8_t>& followed) {
   ConeOfInfluence cone;
   cone.bits.assign(system.bits.size(), 0);
   cone.steps.assign(system.steps.size(), 0);
@@ -90,7 +93,7 @@ ConeOfInfluence cone_of_influence(const TransitionSystem& system, const std::vec
     const Signal signal = todo.back();
     todo.pop_back();
     const auto add_bit = [&](u32 bit) {
-      if (cone.bits[bit] != 0) return;
+      if (cone.bits[bit] != 0 || (!followed.empty() && followed[bit] == 0)) return;
       cone.bits[bit] = 1;
       todo.push_back(system.bits[bit].next);
     };
@@ -106,6 +109,18 @@ ConeOfInfluence cone_of_influence(const TransitionSystem& system, const std::vec
     });
   }
   return cone;
+}
+
+std::vector<u32> atoms_below(const TransitionSystem& system, Signal signal) {
+  std::vector<u32> atom_of(system.aig.size(), kNoRow);
+  for (const StateBit& bit : system.bits) atom_of[node_of(bit.now)] = bit.atom;
+  std::vector<u32> atoms;
+  InputVisitor(system.aig).visit_inputs(signal, [&](u32 node) {
+    if (atom_of[node] != kNoRow) atoms.push_back(atom_of[node]);
+  });
+  std::sort(atoms.begin(), atoms.end());
+  atoms.erase(std::unique(atoms.begin(), atoms.end()), atoms.end());
+  return atoms;
 }
 
 std::vector<std::uint8_t> nodes_in_cone(const TransitionSystem& system, const ConeOfInfluence& cone) {

@@ -13,8 +13,12 @@ struct ConeOfInfluence {
   std::vector<std::uint8_t> bits, steps;
 };
 /// Computes the least set that contains the support of the signals and the support of next(bit) for each of its bits.
-/// Places of one automaton are in the cone together. Linear in the AIG.
-[[nodiscard]] ConeOfInfluence cone_of_influence(const TransitionSystem& system, const std::vector<Signal>& signals);
+/// Places of one automaton are in the cone together. `followed`, by bit: the others count as inputs, and are not in the
+/// cone; empty: all are followed. Linear in the AIG.
+[[nodiscard]] ConeOfInfluence cone_of_influence(const TransitionSystem& system, const std::vector<Signal>& signals,
+                                                const std::vector<std::uint8_t>& followed = {});
+/// Returns the atoms whose state bits are in the support of a signal, ascending. Linear in the AIG.
+[[nodiscard]] std::vector<u32> atoms_below(const TransitionSystem& system, Signal signal);
 /// By node: does its support lie in the cone?
 [[nodiscard]] std::vector<std::uint8_t> nodes_in_cone(const TransitionSystem& system, const ConeOfInfluence& cone);
 

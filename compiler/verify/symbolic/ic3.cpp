@@ -12,6 +12,7 @@
 //     literal drops the place.
 //   - Structural invariants (traps, place invariants, ranges) strengthen every frame, F_0 included.
 //   - There is no frame F_infinity; lemmas that hold for ever travel with propagation.
+//   - Bits that are not followed are inputs, which the invariants constrain.
 #include "compiler/verify/symbolic/ic3.hpp"
 
 #include <algorithm>
@@ -44,7 +45,8 @@ class Ic3 {
         if (bad_state == Answer::Unknown) return std::move(answer_);
         if (bad_state == Answer::Unsatisfiable) break;
         const u32 obligation = static_cast<u32>(obligations_.size());
-        obligations_.push_back({lifted_bad_cube(), last_frame(), kNoRow, chosen_step(), {}});
+        Cube bad_cube = lifted_bad_cube();
+        obligations_.push_back({std::move(bad_cube), last_frame(), kNoRow, chosen_step(), {}, environment_});
         if (last_frame() == 0 || meets_initial(obligations_[obligation].cube, system_))
           return counterexample(obligation);
         const std::optional<u32> first = block_cube(obligation);
@@ -71,6 +73,7 @@ class Ic3 {
     u32 next = kNoRow;                // the obligation that `step` leads to
     u32 step = kNoRow;                // row of TransitionSystem::steps
     std::vector<Signal> inputs = {};  // that are 1 in this step; only for observed signals
+    Cube environment = {};            // of the bits that are not followed, in this state
   };
 
   [[nodiscard]] u32 last_frame() const { return static_cast<u32>(frames_.size()) - 1; }
@@ -79,7 +82,7 @@ class Ic3 {
   void encode() {
     std::vector<Signal> roots = problem_.observed;
     roots.push_back(problem_.bad);
-    const ConeOfInfluence cone = cone_of_influence(system_, roots);
+    const ConeOfInfluence cone = cone_of_influence(system_, roots, problem_.followed);
     for (u32 bit = 0; bit < system_.bits.size(); ++bit) {
       if (cone.bits[bit] != 0) bits_.push_back(bit);
     }
@@ -98,6 +101,7 @@ class Ic3 {
     encode_transitions(cone);
     encode_one_hot_places(cone);
     encode_invariants(cone);
+    if (!problem_.followed.empty()) encode_environment_places(cone);
     // The lifting query fixes all other inputs to their values in the model.
     for (u32 node = 1; node < system_.aig.size(); ++node) {
       const Signal input = node << 1;
@@ -105,6 +109,10 @@ class Ic3 {
       free_inputs_.push_back(input);
     }
     for (u32 bit : bits_) std::erase(free_inputs_, system_.bits[bit].now);
+    for (u32 bit = 0; bit < system_.bits.size() && !problem_.followed.empty(); ++bit) {
+      const bool is_input = cnf_.encoded(system_.bits[bit].now) != 0 && lift_cnf_.encoded(system_.bits[bit].now) != 0;
+      if (cone.bits[bit] == 0 && is_input) environment_bits_.push_back(bit);
+    }
     find_traced_inputs();
     add_frame();
     for (u32 bit : bits_) {
@@ -179,17 +187,47 @@ class Ic3 {
     }
   }
 
+  // The same of automata that are not followed, as far as steps and invariants depend on them.
+  void encode_environment_places(const ConeOfInfluence& cone) {
+    for (const std::vector<u32>& group : system_.exactly_one) {
+      const auto is_encoded = [&](u32 bit) { return cnf_.encoded(system_.bits[bit].now) != 0; };
+      if (cone.bits[group[0]] != 0 || std::none_of(group.begin(), group.end(), is_encoded)) continue;
+      std::vector<Lit> places;
+      for (u32 bit : group) places.push_back(cnf_.literal(system_.bits[bit].now));
+      solver_.add(places);
+      add_at_most_one(solver_, places);
+    }
+  }
+
+  // By node: is an input below it encoded?
+  [[nodiscard]] std::vector<std::uint8_t> nodes_above_encoded() const {
+    const Aig& aig = system_.aig;
+    std::vector<std::uint8_t> is_above(aig.size(), 0);
+    for (u32 node = 1; node < aig.size(); ++node) {
+      const auto [a, b] = aig.node(node);
+      is_above[node] = aig.is_input(node) ? static_cast<std::uint8_t>(cnf_.encoded(node << 1) != 0)
+                                          : is_above[node_of(a)] | is_above[node_of(b)];
+    }
+    return is_above;
+  }
+
   // Invariants hold in every reachable state, so every frame may assume them. One that leaves the cone is left out:
-  // that only weakens the frames.
+  // that only weakens the frames. Where bits are not followed, those that say something of the cone are kept: they are
+  // what is known of its environment.
   void encode_invariants(const ConeOfInfluence& cone) {
-    const std::vector<std::uint8_t> covered = nodes_in_cone(system_, cone);
+    const bool is_local = !problem_.followed.empty();
+    const std::vector<std::uint8_t> covered = is_local ? nodes_above_encoded() : nodes_in_cone(system_, cone);
     const auto add_invariant = [&](const std::vector<Signal>& clause) {
+      const auto is_covered = [&](Signal s) { return covered[node_of(s)] != 0; };
+      if (is_local ? std::none_of(clause.begin(), clause.end(), is_covered)
+                   : !std::all_of(clause.begin(), clause.end(), is_covered))
+        return;
       std::vector<Lit> literals;
-      for (Signal s : clause) {
-        if (covered[node_of(s)] == 0) return;
-        literals.push_back(cnf_.literal(s));
-      }
+      for (Signal s : clause) literals.push_back(cnf_.literal(s));
       solver_.add(literals);
+      // What is known of all states is no reason for a step, so lifting need not give it.
+      if (is_local && clause.size() == 1 && lift_cnf_.encoded(clause[0]) != 0)
+        lift_solver_.add({lift_cnf_.encoded(clause[0])});
     };
     for (const std::vector<Signal>& clause : problem_.invariants) add_invariant(clause);
     for (Signal inside : system_.in_range) add_invariant({inside});
@@ -253,9 +291,15 @@ class Ic3 {
     }
     for (u32 cube_literal : state) lift_solver_.assume(literal_of(lift_now_, cube_literal));
     Cube cube;
+    environment_.clear();
     if (lift_solver_.solve(problem_.cancellation) == Answer::Unsatisfiable) {
       for (u32 cube_literal : state) {
         if (lift_solver_.is_needed(literal_of(lift_now_, cube_literal))) cube.push_back(cube_literal);
+      }
+      for (u32 bit : environment_bits_) {
+        const bool value = solver_.is_true(cnf_.encoded(system_.bits[bit].now));
+        const Lit positive = lift_cnf_.encoded(system_.bits[bit].now);
+        if (lift_solver_.is_needed(value ? positive : -positive)) environment_.push_back(cube_literal_of(bit, value));
       }
     } else {
       // Out of time, or the state needs what the lifting solver does not know: the whole state is a cube, too.
@@ -391,8 +435,8 @@ class Ic3 {
       if (answer == Answer::Satisfiable) {
         // A predecessor in F_{frame-1}: a new obligation one frame below, and this one again after it.
         const u32 step = chosen_step();
-        ProofObligation predecessor{lifted_predecessor(obligations_[current].cube, step), frame - 1, current, step,
-                                    inputs_of_model()};
+        Cube cube = lifted_predecessor(obligations_[current].cube, step);
+        ProofObligation predecessor{std::move(cube), frame - 1, current, step, inputs_of_model(), environment_};
         retire_query_clauses();
         const bool is_first = frame == 1 || meets_initial(predecessor.cube, system_);
         obligations_.push_back(std::move(predecessor));
@@ -454,6 +498,11 @@ class Ic3 {
     answer_.frames = last_frame();
     u32 obligation = first;
     if (!problem_.observed.empty()) answer_.first = obligations_[first].cube;
+    for (u32 state = first; !problem_.followed.empty() && state != kNoRow; state = obligations_[state].next) {
+      Cube& cube = answer_.required.emplace_back(obligations_[state].cube);
+      cube.insert(cube.end(), obligations_[state].environment.begin(), obligations_[state].environment.end());
+      std::sort(cube.begin(), cube.end());
+    }
     for (; obligations_[obligation].next != kNoRow; obligation = obligations_[obligation].next) {
       answer_.steps.push_back(obligations_[obligation].step);
       if (!problem_.observed.empty()) answer_.inputs.push_back(std::move(obligations_[obligation].inputs));
@@ -516,7 +565,9 @@ class Ic3 {
   Lit bad_ = 0, lift_bad_ = 0;
   Lit lift_constraint_ = 0;                // 0: none
   Lit transition_activation_ = 0;          // the transition relation holds
-  std::vector<Signal> free_inputs_;        // inputs that are no state bits
+  std::vector<Signal> free_inputs_;        // inputs that are no state bits, and bits that are not followed
+  std::vector<u32> environment_bits_;      // the latter, by row
+  Cube environment_;                       // of them, what the last lifting needed
   std::vector<Signal> traced_inputs_;      // the same, and those of observed signals
   std::vector<std::vector<Cube>> frames_;  // delta encoded: a lemma stands in the last frame in which it holds
   std::vector<Lit> activation_;            // by frame; 0: the initial states

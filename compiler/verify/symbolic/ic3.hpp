@@ -30,6 +30,10 @@ struct Ic3Problem {
   // What every step obeys besides; it may depend on inputs. A step that does not is none.
   Signal constraint = kTrue;
   std::vector<Signal> observed;  // a counterexample has the inputs of these as well
+  // By bit: is it followed? The others are inputs that may have, in each state anew, any value that the invariants
+  // allow (localization reduction, localized_ic3.hpp). Empty: all are. Otherwise whole atoms, and all bits on which
+  // `bad` depends.
+  std::vector<std::uint8_t> followed;
   CancellationToken cancellation;
   std::function<void(u32 frame, std::size_t lemmas)> report;  // called every 64 queries; may be empty
 };
@@ -42,6 +46,9 @@ struct Ic3Answer {
   // the inputs that are 1. They determine the values of all signals in question.
   Cube first;
   std::vector<std::vector<Signal>> inputs;
+  // Reached, if not all bits are followed: what each state on the way has to be, from the first to the bad one, with
+  // the bits that are not followed.
+  std::vector<Cube> required;
   u32 frames = 0;
 };
 
