@@ -4,7 +4,7 @@
     tests/genom/test_dala.py [--table] [--steps N] [--timeout SECONDS] [part of a module's name ...]
 
 Components have to be those of Table I, locations and interactions in its order (rank correlation at least 0.85). The paper's five are verified
-together, and so are all modules, which are also checked and run as one functional level, and all under dala.rules. --table prints the table. Python's library only.
+together, and so are all modules, which are also checked and run as one functional level, and all under dala.rules, whose promises are proved. --table prints the table. Python's library only.
 The last line is "genom: N passed, N failed".
 """
 import argparse
@@ -12,6 +12,7 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -22,6 +23,7 @@ DALA = ROOT / "models/dala"
 BUILD = pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build").resolve()
 FIVE = ("laserrf", "aspect", "ndd", "rflex", "antenna")
 BIPC = os.path.abspath(os.environ.get("BIPC") or BUILD / "bipc")
+CERTCHECK = BUILD / "certcheck"
 # Table I: components, locations, interactions. POM is not in it.
 TABLE = {"laserrf": (43, 213, 202), "aspect": (29, 160, 117), "ndd": (27, 152, 117), "rflex": (56, 308, 227), "antenna": (20, 97, 73),
          "battery": (30, 176, 138), "heating": (26, 149, 116), "ptu": (37, 174, 151), "hueblob": (28, 187, 156), "viam": (41, 227, 231),
@@ -87,6 +89,30 @@ def prove_with_rules(work, timeout):
     if not verdict.startswith("deadlock-free: proved"):
         raise AssertionError(f"with rules: {verdict}")
     return verdict
+
+
+def keep_promises(work, timeout):
+    """The promises of dala.rules: of the reduced modules, and of the whole level with a certificate that certcheck accepts. Without one of its rules a promise is not kept."""
+    work = pathlib.Path(work)
+    bip, bsys, certificate = work / "ruled.bip", work / "ruled.bsys", work / "promise.cert"
+    shown = bipc("rules", "--prove", "--timeout", timeout, DALA / "dala.rules", "-o", bip).stderr
+    if "B616" in shown:
+        raise AssertionError(f"promises of the reduced modules: {shown}")
+    bsys.write_text(bipc("check", "--emit=system", bip).stdout, encoding="utf-8")
+    for promise in ("sharp", "prepared"):
+        verdict = bipc("verify", "--no-reuse", "--property", promise, "--timeout", timeout, "--certificate", certificate, bip, codes=(0, 3, 4)).stdout
+        if not verdict.startswith("holds"):
+            raise AssertionError(f"promise {promise}: {verdict}")
+        accepted = subprocess.run([CERTCHECK, bsys, certificate], capture_output=True, text=True, check=False)
+        if not accepted.stdout.startswith("accepted"):
+            raise AssertionError(f"certificate of promise {promise}: {accepted.stdout}{accepted.stderr}")
+    for description in (*DALA.glob("*.gen"), DALA / "dala.yields"):
+        shutil.copy(description, work)
+    rules = (DALA / "dala.rules").read_text(encoding="utf-8").splitlines()
+    (work / "less.rules").write_text("\n".join(line for line in rules if not line.startswith("sharp_while_moving")), encoding="utf-8")
+    broken = bipc("rules", "--prove", "--timeout", timeout, work / "less.rules", "-o", bip, codes=(0, 1)).stderr
+    if "the rules do not keep promise `sharp`" not in broken or "promise `steady`" in broken:
+        raise AssertionError(f"without a rule: {broken}")
 
 
 def figures(work, timeout):
@@ -163,6 +189,8 @@ def main():
                 rows.append(("all", *sizes(bip), bip.read_text(encoding="utf-8").count("\n"), 0.0, ""))
                 passed += 1
                 prove_with_rules(work, options.timeout)
+                passed += 1
+                keep_promises(work, 60)
                 passed += 1
                 figures(work, options.timeout)
                 passed += 1
