@@ -256,7 +256,7 @@ class Maker {
     switch (type.kind) {
       case idl::Kind::Primitive: {
         const auto known = kPrimitives.find(type.c_name);
-        if (known == kPrimitives.end()) return fmt::format("ROS 2 has no `{}`", type.c_name);
+        if (known == kPrimitives.end()) return fmt::format("no field of a message is a `{}`", type.c_name);
         field.kind = known->second;
         field.is_character = type.c_name == "char";
         return {};
@@ -281,7 +281,7 @@ class Maker {
         return field_of(c, type.element, field);
       }
       case idl::Kind::Struct: return struct_of(c, type, field);
-      case idl::Kind::Union: return fmt::format("`{}` is a union, which ROS 2 does not have", type.c_name);
+      case idl::Kind::Union: return fmt::format("`{}` is a union, which is no field of a message", type.c_name);
       case idl::Kind::Native: return fmt::format("only codels know what `{}` is", type.c_name);
       case idl::Kind::Alias: break;
     }
