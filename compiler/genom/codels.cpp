@@ -55,6 +55,12 @@ void add_activity(std::vector<CodelFunction>& all, const Module& m, const std::s
   }
 }
 
+// Do rules ask whether codels exceed their budgets?
+bool asks_for_late(const GenerateOptions& options) {
+  return std::any_of(options.constraints.failures.begin(), options.constraints.failures.end(),
+                     [](const FailureRow& row) { return row.kind == FailureKind::Late; });
+}
+
 const char* cpp_type(const ValueRow& v) {
   return v.type == ValueType::Int ? "int" : v.type == ValueType::Float ? "double" : "std::string";
 }
@@ -149,6 +155,7 @@ std::string codel_prototypes(const std::vector<Module>& modules, const GenerateO
                        called_value_function(modules[v.poster.module], v, options.processes.are_own));
   }
   if (options.processes.are_own) out += "  extern function service_accepted(const int)\n";
+  if (asks_for_late(options)) out += "  extern function int codel_was_late()\n";
   for (const CodelFunction& f : functions_of(modules))
     out += fmt::format("  extern function int {}(const int{})\n", codel_function(f.name), f.has_report ? ", int" : "");
   return out;
@@ -218,6 +225,7 @@ std::string codel_header(const std::vector<Module>& modules, const GenerateOptio
                : guarded_text(f);
   }
   if (options.calls_c) out += "void service_begin(int owner);\nvoid service_end(int owner);\n";
+  if (asks_for_late(options)) out += "inline int codel_was_late() { return bip::codel_was_late() ? 1 : 0; }\n";
   std::string budgets;
   for (const CodelFunction& f : functions_of(modules)) {
     if (f.wcet_us > 0) budgets += fmt::format("    {{\"{}\", {}}},\n", f.name, f.wcet_us);

@@ -111,9 +111,10 @@ struct SilenceRow {
   bool operator==(const SilenceRow&) const = default;
 };
 /// How an activity or control service may have ended other than well or interrupted. `Failed`: with any other report;
-/// `Lost`: a codel exceeded its budget and was given up.
-enum class FailureKind : std::uint8_t { Failed, Lost };
-/// Has the last end of `service` been such a one, and was it not accepted since?
+/// `Lost`: a codel exceeded its budget and was given up. `Late`: that, or one that its task waits for took longer,
+/// which is no end.
+enum class FailureKind : std::uint8_t { Failed, Lost, Late };
+/// Has the last end of `service` been such a one (has it been late), and was it not accepted since?
 struct FailureRow {
   ServiceRef service;
   FailureKind kind = FailureKind::Failed;

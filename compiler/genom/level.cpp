@@ -138,7 +138,7 @@ class LevelWriter {
       parts_.silences.push_back(component(of + "_silence", "Silence", std::to_string(conditions_.ticks(s.limit))));
     }
     for (const FailureRow& f : constraints_.failures) {
-      const char* const how = f.kind == FailureKind::Lost ? "_lost" : "_failed";
+      const char* const how = f.kind == FailureKind::Lost ? "_lost" : f.kind == FailureKind::Late ? "_late" : "_failed";
       parts_.failures.push_back(component(name_of(f.service) + how, "Failure", ""));
     }
     std::map<std::pair<std::string, ServiceRef>, std::string> known;
@@ -254,21 +254,26 @@ class LevelWriter {
     }
   }
 
-  // Failure atoms of the service take part in each end that is neither a success nor an interruption.
+  // Failure atoms of the service take part in each end that is neither a success nor an interruption, and hear of
+  // codels that were late before time goes on.
   void failures(ServiceRef s) {
     const ServicePlan& p = plan(s).services[s.service];
     const Service& service = plan(s).module->services[s.service];
     const bool is_control = service.kind == ServiceKind::Control;
     struct End {
       const char* port;
-      bool is_possible, is_loss;
+      bool is_possible;
+      std::vector<FailureKind> kinds;
     };
-    for (const End& end : {End{"nofin", is_control ? control_may_fail(service) : p.activity.ends_not_ok, false},
-                           End{"fail", p.activity.has_zombie, false}, End{"lost", p.activity.has_async, true}}) {
+    using enum FailureKind;
+    for (const End& end :
+         {End{"nofin", is_control ? control_may_fail(service) : p.activity.ends_not_ok, {Failed}},
+          End{"fail", p.activity.has_zombie, {Failed}}, End{"lost", p.activity.has_async, {Failed, Lost, Late}},
+          End{"late", p.activity.has_timed(), {Late}}}) {
       std::vector<std::string> ended;
       for (std::size_t i = 0; i < constraints_.failures.size(); ++i) {
         const FailureRow& row = constraints_.failures[i];
-        if (row.service == s && (end.is_loss || row.kind == FailureKind::Failed))
+        if (row.service == s && std::find(end.kinds.begin(), end.kinds.end(), row.kind) != end.kinds.end())
           ended.push_back(parts_.failures[i] + ".ended");
       }
       if (ended.empty() || !end.is_possible) continue;
@@ -276,7 +281,9 @@ class LevelWriter {
         const std::string& name = plan(s).activities[activity].component;
         std::vector<std::string> ports{fmt::format("{}.{}_{}", plan(s).component, end.port, name)};
         ports.insert(ports.end(), ended.begin(), ended.end());
-        wire({.name = fmt::format("{}_{}_{}", plan(s).component, end.port, name), .ports = ports});
+        const std::string heard =
+            wire({.name = fmt::format("{}_{}_{}", plan(s).component, end.port, name), .ports = ports});
+        if (end.kinds.front() == Late) priorities_.emplace_back(sync_, heard);
       }
     }
   }

@@ -87,6 +87,7 @@ ActivityPlan plan_activity(const Activity& activity, bool can_be_stopped, const 
   a.used.assign(activity.states.size(), false);
   a.async.assign(activity.states.size(), false);
   a.holds.assign(activity.states.size(), false);
+  a.timed.assign(activity.states.size(), false);
   std::vector<std::size_t> todo{activity.start};
   if (can_be_stopped || is_killed) todo.push_back(activity.stop);
   while (!todo.empty()) {
@@ -300,7 +301,11 @@ Plan make_plan(const Module& module, std::size_t index, const GenerateOptions& o
   for (const FailureRow& row : options.constraints.failures) {
     if (row.service.module != index) continue;
     ServicePlan& s = p.services[row.service.service];
-    (row.kind == FailureKind::Lost ? s.losses_heard : s.fails_heard) = true;
+    (row.kind == FailureKind::Failed ? s.fails_heard : s.losses_heard) = true;
+    for (std::size_t i = 0; row.kind == FailureKind::Late && i < s.activity.timed.size(); ++i) {
+      const Codel& codel = module.services[row.service.service].activity.states[i].codel;
+      s.activity.timed[i] = s.activity.used[i] && codel.name.is_set() && !codel.is_async && codel.budget_us > 0;
+    }
   }
   for (const TaskRef& task : options.constraints.watched_tasks) {
     if (task.module == index) p.tasks[task.task].is_watched = true;

@@ -1,6 +1,7 @@
 // Shared by the parts of the generator: the names of everything that is generated for a module, and which parts are
 // needed. Internal to compiler/genom.
 #pragma once
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,6 +19,7 @@ struct ActivityPlan {
   std::vector<bool> used;           // by state
   std::vector<bool> async;          // by state: used, and its codel runs beside the task
   std::vector<bool> holds;          // by state: async, and locks are held until its codel has returned
+  std::vector<bool> timed;          // by state: rules ask whether its codel, which the task waits for, took too long
   bool has_async = false;
   bool has_sleep = false, has_zombie = false, has_bad = false;
   bool goes_on = false;       // yields a state
@@ -33,6 +35,7 @@ struct ActivityPlan {
     }
     return false;
   }
+  [[nodiscard]] bool has_timed() const { return std::find(timed.begin(), timed.end(), true) != timed.end(); }
   /// Its turn may be left out.
   [[nodiscard]] bool skips() const { return rests || has_async; }
   // Its ports for answers that go on, that pause, and for its own reports; and what each is merged as.
@@ -58,7 +61,7 @@ struct ServicePlan {
   bool is_waited_for = false;           // services of rules begin when it does not run
   bool is_heard = false;                // rules count from its last success
   bool fails_heard = false;             // rules ask whether it failed
-  bool losses_heard = false;            // and whether a codel of it exceeded its budget
+  bool losses_heard = false;            // and whether a codel of it exceeded its budget and was given up
 };
 struct TaskPlan {
   std::string component, type, scheduler;

@@ -155,6 +155,8 @@ class Resolver {
       codel_yields(line);
     } else if (line.kind == "async") {
       codel_async(line);
+    } else if (line.kind == "takes") {
+      codel_takes(line);
     } else if (line.kind == "trigger") {
       for (Service& s : module_.services) {
         if (!is_about(line.subject, s.name.text)) continue;
@@ -226,6 +228,27 @@ class Resolver {
     }
     for (const Task& t : module_.tasks) {
       if (is_about(line.subject, t.permanent.text)) waited_for(line);
+    }
+  }
+
+  // Its task waits for it.
+  void codel_takes(SideLine& line) {
+    std::int64_t budget = 0;
+    if (!read_time(line.words, budget)) {
+      line.used = true;
+      diags_
+          .report(Diag::kB6022, line.words.empty() ? line.subject.range : line.words[0].range,
+                  line.words.empty() ? "`takes` without a length of time"
+                                     : fmt::format("`{}` is no length of time", line.words[0].text))
+          .help("a number with `us`, `ms` or `s`: `20 ms`");
+      return;
+    }
+    for (Service& s : module_.services) {
+      for (State& state : s.activity.states) {
+        if (!state.codel.name.is_set() || !is_about(line.subject, state.codel.name.text)) continue;
+        state.codel.budget_us = budget;
+        line.used = true;
+      }
     }
   }
 
@@ -309,8 +332,8 @@ std::vector<SideLine> parse_side_file(const SourceMap& sources, FileId file, Dia
     begin = end + 1;
     if (words.empty()) continue;
     const std::string& kind = words[0].text;
-    if (kind == "codel" && words.size() >= 3 && words[2].text == "async") {
-      lines.push_back({"async", words[1], {words.begin() + 3, words.end()}, false});
+    if (kind == "codel" && words.size() >= 3 && (words[2].text == "async" || words[2].text == "takes")) {
+      lines.push_back({words[2].text, words[1], {words.begin() + 3, words.end()}, false});
       continue;
     }
     const std::string verb = kind == "codel"     ? "yields"
@@ -322,8 +345,8 @@ std::vector<SideLine> parse_side_file(const SourceMap& sources, FileId file, Dia
     if (verb.empty() || words.size() < 3 || words[2].text != verb || is_whole != (words.size() == 3)) {
       diags.report(Diag::kB6022, words[0].range, "this is no line of a side file")
           .help(
-              "`codel NAME yields A B`, `codel NAME async 20 ms`, `trigger SERVICE waits`, `request SERVICE overtakes` "
-              "or `task TASK reads MODULE.POSTER [within AGE]`");
+              "`codel NAME yields A B`, `codel NAME async 20 ms`, `codel NAME takes 20 ms`, `trigger SERVICE waits`, "
+              "`request SERVICE overtakes` or `task TASK reads MODULE.POSTER [within AGE]`");
       continue;
     }
     // `within N` after posters.
@@ -349,7 +372,7 @@ void report_unused(const std::vector<SideLine>& side, Diagnostics& diags) {
       diags.report(Diag::kB6022, line.subject.range,
                    fmt::format("there is no {} `{}` in what is translated",
                                line.kind == "trigger" || line.kind == "request" ? "service"
-                               : line.kind == "async"                           ? "codel"
+                               : line.kind == "async" || line.kind == "takes"   ? "codel"
                                                                                 : line.kind,
                                line.subject.text));
   }

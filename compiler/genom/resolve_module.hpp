@@ -5,6 +5,7 @@
 //   and
 //                                permanent codels; OTHER is an answer that its state does not permit
 //   codel NAME async [TIME]      it runs beside its task; when TIME is over it is given up
+//   codel NAME takes TIME        its task waits for it, so long at most: rules may ask whether it was late
 //   trigger SERVICE waits        a constraint may make the trigger of SERVICE wait
 //   task TASK reads MODULE.POSTER … [within AGE]
 //                                its cycle begins only with posters that are younger, in steps of PosterAge
@@ -19,7 +20,7 @@
 namespace bip::genom {
 
 struct SideLine {
-  std::string kind;  // "codel", "async", "trigger", "task"
+  std::string kind;  // "codel", "async", "takes", "trigger", "request", "task"
   Name subject;
   std::vector<Name> words;
   bool used = false;

@@ -4,6 +4,7 @@
 //   STATE        waits for its turn            STATE_RUNS    the codel runs
 //   STATE_PAUSED waits for the next cycle (3)  STATE_ENDS    it ran, its locks are given back (codel granularity)
 //   LOST         given up while its codel ran beside the task; until that comes back
+//   late         an event between a codel's turn and its answer, if rules ask for it: it took longer than its budget
 //
 // A codel that runs beside the task does so in another atom (write_work.cpp); this one waits in STATE_RUNS and can be
 // told to stop. A codel may return any of its answers: there is one port per answer, and the ports that the rest of the
@@ -71,6 +72,7 @@ class ActivityWriter {
       for (const std::string& r : reports_) out_ += fmt::format("    data string rep_{} = \"{}\"\n", bip_name(r), r);
     }
     if (remembers()) out_ += "    data bool stopping = false\n";
+    if (activity_plan_.has_timed()) out_ += "    data bool over = false\n";
     if (plan_.calls) out_ += "    data int next = 0, report = 0\n";
   }
 
@@ -112,6 +114,7 @@ class ActivityWriter {
                             plan_.calls ? "next, report" : "");
       else if (plan_.by_codel) port("done_" + places_[i]);
     }
+    if (activity_plan_.has_timed()) port("late");
     if (activity_plan_.has_async) port("wait");
     if (is_given_up()) {
       port("lost");
@@ -204,10 +207,17 @@ class ActivityWriter {
       if (!activity_plan_.used[i]) continue;
       const Codel& codel = activity_.states[i].codel;
       const bool calls = plan_.calls && codel.name.is_set() && !activity_plan_.async[i];
-      on("run_" + places_[i], places_[i], places_[i] + "_RUNS",
-         calls ? fmt::format("report = 0; next = {}({}, report)", codel_function(codel.name.text), owner_) : "");
+      std::string action =
+          calls ? fmt::format("report = 0; next = {}({}, report)", codel_function(codel.name.text), owner_) : "";
+      if (activity_plan_.timed[i]) {
+        // Where nothing is called it may have been late, or not.
+        action += calls ? "; over = codel_was_late() != 0" : "over = true";
+        on("late", places_[i] + "_RUNS", places_[i] + "_RUNS", "over = false", "over");
+      }
+      on("run_" + places_[i], places_[i], places_[i] + "_RUNS", action);
       if (leaves(i))
-        on((activity_plan_.async[i] ? "back_" : "done_") + places_[i], places_[i] + "_RUNS", places_[i] + "_ENDS");
+        on((activity_plan_.async[i] ? "back_" : "done_") + places_[i], places_[i] + "_RUNS", places_[i] + "_ENDS", {},
+           is_told_first(i) ? "!over" : "");
       if (!activity_plan_.async[i]) continue;
       on("wait", places_[i] + "_RUNS", places_[i] + "_RUNS");
       if (is_given_up()) on("lost", places_[i] + "_RUNS", "LOST", "stopping = false");
@@ -233,6 +243,11 @@ class ActivityWriter {
       const bool may_report =
           service_ != nullptr && s.codel.name.is_set() && !reports_.empty() && (is_3_ || (ends && !is_stop));
       const bool calls = plan_.calls && s.codel.name.is_set();
+      const auto answers = [&](const std::string& port, const std::string& to, const std::string& action,
+                               const std::string& guard) {
+        const bool waits = is_told_first(i) && !leaves(i);
+        on(port, from, to, action, !waits ? guard : guard.empty() ? "!over" : "!over && (" + guard + ")");
+      };
       std::string known;
       const auto when = [&](const Yield& y) {
         if (!calls) return std::string();
@@ -246,11 +261,11 @@ class ActivityWriter {
         return guard;
       };
       for (const Yield& y : s.yields) {
-        if (y.next == Next::State) on("to_" + places_[y.state], from, places_[y.state], {}, when(y));
-        if (y.next == Next::Pause) on("pause_" + places_[y.state], from, places_[y.state] + "_PAUSED", {}, when(y));
-        if (y.next == Next::Sleep) on("to_SLEEP", from, "SLEEP", {}, when(y));
-        if (y.next == Next::Zombie) on("zombie", from, "ZOMBIE", clear, when(y));
-        if (y.next == Next::Ether) on(is_stop ? "intr" : "ok", from, "ETHER", clear, when(y));
+        if (y.next == Next::State) answers("to_" + places_[y.state], places_[y.state], {}, when(y));
+        if (y.next == Next::Pause) answers("pause_" + places_[y.state], places_[y.state] + "_PAUSED", {}, when(y));
+        if (y.next == Next::Sleep) answers("to_SLEEP", "SLEEP", {}, when(y));
+        if (y.next == Next::Zombie) answers("zombie", "ZOMBIE", clear, when(y));
+        if (y.next == Next::Ether) answers(is_stop ? "intr" : "ok", "ETHER", clear, when(y));
       }
       for (std::size_t k = 0; may_report && k < reports_.size(); ++k) {
         // Below: it is for what nothing else is.
@@ -262,15 +277,18 @@ class ActivityWriter {
                           : fmt::format("next == {} && report == {}", answer_code({Next::Ether, {}, 0}), k + 1);
           known += (known.empty() ? "" : " || ") + (is_3_ ? guard : "(" + guard + ")");
         }
-        on("report_" + bip_name(reports_[k]), from, "ETHER", clear, guard);
+        answers("report_" + bip_name(reports_[k]), "ETHER", clear, guard);
       }
       for (const Yield& y : s.yields) {
         if (y.next != Next::Other) continue;
-        if (is_3_ && may_report) on("report_bad_transition", from, "ETHER", clear, when(y));
-        else on("bad", from, places_[i], {}, when(y));
+        if (is_3_ && may_report) answers("report_bad_transition", "ETHER", clear, when(y));
+        else answers("bad", places_[i], {}, when(y));
       }
     }
   }
+
+  // Execution flavour: that the codel was late is told before its answer.
+  [[nodiscard]] bool is_told_first(std::size_t i) const { return plan_.calls && activity_plan_.timed[i]; }
 
   [[nodiscard]] bool is_failure(const State& s, const Yield& y) const {
     const auto fails = [&](const Yield& other) {

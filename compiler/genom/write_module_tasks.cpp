@@ -170,6 +170,7 @@ void ModuleWriter::turns(std::size_t i, std::size_t instance) {
     wire({.name = "done_" + label, .ports = done});
   }
   wire({.name = "skip_" + name, .ports = {of_task(i, "skip_" + name), of_activity(instance, "rest")}});
+  if (a.has_timed()) wire({.name = "late_" + name, .ports = {of_activity(instance, "late")}, .exported = true});
   if (a.has_async) beside(i, instance);
 }
 
@@ -329,6 +330,7 @@ void ModuleWriter::exports() {
       if (p.fails_heard && p.activity.has_zombie) write_export(out_, out_of("fail_" + name), "fail_" + name);
       if ((p.fails_heard || p.losses_heard) && p.activity.has_async)
         write_export(out_, out_of("lost_" + name), "lost_" + name);
+      if (p.activity.has_timed()) write_export(out_, out_of("late_" + name), "late_" + name);
       if (p.is_waited_for) write_export(out_, of_activity(activity, "idle"), "idle_" + name);
       if (plan_.is_launched_by_rules && is_execution) write_export(out_, out_of("launch_" + name), "launch_" + name);
     }

@@ -312,6 +312,7 @@ void write_service(std::string& out, const Plan& plan, std::size_t service, std:
     if (plan.by_codel) write_export(out, "activity.done_" + place, "done_" + place);
   }
   if (a.has_async) write_work_exports(out, p);
+  if (a.has_timed()) write_export(out, "activity.late", "late");
   if (a.goes_on) write_export(out, "activity." + a.went_on(), "went_on");
   if (a.pauses) write_export(out, "activity." + a.paused(), "paused");
   if (plan.module->generation == 3) write_export(out, "activity.resume", "resume");

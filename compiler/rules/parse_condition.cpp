@@ -5,8 +5,9 @@
 //               total(PARAMETER)
 //             | POSTER is fresh within TIME | POSTER.age
 //             | POSTER.VALUE | VALUE | … in '[' LEAST ',' MOST ']'
-//             | silent for TIME | MODULE is silent for TIME | SERVICE.failed | SERVICE.lost | TASK.missed
-//             | past(SERVICE [() | (?P) with condition]) | running(SERVICE) | '[' SERVICE < SERVICE ']' | ?PARAMETER
+//             | silent for TIME | MODULE is silent for TIME | SERVICE.failed | SERVICE.lost | SERVICE.late |
+//             TASK.missed | past(SERVICE [() | (?P) with condition]) | running(SERVICE) | '[' SERVICE < SERVICE ']' |
+//             ?PARAMETER
 #include "compiler/rules/parser.hpp"
 
 namespace bip::rules {
@@ -219,6 +220,7 @@ class ConditionParser {
                 : what.text == "age"    ? ExprKind::Age
                 : what.text == "failed" ? ExprKind::Failed
                 : what.text == "lost"   ? ExprKind::Lost
+                : what.text == "late"   ? ExprKind::Late
                 : what.text == "missed" ? ExprKind::Missed
                                         : ExprKind::Of;
     into.name = what;

@@ -105,7 +105,7 @@ class RulesParser {
   void expand(Expr& e) const {
     for (Expr& operand : e.operands) expand(operand);
     const bool is_of_service = e.kind == ExprKind::Active || e.kind == ExprKind::Done || e.kind == ExprKind::Failed ||
-                               e.kind == ExprKind::Lost;
+                               e.kind == ExprKind::Lost || e.kind == ExprKind::Late;
     const ServiceGroup* const g = is_of_service ? group_of(e.path) : nullptr;
     if (g == nullptr) return;
     Expr any = e;

@@ -119,10 +119,10 @@ class Reducer {
     genom::Service& s = out_.modules[f.service.module].services[f.service.service];
     if (s.kind == genom::ServiceKind::Control) {
       if (s.body.empty()) s.body.push_back({{"run", {}}, {}});
-    } else if (f.kind == genom::FailureKind::Lost) {
+    } else if (f.kind != genom::FailureKind::Failed) {
       BIP_ASSERT(!s.activity.states.empty(), "the activity `{}` has no state", s.name.text);
       genom::Codel& run = s.activity.states[0].codel;
-      run.is_async = true;
+      run.is_async = run.is_async || f.kind == genom::FailureKind::Lost;
       run.budget_us = kTick;
     }
   }

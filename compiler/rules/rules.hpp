@@ -38,12 +38,13 @@ enum class ExprKind : std::uint8_t {
   Silent,
   Failed,
   Lost,
+  Late,
   Missed,
   Not,
   Operator
 };
 /// `Of` is a parameter of a service or a value of a poster, Word such a value or a text; Active and Done of a service,
-/// Fresh and Age of a poster; Silent of a module or of all; Failed and Lost of a service, Missed of a task.
+/// Fresh and Age of a poster; Silent of a module or of all; Failed, Lost and Late of a service, Missed of a task.
 struct Expr {
   ExprKind kind = ExprKind::Number;
   SourceRange range;

@@ -279,6 +279,7 @@ Type NameScope::convert(const Expr& e, Subject subject, Moment moment, Condition
     case ExprKind::Silent: return silence(e, into);
     case ExprKind::Failed:
     case ExprKind::Lost:
+    case ExprKind::Late:
     case ExprKind::Missed: {
       // A declared value may have that name.
       const std::size_t errors = diags_.error_count();
@@ -322,10 +323,11 @@ std::size_t row_of(std::vector<Row>& rows, const Row& row) {
   return index;
 }
 
-// Does a codel of it run beside its task, and has a budget?
-bool has_budget(const genom::Service& s) {
-  return std::any_of(s.activity.states.begin(), s.activity.states.end(),
-                     [](const genom::State& state) { return state.codel.is_async && state.codel.budget_us > 0; });
+// Has a codel of its activity a budget, which runs beside its task if `is_async`?
+bool has_budget(const genom::Service& s, bool is_async) {
+  return std::any_of(s.activity.states.begin(), s.activity.states.end(), [&](const genom::State& state) {
+    return (state.codel.is_async || !is_async) && state.codel.budget_us > 0;
+  });
 }
 }  // namespace
 
@@ -343,16 +345,19 @@ Type NameScope::silence(const Expr& e, Condition& into) {
 Type NameScope::failure(const Expr& e, Condition& into) {
   const auto s = service(e.path);
   if (!s) return Type::None;
-  const bool is_lost = e.kind == ExprKind::Lost;
-  if (is_lost && !has_budget(at(*s))) {
+  const bool is_lost = e.kind == ExprKind::Lost, is_late = e.kind == ExprKind::Late;
+  if ((is_lost || is_late) && !has_budget(at(*s), is_lost)) {
     diags_
-        .report(Diag::kB6115, e.range, e.path.text() + ".lost", "never",
+        .report(Diag::kB6115, e.range, e.path.text() + (is_lost ? ".lost" : ".late"), "never",
                 fmt::format("no codel of `{}` has a budget", text(*s)))
-        .help("say `codel NAME async 20 ms` in the side file, or `async codel` with `wcet` in the description");
+        .help(is_lost ? "say `codel NAME async 20 ms` in the side file, or `async codel` with `wcet` in the description"
+                      : "say `codel NAME takes 20 ms` in the side file, or `wcet` in the description");
     return Type::None;
   }
   into.kind = ConditionKind::Failed;
-  into.row = row_of(constraints_.failures, {*s, is_lost ? genom::FailureKind::Lost : genom::FailureKind::Failed});
+  into.row = row_of(constraints_.failures, {*s, is_lost   ? genom::FailureKind::Lost
+                                                : is_late ? genom::FailureKind::Late
+                                                          : genom::FailureKind::Failed});
   return Type::Bool;
 }
 

@@ -18,6 +18,7 @@ MODULE = """module {0} {{ number: {1}; internal_data: DATA; }};
 request Go {{ type: exec; exec_task: Motion; codel_main: {0}Go; codel_inter: {0}Brake; }};
 request Turn {{ type: exec; exec_task: Motion; codel_main: {0}Turn; codel_inter: {0}Brake; }};
 request Burst {{ type: exec; exec_task: Motion; codel_control: {0}Check; codel_main: {0}Burst; }};
+request Slow {{ type: exec; exec_task: Motion; codel_main: {0}Slow; }};
 request Mark {{ type: control; codel_control: {0}Mark; }};
 request Stop {{ type: control; interrupt_activity: Go; }};
 exec_task Motion {{ period: 2; }};
@@ -26,12 +27,15 @@ RULES = """rules level;
 modules "north.gen", "south.gen" with "side.yields";
 parameter speed of north.Go: 10, 20;
 north.Go requires request.speed <= 100 report "TOO-FAST";
+late: when north.Slow.late run north.Stop;
 """
 # An activity goes on until it is told to stop. Times are counted in ticks of 10 ms.
 CODELS = """#include "level_codels.hpp"
+#include <chrono>
 #include <cstdio>
 #include <stdexcept>
 #include <string>
+#include <thread>
 static std::string asked;
 void request_asked(const char*, const char* input) { asked = input; }
 void request_input(const char* service, const char* input) { std::printf("%s gets %s\\n", service, input); std::fflush(stdout); }
@@ -41,6 +45,8 @@ int northBrake(int&) { return 0; }
 int northMark() { return 0; }
 int northCheck() { return asked == "refuse" ? throw std::runtime_error("a \\"map\\"\\nis missing") : 0; }
 int northBurst(int&) { throw std::runtime_error("no map"); }
+int northSlow(int&) { std::this_thread::sleep_for(std::chrono::milliseconds(500)); return 0; }
+int southSlow(int&) { return 0; }
 int southCheck() { return 0; }
 int southBurst(int&) { throw 3; }
 int southGo(int&) { return 2; }
@@ -117,7 +123,7 @@ def main():
     with tempfile.TemporaryDirectory(prefix="requests-") as work:
         for number, name in enumerate(("north", "south"), 1):
             pathlib.Path(work, f"{name}.gen").write_text(MODULE.format(name, number), encoding="utf-8")
-        pathlib.Path(work, "side.yields").write_text("request south.Turn overtakes\n", encoding="utf-8")
+        pathlib.Path(work, "side.yields").write_text("request south.Turn overtakes\ncodel northSlow takes 100 ms\n", encoding="utf-8")
         pathlib.Path(work, "level.rules").write_text(RULES, encoding="utf-8")
         pathlib.Path(work, "level_codels.cpp").write_text(CODELS, encoding="utf-8")
         subprocess.run([BIPC, "rules", "--served", "--skeleton", "level.rules", "-o", "level.bip"], cwd=work, check=True, capture_output=True)
@@ -129,6 +135,7 @@ def main():
             taken_back(level)
             set_back(level)
             exceptions(level)
+            over_budget(level)
             level.client.ask("shutdown")
         check("it ends with 0", level.server.wait(20) == 0)
         level.output.seek(0)
@@ -140,7 +147,7 @@ def main():
 
 def refusals(level):
     """Before anything of it comes to the model."""
-    for service, part in (("north.Stpo", "did you mean `north.Stop`?"), ("Mark", "did you mean `north.Mark` or `south.Mark`?"), ("north.Fly", "`north` has Go, Turn, Burst, Mark, Stop, Abort"),
+    for service, part in (("north.Stpo", "did you mean `north.Stop`?"), ("Mark", "did you mean `north.Mark` or `south.Mark`?"), ("north.Fly", "`north` has Go, Turn, Burst, Slow, Mark, Stop, Abort"),
                           ("battery.Use", "there are the modules north, south"), ("north.Go", "`north.Go(speed)`"), ("north.Go(1, 2)", "`north.Go(speed)`"),
                           ("north.Go(fast)", "`speed` is a number, not `fast`"), ("north.Go(nan)", "a number"), ("north.Go(3", "`north.Go(speed)`"), ("north.Stop(3)", "`north.Stop`"), ("", "there is no service")):
         said = level.refusal(service=service)
@@ -152,6 +159,14 @@ def refusals(level):
     told = {row["service"]: row for row in hello["services"]}
     check("hello tells of services", told["north.Go"] == {"service": "north.Go", "kind": "activity", "overtakes": False, "values": {"speed": "number"}}, told)
     check("who overtakes", [name for name, row in told.items() if row["overtakes"]] == ["north.Stop", "north.Abort", "south.Turn", "south.Stop", "south.Abort"], told)
+
+
+def over_budget(level):
+    """A codel that its task waits for takes longer than the side file says: the rule stops what runs, as soon as it has answered."""
+    go = level.ask("north.Go(10)")
+    check("it runs", level.accepted(go) == ("intermediate", "OK"), level.replies.get(go))
+    check("what takes too long ends well itself", level.final(level.ask("north.Slow")) == "OK")
+    check("and the rule has stopped the other", level.final(go) == "ACTIVITY_INTERRUPTED", level.replies.get(go))
 
 
 def values(level):

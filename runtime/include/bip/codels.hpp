@@ -94,13 +94,16 @@ class CodelTimes {
     const std::lock_guard<std::mutex> hold(lock_);
     rows_[codel].budget = budget;
   }
-  void add(const char* codel, std::chrono::nanoseconds took) {
+  /// Returns whether it took longer than it may.
+  bool add(const char* codel, std::chrono::nanoseconds took) {
     const std::lock_guard<std::mutex> hold(lock_);
     Row& row = rows_[codel];
     ++row.calls;
     row.total += took;
     row.longest = std::max(row.longest, took);
-    if (row.budget.count() > 0 && took > row.budget) ++row.over;
+    const bool is_over = row.budget.count() > 0 && took > row.budget;
+    if (is_over) ++row.over;
+    return is_over;
   }
   /// An array of objects, by name; those that were called.
   [[nodiscard]] std::string json() const {
@@ -130,13 +133,18 @@ inline CodelTimes& codel_times() {
   static CodelTimes times;
   return times;
 }
+/// Did the last codel that this thread called take longer than it may?
+inline bool& codel_was_late() {
+  thread_local bool was_late = false;
+  return was_late;
+}
 /// Of one call: from here to the end of the block.
 class CodelTimer {
  public:
   explicit CodelTimer(const char* codel) : codel_(codel) {}
   CodelTimer(const CodelTimer&) = delete;
   CodelTimer& operator=(const CodelTimer&) = delete;
-  ~CodelTimer() { codel_times().add(codel_, std::chrono::steady_clock::now() - begun_); }
+  ~CodelTimer() { codel_was_late() = codel_times().add(codel_, std::chrono::steady_clock::now() - begun_); }
 
  private:
   const char* codel_;
