@@ -89,7 +89,8 @@ std::string Controller::fire(std::uint64_t k) {
 
 std::string Controller::back(std::uint64_t count) {
   if (!is_paused_ && !has_ended_) return "the model is not paused";
-  if (image_.ffi != nullptr) return "the model calls C++, or events bring it texts or values of C++: what these hold cannot be restored";
+  if (image_.ffi != nullptr)
+    return "the model calls C++, or events bring it texts or values of C++: what these hold cannot be restored";
   if (count > undo_.size()) return "only " + std::to_string(undo_.size()) + " steps can be undone";
   for (; count > 0; --count) {
     if (count == 1) system_.restore(undo_.back());
