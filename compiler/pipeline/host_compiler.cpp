@@ -3,6 +3,7 @@
 
 #include "compiler/pipeline/parts.hpp"
 
+#include <dirent.h>
 #include <fcntl.h>
 #include <spawn.h>
 #include <sys/stat.h>
@@ -15,6 +16,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <new>
 #include <sstream>
 
 #include "runtime/engine/interrupt.hpp"
@@ -220,12 +222,24 @@ Result<TemporaryDirectory> TemporaryDirectory::make() {
   if (error || ::mkdtemp(name.data()) == nullptr)
     return Failure{"no temporary directory: " + std::string(std::strerror(errno))};
   made.path_ = std::move(name);
+  made.entries_.reset(::opendir(made.path_.c_str()));
+  if (made.entries_ == nullptr) return Failure{"no temporary directory: " + std::string(std::strerror(errno))};
   return made;
 }
 
 TemporaryDirectory::~TemporaryDirectory() {
-  std::error_code ignored;
-  if (!path_.empty()) fs::remove_all(path_, ignored);
+  if (path_.empty()) return;
+  if (entries_ != nullptr) {
+    ::rewinddir(entries_.get());
+    while (const dirent* entry = ::readdir(entries_.get())) (void)::unlinkat(::dirfd(entries_.get()), entry->d_name, 0);
+  }
+  if (::rmdir(path_.c_str()) == 0) return;
+  try {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  } catch (const std::bad_alloc&) {
+    // What lies in folders of its own stays.
+  }
 }
 
 }  // namespace bip::pipeline

@@ -1,5 +1,7 @@
 // The C++ compiler of the host, for `bipc build`.
 #pragma once
+#include <dirent.h>
+
 #include <optional>
 #include <memory>
 #include <string>
@@ -37,12 +39,13 @@ struct RuntimeLocation {
 [[nodiscard]] std::string program_path();
 
 /// A directory that disappears with the object. A signal that asks the process to end while it is there is kept for
-/// signal_during_program(), so the directory is removed then, too.
+/// signal_during_program(), so the directory is removed then, too. Files in it are removed without memory being
+/// allocated.
 class TemporaryDirectory {
  public:
   [[nodiscard]] static Result<TemporaryDirectory> make();
   TemporaryDirectory(TemporaryDirectory&& other) noexcept
-      : signals_(std::move(other.signals_)), path_(std::move(other.path_)) {
+      : signals_(std::move(other.signals_)), path_(std::move(other.path_)), entries_(std::move(other.entries_)) {
     other.path_.clear();
   }
   TemporaryDirectory& operator=(TemporaryDirectory&&) = delete;
@@ -53,6 +56,7 @@ class TemporaryDirectory {
   explicit TemporaryDirectory(std::unique_ptr<rt::EndingSignals> signals) : signals_(std::move(signals)) {}
   std::unique_ptr<rt::EndingSignals> signals_;
   std::string path_;
+  std::unique_ptr<DIR, int (*)(DIR*)> entries_{nullptr, ::closedir};
 };
 
 }  // namespace bip::pipeline
