@@ -5,6 +5,7 @@
 #include "compiler/driver/commands.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/pipeline/host_compiler.hpp"
+#include "compiler/pipeline/parts.hpp"
 #include "compiler/pipeline/jit_loader.hpp"
 #include "compiler/pipeline/load_packages.hpp"
 
@@ -37,7 +38,7 @@ std::string as_json(const std::string& commit) {
                                     {"llvm", text_or_null(has_jit ? BIPC_LLVM_VERSION : "")},
                                     {"back_ends", std::move(back_ends)},
                                     {"paths",
-                                     {{"program", text_or_null(program_path())},
+                                     {{"program", text_or_null(program_file().string())},
                                       {"jit", text_or_null(plugin)},
                                       {"runtime", text_or_null(runtime.directory)},
                                       {"runtime_library", text_or_null(runtime.library)},

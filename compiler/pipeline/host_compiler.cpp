@@ -6,6 +6,7 @@
 #include <dirent.h>
 #include <fcntl.h>
 #include <spawn.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -107,12 +108,14 @@ int start_program(const std::vector<std::string>& command, const std::string& ou
 }
 
 // Ends the group of a program if this process ends while the program runs, also by SIGKILL: a process of its own waits
-// for the end of a pipe that this process alone holds open. Without a pipe or a process there is no such guard.
+// for the end of a connection whose other end this process alone holds open. Without a connection or a process there is
+// no such guard.
 class GroupGuard {
  public:
   explicit GroupGuard(pid_t group) {
+    // Sockets: writing to a pipe would end this process if the guard is gone.
     int ends[2];
-    if (::pipe2(ends, O_CLOEXEC) != 0) return;
+    if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) return;
     guard_ = ::fork();
     if (guard_ == 0) guard(ends[0], group);
     ::close(ends[0]);
@@ -123,7 +126,7 @@ class GroupGuard {
     if (open_end_ < 0) return;
     constexpr char kDone = 0;
     // If this fails, the guard signals a group that is no longer there.
-    [[maybe_unused]] const ssize_t written = ::write(open_end_, &kDone, 1);
+    (void)::send(open_end_, &kDone, 1, MSG_NOSIGNAL);
     ::close(open_end_);
     while (::waitpid(guard_, nullptr, 0) < 0 && errno == EINTR) {
     }
@@ -188,11 +191,6 @@ Result<int> run_program(const std::vector<std::string>& command, const std::stri
   running_group.store(0);
   if (error != 0) return Failure{std::strerror(error)};
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-}
-
-std::string program_path() {
-  std::error_code ignored;
-  return fs::read_symlink("/proc/self/exe", ignored).string();
 }
 
 int signal_during_program() { return forwarded_signal.load(); }

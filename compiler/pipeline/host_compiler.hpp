@@ -35,9 +35,6 @@ struct RuntimeLocation {
   std::vector<std::string> tried;
 };
 [[nodiscard]] RuntimeLocation find_runtime();
-/// The running program's file, through links; empty if the system does not say.
-[[nodiscard]] std::string program_path();
-
 /// A directory that disappears with the object. A signal that asks the process to end while it is there is kept for
 /// signal_during_program(), so the directory is removed then, too. Files in it are removed without memory being
 /// allocated.

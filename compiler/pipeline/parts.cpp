@@ -2,6 +2,7 @@
 #include "compiler/pipeline/parts.hpp"
 
 #include <dlfcn.h>
+#include <sys/auxv.h>
 
 #include <string_view>
 
@@ -9,10 +10,18 @@ namespace bip::pipeline {
 
 namespace fs = std::filesystem;
 
+fs::path program_file() {
+  std::error_code error;
+  fs::path path = fs::read_symlink("/proc/self/exe", error);
+  // Without /proc: what the program was started as.
+  if (error) path = fs::canonical(reinterpret_cast<const char*>(::getauxval(AT_EXECFN)), error);
+  return path;
+}
+
 fs::path own_file() {
   std::error_code error;
   Dl_info info{};
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  const fs::path program = program_file();
   if (::dladdr(reinterpret_cast<const void*>(&own_file), &info) == 0 || info.dli_fname == nullptr) return program;
   // Of the program itself dladdr knows only the words of the command line.
   if (!std::string_view(info.dli_fname).ends_with(".so") &&

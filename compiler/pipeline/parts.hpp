@@ -8,6 +8,9 @@
 
 namespace bip::pipeline {
 
+/// The running program's file, through links; empty if the system does not say.
+[[nodiscard]] std::filesystem::path program_file();
+
 /// The file of the program or library that holds this function, through links; empty if the system does not say.
 [[nodiscard]] std::filesystem::path own_file();
 
