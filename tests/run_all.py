@@ -154,7 +154,7 @@ def groups(options):
                          *needs("bip-prove-runs", script("liveness", "tests/verify/test_liveness.py", weight=10)),
                          script("timed certificates", "tests/verify/test_timed_certificates.py", weight=15),
                          # Not built without Z3.
-                         *([Job("timed zones", lambda: run_script("timed zones", [str(BUILD / "bip-timed-certificates"), "--count", "150"]), 5)]
+                         *([Job("timed zones", lambda: run_script("timed zones", [str(BUILD / "bip-timed-certificates"), "--count", "150"]), 60)]
                            if (BUILD / "bip-timed-certificates").exists() else []),
                          script("sizes", "tests/verify/test_sizes.py", weight=10))),
         ("differential", needs("bip-gen", script("differential", "tests/differential/test_differential.sh", str(options.systems), str(options.first), *(["--without-emitted"] if options.without_emitted else []), weight=150),

@@ -82,11 +82,11 @@ struct Tree {
     return false;
   }
   /// A word "-7" or "7".
-  [[nodiscard]] int number() const {
+  [[nodiscard]] int number(int most = 10000) const {
     int value = 0;
     const char* const end = text.data() + text.size();
     const auto [last, error] = std::from_chars(text.data(), end, value);
-    const bool is_small = !is_list && error == std::errc() && last == end && value > -10000 && value < 10000;
+    const bool is_small = !is_list && error == std::errc() && last == end && value > -most && value < most;
     return is_small ? value : throw Rejected("a small number was expected, not " + quoted(text));
   }
   /// A word "7:name" or "7" as 7.
