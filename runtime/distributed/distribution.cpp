@@ -50,6 +50,16 @@ u32 atom_of_cell(const std::vector<Csr::Pair>& by_cell, u32 cell) {
   return std::prev(after)->to;
 }
 
+// What is evaluated between steps: an `up`, a guard of a connector, a rule.
+bool may_fault_between_steps(const Image& image) {
+  return std::any_of(image.priorities.begin(), image.priorities.end(),
+                     [](const Priority& rule) { return rule.guard != kNone; }) ||
+         std::any_of(image.connector_types.begin(), image.connector_types.end(), [](const ConnectorType& type) {
+           return std::any_of(type.clauses.begin(), type.clauses.end(),
+                              [](const Clause& clause) { return clause.may_fault || clause.guard_may_fault; });
+         });
+}
+
 }  // namespace
 
 Csr shown_cells(const Tables& tables) {
@@ -322,6 +332,7 @@ Distribution distribute(const Tables& tables, const PriorityTables& rules, Place
   result.placement = std::move(placement);
   result.sets = conflict_sets(tables, rules, result.placement.next_moves);
   result.cells = shown_cells(tables);
+  result.may_fault = may_fault_between_steps(*tables.image);
   BIP_ASSERT(result.placement.home.size() == tables.image->atoms.size, "{} atoms have a home",
              result.placement.home.size());
   const u32 nodes = static_cast<u32>(result.placement.nodes.size());

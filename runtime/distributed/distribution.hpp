@@ -108,6 +108,7 @@ struct Distribution {
   Csr needs;  // by interaction of a split set: what must be offered in one core to begin it, sorted
   std::vector<CrossingObject> crossing;  // not empty: such a run cannot be
   std::vector<u32> history;              // by atom: NextMove::history when the run goes on; empty: it begins
+  bool may_fault = false;                // can the guards or `up`s of connectors, or rules, end in a fault?
 
   [[nodiscard]] u32 home(u32 atom) const { return placement.home[atom]; }
   /// The node to which an atom that is not by_situation is offered at this place; kNone: no interaction can take it

@@ -40,6 +40,28 @@ bool Node::start(const State& state) {
 void Node::take(const Message& message) {
   std::visit([this](const auto& said) { take(said); }, message);
   serve();
+  land_evaluated();
+}
+
+// What may fault looks at a group of atoms, and waits until all of them are at rest here. So does each interaction of
+// one of these atoms: between its step and the evaluation none of them moves.
+void Node::land_evaluated() {
+  if (is_stopped_) return;
+  std::erase_if(unevaluated_, [this](const Unevaluated& at) {
+    if (!core_.partial().is_decided(at.interaction)) return false;
+    landed_.push_back(at.step);
+    return true;
+  });
+}
+
+void Node::forget_lost(u32 node) {
+  std::erase_if(unevaluated_, [&](const Unevaluated& at) {
+    const Span<u32> atoms = core_.partial().state()->atoms_of_interaction[at.interaction];
+    if (std::none_of(atoms.begin(), atoms.end(), [&](u32 atom) { return distribution_.home(atom) == node; }))
+      return false;
+    landed_.push_back(at.step);
+    return true;
+  });
 }
 
 // An instant begins when all nodes rest and nothing is on its way, so no message of an earlier one comes after it.
@@ -144,7 +166,7 @@ void Node::take(const Begin& begin) {
   if (has_split() && distribution_.coordinator_of[begin.interaction] == self_) note_success(begin.interaction);
 }
 
-void Node::begin(EnabledSet::Position at, u64 step, std::vector<u32>& atoms) {
+bool Node::begin(EnabledSet::Position at, u64 step, std::vector<u32>& atoms) {
   BIP_ASSERT(core_.partial().is_decided(at.interaction), "interaction {} waits for atoms elsewhere", at.interaction);
   begun_.clear();
   if (!core_.partial().begin(at, step, begun_)) stop();
@@ -176,7 +198,10 @@ void Node::begin(EnabledSet::Position at, u64 step, std::vector<u32>& atoms) {
     for (const u32 cell : distribution_.cells[work.atom]) part.cells.push_back(core_.cell(cell).bits);
     std::get<Begin>(outbox_[to].message).parts.push_back(std::move(part));
   }
-  if (ready_.empty()) return;
+  const bool is_evaluated_here =
+      distribution_.may_fault && core_.partial().state()->groups_of_interaction[at.interaction].size != 0;
+  if (is_evaluated_here) unevaluated_.push_back({step, at.interaction});
+  if (ready_.empty()) return is_evaluated_here;
   BIP_ASSERT(at.interaction == ready_.front().interaction, "interaction {} begins before {}, of which all is locked",
              at.interaction, ready_.front().interaction);
   // What the coordinator of the attempt gets back comes before its BEGIN.
@@ -184,6 +209,7 @@ void Node::begin(EnabledSet::Position at, u64 step, std::vector<u32>& atoms) {
   end_attempt();
   std::rotate(outbox_.begin() + begins, outbox_.begin() + end_of_begins, outbox_.end());
   serve();
+  return is_evaluated_here;
 }
 
 void Node::run(std::size_t k) {
@@ -201,6 +227,7 @@ void Node::run(std::size_t k) {
   // What the end of an action beside the others changes is no part of a step.
   if (!work.is_return) landed_.push_back(work.step);
   serve();
+  land_evaluated();
 }
 
 // The connector, if it tells apart what may come next.

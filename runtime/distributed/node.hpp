@@ -94,8 +94,9 @@ class Node {
   /// refused and counted.
   void take(const Message& message);
   /// Begins a candidate that is_decided, as step `step` of the whole run: numbers grow along whatever depends on
-  /// something. Appends the atoms that take part.
-  void begin(EnabledSet::Position at, u64 step, std::vector<u32>& atoms);
+  /// something. Appends the atoms that take part. Returns whether the step has one part more, which lands here: when
+  /// what depends on its atoms has been evaluated. A fault of that is a fault of this step.
+  bool begin(EnabledSet::Position at, u64 step, std::vector<u32>& atoms);
   /// The interaction of a split set that must begin next, as all that it needs is locked here: the caller chooses one
   /// of its candidates. kNone: there is none.
   [[nodiscard]] u32 locked_interaction() const { return ready_.empty() ? kNone : ready_.front().interaction; }
@@ -112,7 +113,10 @@ class Node {
 
   /// Messages to send, in this order; the sender empties it.
   [[nodiscard]] std::vector<Outgoing>& outbox() { return outbox_; }
-  /// Steps of which an atom came to rest here; the reader empties it.
+  /// Another node is lost: what its atoms did is not evaluated any more.
+  void forget_lost(u32 node);
+  /// Steps of which a part has ended here: an atom came to rest, or what depends on all of them was evaluated. The
+  /// reader empties it.
   [[nodiscard]] std::vector<u64>& landed() { return landed_; }
   /// A fault was met, here or elsewhere: it begins nothing more.
   [[nodiscard]] bool is_stopped() const { return is_stopped_; }
@@ -141,6 +145,7 @@ class Node {
   void take(const Lock& lock);
   void take(const Release& release);
   void take(const Wake& wake);
+  void land_evaluated();
   void come_to_rest(u32 atom);
   void change(u32 atom);
   void receive(const Offer& offer);
@@ -193,6 +198,12 @@ class Node {
   std::vector<Work> works_, begun_;
   std::vector<Outgoing> outbox_;
   std::vector<u64> landed_;
+  // Steps begun here after which a guard, an `up` or a rule may fault, until these have been evaluated.
+  struct Unevaluated {
+    u64 step = 0;
+    u32 interaction = 0;
+  };
+  std::vector<Unevaluated> unevaluated_;
   std::vector<u32> enabled_, ports_, changed_;  // scratch
   NodeCounts counts_;
   Moment moment_;

@@ -50,7 +50,12 @@ class SetSplitter {
     if (sets_.interactions[set].size <= distribution_.placement.split_above) return false;
     const Span<u32> atoms = sets_.atoms[set];
     const auto is_elsewhere = [&](u32 atom) { return distribution_.home(atom) != distribution_.home(atoms[0]); };
-    return std::any_of(atoms.begin(), atoms.end(), is_elsewhere) &&
+    const Span<u32> all = sets_.interactions[set];
+    // A fault of a guard or an `up` is one of the step before, and no attempt may come for long.
+    const bool is_evaluated_between = distribution_.may_fault && std::any_of(all.begin(), all.end(), [&](u32 at) {
+                                        return partial_.groups_of_interaction[at].size != 0;
+                                      });
+    return !is_evaluated_between && std::any_of(atoms.begin(), atoms.end(), is_elsewhere) &&
            std::none_of(atoms.begin(), atoms.end(),
                         [&](u32 atom) { return shows_objects(tables_, distribution_, atom); });
   }

@@ -9,7 +9,8 @@
 // visits each of them once (node.hpp). A set of which no occasion is shared is not split: it comes
 // apart.
 //
-// Not split are sets whose atoms show C++ objects, which cannot be sent, and sets at home on one node. Linear in the
+// Not split are sets whose atoms show C++ objects, which cannot be sent, sets in which a guard or an `up` may fault
+// between two steps, which no attempt may evaluate for long, and sets at home on one node. Linear in the
 // ports of the split sets' interactions and in what they look at, but for the logarithms of sorting.
 #pragma once
 #include "runtime/distributed/distribution.hpp"

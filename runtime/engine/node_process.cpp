@@ -164,6 +164,7 @@ void NodeProcess::take_control(const Control& control) {
     case Control::Kind::Lost:
       if (number >= launcher_ || number == setup_.self) return;
       station_.close(static_cast<u32>(number));
+      node_.forget_lost(static_cast<u32>(number));
       is_idle_ = false;
       return;
     case Control::Kind::Halt:
@@ -281,7 +282,7 @@ bool NodeProcess::has_begun() {
   scheduler_.fired(at.interaction);
   time_.fired(at.interaction);
   atoms_.clear();
-  node_.begin(at, step, atoms_);
+  const bool is_evaluated = node_.begin(at, step, atoms_);
   ++steps_;
   const bool is_border = std::any_of(atoms_.begin(), atoms_.end(),
                                      [&](u32 atom) { return setup_.distribution.home(atom) != setup_.self; });
@@ -289,6 +290,7 @@ bool NodeProcess::has_begun() {
   if (writes_) {
     std::vector<u64> numbers{step, at.interaction, cut_number(text_.out), cut_number(text_.trace)};
     for (const u32 atom : atoms_) numbers.push_back(setup_.distribution.home(atom));
+    if (is_evaluated) numbers.push_back(setup_.self);
     say(Control::Kind::Begun, std::move(numbers), {std::move(text_.out), std::move(text_.trace)});
   }
   post();

@@ -103,7 +103,10 @@ class SimulatedRun {
         seat.is_lost = true;
         return;
       case NetworkEvent::Kind::Loss:
-        for (Seat& other : seats_) other.links[event.node].close();
+        for (Seat& other : seats_) {
+          other.links[event.node].close();
+          other.node->forget_lost(event.node);
+        }
         if (options_.on_loss == OnLoss::Stop) is_stopping_ = true;
         return;
       case NetworkEvent::Kind::Turn:
@@ -125,6 +128,7 @@ class SimulatedRun {
         heard_.clear();
         seat.links[event.peer].take(event.frame, heard_);
         for (const Message& message : heard_) seat.node->take(message);
+        land(*seat.node);
         if (!heard_.empty()) wake(event.node);
         return send(event.node);
     }
@@ -165,8 +169,8 @@ class SimulatedRun {
     seat.time.fired(at.interaction);
     core_.remember(at.interaction);
     atoms_.clear();
-    node.begin(at, steps_ + instants_, atoms_);
-    if (writes_) flights_.set_parts(static_cast<u32>(atoms_.size()));
+    const bool is_evaluated = node.begin(at, steps_ + instants_, atoms_);
+    if (writes_) flights_.set_parts(static_cast<u32>(atoms_.size()) + (is_evaluated ? 1 : 0));
     const u32 self = static_cast<u32>(&seat - seats_.data());
     const bool is_border =
         std::any_of(atoms_.begin(), atoms_.end(), [&](u32 atom) { return distribution_.home(atom) != self; });
