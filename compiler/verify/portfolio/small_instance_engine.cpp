@@ -29,7 +29,8 @@ EngineResult prove_by_small_instances(ProofContext& context, const Budget& budge
       case LearnStep::Failed: return none;
       case LearnStep::Enough: break;
     }
-    for (const PatternChoice choice : {PatternChoice::Needed, PatternChoice::All}) {
+    for (const PatternChoice choice : {PatternChoice::Cheapest, PatternChoice::Fewest, PatternChoice::All}) {
+      if (share.is_over()) break;
       EngineResult found =
           try_lemmas(context, {share.seconds_left()}, cancellation,
                      [&](const TransitionSystem& machine) { return learner.candidates(machine, choice); });

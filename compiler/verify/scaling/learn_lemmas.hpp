@@ -2,11 +2,12 @@
 // lemmas are tried for the next size with Houdini, IC3 finds what is missing there, and so on, until the patterns alone
 // prove the question for a size. Then they are worth trying for the instance in question.
 //
-// Of patterns that are enough, those are left out, the most special ones first, without which the rest still is: what a
-// large instance has to check, and its certificate, become much smaller.
+// Of patterns that are enough, those are left out without which the rest still is: what a large instance has to check,
+// and its certificate, become much smaller. In two orders: first those with the most instances in it (what is asked of
+// one element needs no lemmas about all pairs), or first the most special ones (which may do for small sizes only).
 //
-// Where IC3's lemmas are about whole states, so that none of their patterns holds at the next size, templates are
-// tried: pairs of elements with a range between them (invisible invariants proper).
+// Where IC3's lemmas are about whole states, so that their patterns do not suffice at the next sizes, templates are
+// tried beside them: pairs of elements with a range between them (invisible invariants proper).
 //
 // The lemmas are found without traps and place invariants, so that they are inductive by themselves: those of another
 // size might not be found there. Reachable modes and affine invariants, which are found without candidates, help.
@@ -15,6 +16,7 @@
 // Invariants, 2001), with clauses of IC3 instead of projected sets of states, and ranges of positions instead of
 // quantifiers over one or two.
 #pragma once
+#include <memory>
 #include <set>
 
 #include "compiler/verify/invariants/houdini.hpp"
@@ -27,7 +29,9 @@ namespace bip::verify {
 /// such instance. Failed: nothing is to be learnt, at this size or above.
 enum class LearnStep : std::uint8_t { Grown, Enough, Skipped, Failed };
 
-enum class PatternChoice : std::uint8_t { Needed, All };
+/// Two subsets that are enough. Cheapest: of patterns with few instances at the size in question.
+/// Fewest: of general ones.
+enum class PatternChoice : std::uint8_t { Cheapest, Fewest, All };
 
 class LemmaLearner {
  public:
@@ -35,14 +39,23 @@ class LemmaLearner {
   LemmaLearner(const System& system, const Question& question, const SmallInstances& instances, std::size_t megabytes);
 
   [[nodiscard]] LearnStep learn_at(std::uint32_t size, const CancellationToken& cancellation);
-  /// Returns the patterns' cubes in the instance in question, whose circuit this is. Needed: of a subset of the
-  /// patterns that the last size had enough of.
-  [[nodiscard]] std::vector<Cube> candidates(const TransitionSystem& machine, PatternChoice choice) const;
+  /// Returns the patterns' cubes in the instance in question, whose circuit this is; none if another choice had the
+  /// same. Requires that the last step was Enough.
+  [[nodiscard]] std::vector<Cube> candidates(const TransitionSystem& machine, PatternChoice choice);
   [[nodiscard]] std::size_t pattern_count() const { return patterns_.size(); }
 
  private:
+  /// The question at one size.
+  struct SizedProblem {
+    TransitionSystem machine;
+    InstanceView view;
+    Ic3Problem problem;
+  };
+  /// Grown: it was built.
+  [[nodiscard]] LearnStep build_at(std::uint32_t size, const CancellationToken& cancellation, SizedProblem& sized);
   [[nodiscard]] InductiveLemmas filter_patterns(const Ic3Problem& problem, const InstanceView& view);
-  void find_needed(const Ic3Problem& problem, const InstanceView& view);
+  void choose_size_above(std::uint32_t size, const CancellationToken& cancellation);
+  [[nodiscard]] std::vector<LemmaPattern> needed(PatternChoice choice) const;
 
   const System& system_;
   const Question& question_;
@@ -52,7 +65,8 @@ class LemmaLearner {
   std::optional<Dimensions> dimensions_;
   std::optional<InstanceView> large_view_;
   std::set<LemmaPattern> patterns_;
-  std::vector<LemmaPattern> needed_;
+  std::unique_ptr<SizedProblem> enough_at_;  // of the last step that was Enough, or above it
+  std::set<std::vector<LemmaPattern>> tried_;
   bool has_templates_ = false;
 };
 

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "compiler/verify/invariants/houdini.hpp"
+#include "compiler/verify/invariants/inductive_core.hpp"
 #include "compiler/verify/symbolic/ic3.hpp"
 #include "tests/unit/verify/hand_made_nets.hpp"
 
@@ -146,6 +147,81 @@ TEST_CASE("Houdini: keeps the largest inductive subset") {
   CHECK(result.is_enough);
   // Without the lock's lemmas mutual exclusion is not inductive.
   CHECK(houdini(lock.problem(both_in), {good[0]}).lemmas.empty());
+}
+
+TEST_CASE("Houdini: candidates of many groups, of which some are refuted") {
+  constexpr u32 kUsers = 30;
+  std::string text = R"(package p
+  port type Signal()
+  connector type Two(Signal a, Signal b)
+    define a b
+  end
+  atom type Lock()
+    export port Signal take(), give()
+    place FREE, TAKEN
+    initial to FREE
+    on take from FREE to TAKEN
+    on give from TAKEN to FREE
+  end
+  atom type User()
+    export port Signal enter(), leave()
+    place OUT, IN
+    initial to OUT
+    on enter from OUT to IN
+    on leave from IN to OUT
+  end
+  compound type Root()
+    component Lock lock()
+    component User user[30]
+    for i in 0..30 connector Two enter[i](user[i].enter, lock.take), leave[i](user[i].leave, lock.give)
+  end
+end
+)";
+  Ic3Case lock(text);
+  const auto literal_of = [&](u32 atom, u32 place) {
+    for (u32 bit = 0; bit < lock.system.bits.size(); ++bit) {
+      if (lock.system.bits[bit].atom == atom && lock.system.bits[bit].row == place) return cube_literal_of(bit, true);
+    }
+    FAIL("no such place");
+    return u32{0};
+  };
+  std::vector<Cube> good, candidates;
+  const auto add = [&](Cube cube, bool is_inductive) {
+    std::sort(cube.begin(), cube.end());
+    if (is_inductive) good.push_back(cube);
+    candidates.push_back(std::move(cube));
+  };
+  for (u32 i = 1; i <= kUsers; ++i) {
+    add({literal_of(0, 0), literal_of(i, 1)}, true);
+    for (u32 j = i + 1; j <= kUsers; ++j) {
+      add({literal_of(i, 1), literal_of(j, 1)}, true);
+      // One that enters while the other one is out.
+      add({literal_of(i, 1), literal_of(j, 0)}, false);
+    }
+  }
+  const InductiveLemmas result =
+      houdini(lock.problem(lock.system.aig.make_and(lock.system.marks[3][1], lock.system.marks[7][1])), candidates);
+  CHECK(result.lemmas == good);
+  CHECK(result.is_enough);
+  CHECK_FALSE(houdini(lock.problem(lock.system.marks[3][1]), candidates).is_enough);
+  // One pair less: what it kept apart is not kept apart.
+  std::erase(candidates, good[1]);
+  CHECK_FALSE(
+      houdini(lock.problem(lock.system.aig.make_and(lock.system.marks[1][1], lock.system.marks[2][1])), candidates)
+          .is_enough);
+
+  SECTION("inductive core") {
+    // Of groups that do alike, the first.
+    const Signal bad = lock.system.aig.make_and(lock.system.marks[1][1], lock.system.marks[2][1]);
+    const u32 free = literal_of(0, 0);
+    std::vector<Cube> pairs, frees;
+    for (const Cube& cube : good)
+      (std::find(cube.begin(), cube.end(), free) == cube.end() ? pairs : frees).push_back(cube);
+    const std::vector<std::vector<Cube>> groups{frees, pairs, frees};
+    CHECK(inductive_core(lock.problem(bad), groups) == std::vector<std::size_t>{0, 1});
+    // They do not suffice: all of them.
+    CHECK(inductive_core(lock.problem(bad), {{frees[5]}, pairs}) == std::vector<std::size_t>{0, 1});
+  }
 }
 
 }  // namespace bip::verify
