@@ -4,9 +4,10 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <new>
 #include <optional>
 #include <string>
+
+#include "compiler/base/out_of_memory.hpp"
 
 namespace bip {
 
@@ -14,7 +15,7 @@ namespace bip {
 [[nodiscard]] inline std::optional<std::string> read_file(const std::filesystem::path& path) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> in(std::fopen(path.c_str(), "rbe"), std::fclose);
   if (in == nullptr) {
-    if (errno == ENOMEM) throw std::bad_alloc();
+    if (errno == ENOMEM) throw_out_of_memory();
     return std::nullopt;
   }
   std::string text;

@@ -1,3 +1,4 @@
+// See visit_files.hpp.
 #include "compiler/base/visit_files.hpp"
 
 #include <fts.h>
@@ -5,9 +6,10 @@
 #include <algorithm>
 #include <cerrno>
 #include <memory>
-#include <new>
 #include <string>
 #include <utility>
+
+#include "compiler/base/out_of_memory.hpp"
 
 namespace bip {
 
@@ -16,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 std::error_code error_of(int number) {
-  if (number == ENOMEM) throw std::bad_alloc();
+  if (number == ENOMEM) throw_out_of_memory();
   return {number, std::generic_category()};
 }
 
