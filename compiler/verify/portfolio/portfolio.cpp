@@ -59,7 +59,7 @@ constexpr PortfolioRow kRows[] = {
     {&kExhaustiveEngine, kFirstTurn},
     {&kIc3Engine, kFirstTurn, WhenOver::Skip, takes_turns_with_search},
     {&kRandomRunsEngine, {ShareOf::TimeLeft, 1.0 / 8, 5}},
-    {&kSmallInstanceEngine, {ShareOf::TimeLeft, 1.0 / 2}},
+    {&kSmallInstanceEngine, {ShareOf::TimeLeft, 3.0 / 4}},
     {&kExhaustiveEngine, kSecondTurn},
     {&kIc3Engine, kSecondTurn, WhenOver::Skip, takes_turns_with_search},
     {&kIc3Engine, kThird},
