@@ -61,11 +61,14 @@ TypeTime time_of_type(const AtomType& type, const Image& image) {
 
 }  // namespace
 
-// The bound may be another participant's.
+// The bound may be another participant's. A type without an atom changes nothing.
 bool may_open_eagerly(const Image& image) {
+  std::vector<bool> is_used(image.atom_types.size);
+  for (const Atom& atom : image.atoms) is_used[atom.type] = true;
   bool is_eager = false, is_strict = false, is_async = false;
-  for (const AtomType& type : image.atom_types) {
-    for (u32 row = 0; type.time != nullptr && row < type.transitions.size; ++row) {
+  for (u32 number = 0; number < image.atom_types.size; ++number) {
+    const AtomType& type = image.atom_types[number];
+    for (u32 row = 0; is_used[number] && type.time != nullptr && row < type.transitions.size; ++row) {
       const TransitionTime& transition = type.time->transitions[row];
       is_eager |= transition.urgency == Urgency::Eager;
       is_async |= transition.async.present;
