@@ -163,7 +163,7 @@ Verdict unknown_because_of_values(const System& system) {
   return verdict_of(json, "unknown: " + reason + '\n', kUnknown);
 }
 
-// Of what has been proved.
+// Returns the verdict of a proof by localization or by pairs.
 static Verdict verdict_of_parts(const verify::TimeProof& proof, const verify::Question& question, const System& system,
                                 const std::string& note, const std::string& stats, nlohmann::ordered_json json) {
   std::string text = proof_text(proof, question);
@@ -185,7 +185,8 @@ Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify:
   const bool asks_state = question.what == verify::QuestionKind::State;
   if (asks_state) json["property"] = question.property.text;
   // A certificate is the zone graph, of two components or of the whole.
-  if (request.wants_certificate && asks_state && c.system->priorities.empty() && !has_resume(*c.system)) {
+  if (request.wants_certificate && asks_state && c.system->priorities.empty() && !has_resume(*c.system) &&
+      !can_fault_in_guards(*c.system)) {
     const verify::TimeProof proof = verify::prove_state_by_pairs(*c.system, question.property, explore_system,
                                                                  cancellation.within(request.timeout / kShareOfParts),
                                                                  {}, request.megabytes * (kMega / 2));

@@ -200,7 +200,7 @@ std::vector<std::string> packages_below(const std::vector<fs::path>& folders) {
   std::size_t seen = 0;
   for (const fs::path& folder : folders) {
     visit_files(folder, [&](const FolderEntry& entry) {
-      if (seen++ == kMaxListed) return Visit::Stop;
+      if (seen++ >= kMaxListed) return Visit::Stop;
       if (entry.path.extension() == ".bip")
         names.push_back(package_of_file(entry.path.lexically_relative(folder).string()));
       return entry.depth >= kMaxListedDepth ? Visit::SkipFolder : Visit::GoOn;

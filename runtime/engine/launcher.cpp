@@ -762,8 +762,8 @@ class Launcher {
   u64 instant_step_ = 0;     // its number among the steps; 0: there was only the first one
   TimeLimit limit_;          // of the nodes that answered
   i64 planned_ = kForever;
-  u64 steps_at_again_ = ~u64{0};  // when this instant was told last without a later one before it
-  bool stands_still_ = false;     // it would be told for ever
+  u64 steps_at_again_ = ~u64{0};  // steps when the current instant was last announced again
+  bool stands_still_ = false;     // it would be announced for ever
   SavedTime time_;
   i64 began_ = 0;
   bool has_fault_ = false, has_lost_ = false;

@@ -364,7 +364,7 @@ class SimulatedRun {
   u64 steps_ = 0, border_steps_ = 0, lost_after_ = 0;
   u64 instants_ = 0;  // to which time has passed
   Moment moment_;
-  u64 steps_at_again_ = ~u64{0};  // when this instant was told last without a later one before it
+  u64 steps_at_again_ = ~u64{0};  // steps when the current instant was last announced again
   bool is_stopping_ = false;      // a node was lost
   bool is_pausing_ = false;       // nothing begins until a checkpoint can be taken
   Checkpoints checkpoints_;

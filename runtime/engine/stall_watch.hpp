@@ -3,7 +3,7 @@
 // is lost). A second function is called when steps end again, and the first one once more when the run is over.
 //
 // It shares an instant with the node and nothing else, so that no lock that a hanging action holds can hold it up. It
-// looks eight times within the bound. Cost: a store for each turn of the node in which steps ended.
+// looks eight times within the bound. Cost: a store for each action that ends.
 #pragma once
 #include <atomic>
 #include <condition_variable>

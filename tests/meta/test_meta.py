@@ -272,7 +272,7 @@ def check_format():
 
 
 def check_certcheck_can_be_read():
-    """Whoever trusts nobody reads all of it: at most 3,877 lines of code of 120 columns (neither blank nor only comment). All of its lines only get fewer."""
+    """A user who trusts no other program can read certcheck: at most 3,877 lines of code (neither blank nor only comment) and 4,430 in all. A limit is raised for a new kind of certificate only."""
     most_code, most = 3877, 4430
     lines = [line.strip() for p in SOURCES if relative(p).startswith("tools/certcheck/") for line in p.read_text(encoding="utf-8").splitlines()]
     code = sum(line != "" and not line.startswith("//") for line in lines)

@@ -160,7 +160,7 @@ class Run {
     }
     ++t_.forged;
     std::string why;
-    if (ask(model, text, why) == Told::Accepted) fail(name, "somebody waits for ever, and yet: " + why, text);
+    if (ask(model, text, why) == Told::Accepted) fail(name, "a component waits for ever, and yet: " + why, text);
   }
 
   void judge(const certcheck::Model& model, const std::string& name, const std::string& proof,

@@ -50,7 +50,7 @@ class PairReader {
       for (std::size_t a : differ ? like_ : Rows()) {
         const Tree& arg = m_.atoms[a].args->at(k);
         if (arg.is_string) fail(m_.atoms[a].path);
-        numbers.push_back(arg.number(kMostWeight));
+        numbers.push_back(arg.number(0x7fffffff));
       }
       if (!differ) continue;
       for (std::size_t j = 0; j < 3; ++j) pair_.args[j].push_back(&m_.atoms[like_[j]].args->at(k));

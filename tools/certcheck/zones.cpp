@@ -234,7 +234,7 @@ class Zones {
   }
   [[nodiscard]] expr is_number(const expr& e) const {
     const auto [least, most] = std::ranges::minmax(pair_->numbers);
-    if (most - least + 1 == static_cast<int>(pair_->numbers.size()))
+    if (std::int64_t{most} - least + 1 == static_cast<std::int64_t>(pair_->numbers.size()))
       return (e >= terms_.constant("int", least) && e <= terms_.constant("int", most)).simplify();
     return terms_.some(pair_->numbers, [&](int number) { return equals(e, number); });
   }

@@ -282,7 +282,7 @@ ModeClass explore_modes(const System& system, AtomTypeId type, const std::vector
 ModeClass explore_modes(const System& system, const ModeClass& plain, const analysis::DataAccess& access,
                         const AtomUses& uses, UsesAs as) {
   BIP_ASSERT(!plain.is_too_large, "a class that is too large has no data that it follows");
-  BIP_ASSERT(plain.uses == nullptr, "uses are told apart in a class that tells none apart");
+  BIP_ASSERT(plain.uses == nullptr, "the class already distinguishes uses");
   ModeClass row;
   row.type = plain.type;
   row.args = plain.args;

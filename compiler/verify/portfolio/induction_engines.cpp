@@ -20,7 +20,8 @@ namespace {
 /// about few atoms. Lemmas: about all.
 enum class Effort : std::uint8_t { FactsOnly, Guesses, Localized, Lemmas };
 
-/// Below so many atoms IC3 follows all of them; and so many are followed at most, of those that there are.
+/// IC3 follows all atoms of systems with fewer atoms than kFewAtoms; of larger ones localized IC3 follows at most the
+/// fraction kMostFollowed.
 constexpr std::size_t kFewAtoms = 40;
 constexpr double kMostFollowed = 0.5;
 
@@ -72,10 +73,9 @@ class Induction {
   // The intervals of data, which the circuit's widths rest on, are invariants: a question to the solver for each.
   bool confirm_ranges() {
     if (context_.induction != InductionStage::Untried) return true;
-    constexpr const char* kReason = "the ranges of data could not be confirmed";
     if (ranges_hold(machine_, problem_.cancellation)) context_.induction = InductionStage::RangesConfirmed;
-    else if (!problem_.cancellation.is_over()) give_up(kReason);
-    else result_.reason = kReason;
+    else if (!problem_.cancellation.is_over()) give_up("the ranges of data could not be confirmed");
+    else result_.reason = "the time was too short to confirm the ranges of data";
     return context_.induction == InductionStage::RangesConfirmed;
   }
 

@@ -122,7 +122,9 @@ class PortfolioRun {
     return true;
   }
   void add_reason(const std::string& reason) {
-    if (!reason.empty()) decision_.reason += (decision_.reason.empty() ? "" : "; ") + reason;
+    // Several engines may have the same one.
+    if (decision_.reason.find(reason) == std::string::npos)
+      decision_.reason += (decision_.reason.empty() ? "" : "; ") + reason;
   }
   void explain_unknown() {
     if (cancellation_.is_cancelled()) decision_.reason = "interrupted";

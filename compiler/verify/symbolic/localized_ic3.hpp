@@ -16,7 +16,9 @@ namespace bip::verify {
 using ExcludeStates = std::function<bool(Signal states)>;
 
 struct LocalizedAnswer {
-  Ic3Answer answer;                 // Safe: a proof of the whole system. Reached: no unfollowed bit matters
+  // Safe: a proof of the whole system. Reached: no unfollowed bit is known to matter (lifting may have failed), so this
+  // is no counterexample of the whole system.
+  Ic3Answer answer;
   std::vector<u32> followed_atoms;  // ascending
   u32 rounds = 0;
 };
