@@ -287,7 +287,7 @@ class ActivityWriter {
     }
   }
 
-  // Execution flavour: that the codel was late is told before its answer.
+  // In the execution flavour a late codel is reported before its answer takes effect.
   [[nodiscard]] bool is_told_first(std::size_t i) const { return plan_.calls && activity_plan_.timed[i]; }
 
   [[nodiscard]] bool is_failure(const State& s, const Yield& y) const {

@@ -86,7 +86,7 @@ class CertificateReader {
 
   static Result<Json> fail(const std::string& why) { return Failure{why}; }
   static bool has_zones(const Json& out) { return out["method"] == "zones" || out["method"] == "pairs"; }
-  // Of a pair: the number of a third component stands for all others, so the page is told no numbers.
+  // In states of a pair the number of a third component stands for all others, so the page shows no numbers.
   [[nodiscard]] std::vector<std::string_view> without_numbers(std::vector<std::string_view> words) const {
     std::erase_if(words, [&](std::string_view word) { return holders_.contains(word.substr(0, word.find('='))); });
     return words;

@@ -131,8 +131,8 @@ class Run {
                                                     verify::SearchEnd::Exhausted;
     return is_all ? states.rows() : std::string();
   }
-  // By the states alone: of changed ones those do not suffice that are not closed under steps. Where somebody waits for
-  // ever, no list of states may be accepted.
+  // Only the states are changed: a changed list must be refused if it is not closed under steps. If a component waits
+  // for ever in a reachable state, every list must be refused.
   void local_deadlock(const gen::Compiled& c, const certcheck::Model& model, const std::string& name,
                       std::uint64_t seed) {
     verify::Question question;

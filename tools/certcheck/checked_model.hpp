@@ -361,7 +361,7 @@ struct PairModel {
 };
 /// Any three are to the rest as these three are, but for their numbers; throws Rejected or NotCheckable (pairs.cpp).
 [[nodiscard]] PairModel model_of_pair(const Model& model, const Certificate& certificate);
-/// The same for a model with time (zones.cpp): of states with zones, all told or of a pair.
+/// The same for a model with time (zones.cpp): listed are states of all components with zones, or those of a pair.
 void check_zones(const Model& model, const Certificate& certificate, z3::context& z, const PairModel* pair = nullptr);
 /// Modes of the first of these sizes, with rows that say how it grows, exclude a deadlock from it on (words.cpp). The
 /// others are compared with what the rows say.

@@ -253,8 +253,8 @@ class Zones {
     return choose((e == numbers_[a]).simplify(), one,
                   choose((e == numbers_[b]).simplify(), two, choose(is_number(e), other, e)));
   }
-  // In a state of the first two, as it is told: which numbers its data hold, and what the third one may be. It is with
-  // each of the two in a state that is listed, too.
+  // Turns the numbers of a listed state of the first two into unknowns, and restricts the third one: with each of the
+  // two it is in a listed state, too.
   void look_at_third(State& now) {
     for (std::size_t a = 0; a < now.size(); ++a) {
       for (std::size_t k = 0; k < now[a].size(); ++k) {

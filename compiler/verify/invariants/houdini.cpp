@@ -29,7 +29,7 @@ class HoudiniRound {
         candidates_(candidates),
         cnf_(system_.aig, solver_),
         holds_(candidates.size(), 1) {
-    encode_transition_relation();
+    transition_activation_ = cnf_.add_step(system_, problem_.invariants);
     encode_candidates();
   }
 
@@ -63,20 +63,6 @@ class HoudiniRound {
     return cube_value(cube_literal) ? positive : -positive;
   }
 
-  // Exactly one step, which ends in no fault, from a state that satisfies the invariants.
-  void encode_transition_relation() {
-    transition_activation_ = solver_.new_variable();
-    std::vector<Lit> chosen;
-    for (const SystemStep& step : system_.steps) {
-      chosen.push_back(cnf_.literal(step.chosen));
-      solver_.add({-transition_activation_, -chosen.back(), cnf_.literal(step.fine)});
-    }
-    add_at_most_one(solver_, chosen);
-    chosen.push_back(-transition_activation_);
-    solver_.add(chosen);
-    cnf_.add_state(system_);
-    for (const std::vector<Signal>& clause : problem_.invariants) cnf_.add(clause);
-  }
   struct Group {
     std::size_t begin = 0, end = 0;  // in order_
     Lit some_is_entered = 0;

@@ -15,7 +15,7 @@ class InductiveCore {
  public:
   InductiveCore(const Ic3Problem& problem, const std::vector<std::vector<Cube>>& groups)
       : problem_(problem), system_(*problem.system), cnf_(system_.aig, solver_), is_needed_(groups.size(), 0) {
-    encode_transition_relation();
+    transition_activation_ = cnf_.add_step(system_, problem_.invariants);
     for (const std::vector<Cube>& group : groups) encode(group);
   }
 
@@ -32,20 +32,6 @@ class InductiveCore {
   }
 
  private:
-  // Exactly one step, which ends in no fault, from a state that satisfies the invariants.
-  void encode_transition_relation() {
-    transition_activation_ = solver_.new_variable();
-    std::vector<Lit> chosen;
-    for (const SystemStep& step : system_.steps) {
-      chosen.push_back(cnf_.literal(step.chosen));
-      solver_.add({-transition_activation_, -chosen.back(), cnf_.literal(step.fine)});
-    }
-    add_at_most_one(solver_, chosen);
-    chosen.push_back(-transition_activation_);
-    solver_.add(chosen);
-    cnf_.add_state(system_);
-    for (const std::vector<Signal>& clause : problem_.invariants) cnf_.add(clause);
-  }
   [[nodiscard]] Lit literal(Signal signal, u32 cube_literal) {
     const Lit positive = cnf_.literal(signal);
     return cube_value(cube_literal) ? positive : -positive;

@@ -150,6 +150,21 @@ void Cnf::add(const std::vector<Signal>& clause) {
   solver_.add(literals);
 }
 
+Lit Cnf::add_step(const TransitionSystem& system, const std::vector<std::vector<Signal>>& invariants) {
+  const Lit activation = solver_.new_variable();
+  std::vector<Lit> chosen;
+  for (const SystemStep& step : system.steps) {
+    chosen.push_back(literal(step.chosen));
+    solver_.add({-activation, -chosen.back(), literal(step.fine)});
+  }
+  add_at_most_one(solver_, chosen);
+  chosen.push_back(-activation);
+  solver_.add(chosen);
+  add_state(system);
+  for (const std::vector<Signal>& clause : invariants) add(clause);
+  return activation;
+}
+
 void Cnf::add_state(const TransitionSystem& system) {
   for (Signal inside : system.in_range) add({inside});
   for (const std::vector<u32>& group : system.exactly_one) {

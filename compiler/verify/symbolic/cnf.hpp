@@ -32,6 +32,9 @@ class Cnf {
   void add(const std::vector<Signal>& clause);
   /// Adds what holds in every state: each automaton is in exactly one place, data are in their ranges.
   void add_state(const TransitionSystem& system);
+  /// Adds that the state is as add_state() says and satisfies the invariants, and that at most one step is chosen.
+  /// Returns a literal that implies that one is, and that it ends in no fault.
+  [[nodiscard]] Lit add_step(const TransitionSystem& system, const std::vector<std::vector<Signal>>& invariants);
   /// Returns the literal of a signal that is encoded already, else 0.
   [[nodiscard]] Lit encoded(Signal signal) const {
     if (node_of(signal) >= literals_.size()) return 0;
