@@ -82,12 +82,12 @@ SimulatedResult simulated(const Image& image, const Placement& placement, std::u
   return result;
 }
 
-struct Told {
+struct RunOutput {
   RunResult result;
   std::string trace, out, err;
 };
-Told told(const Image& image, std::uint64_t seed, std::uint64_t limit, const char* faults, OnLoss on_loss,
-          RunOptions options = {}) {
+RunOutput output_of(const Image& image, std::uint64_t seed, std::uint64_t limit, const char* faults, OnLoss on_loss,
+                    RunOptions options = {}) {
   options.seed = seed;
   options.has_seed = true;
   options.limit = limit;
@@ -100,14 +100,14 @@ Told told(const Image& image, std::uint64_t seed, std::uint64_t limit, const cha
   std::FILE* err = std::tmpfile();
   std::FILE* trace = std::tmpfile();
   options.trace_path = "/proc/self/fd/" + std::to_string(fileno(trace));
-  Told result{run(image, options, out, err), "", "", ""};
+  RunOutput result{run(image, options, out, err), "", "", ""};
   result.trace = contents(trace);
   result.out = contents(out);
   result.err = contents(err);
   return result;
 }
 // `resumed`: the checkpoint from which the run went on; empty: from none.
-Followed check(const Image& image, const Told& run, const std::string& resumed = {}) {
+Followed check(const Image& image, const RunOutput& run, const std::string& resumed = {}) {
   std::FILE* out = std::tmpfile();
   RunOptions quiet;
   quiet.silent = true;
@@ -125,7 +125,7 @@ int check_runs(const Image& image, std::uint64_t seeds, const RunOptions& option
   int deadlocks = 0;
   for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
     const char* const faults = seed % 2 == 0 ? "" : "lose 20%, double 20%, cut 1-3 2ms..40ms, slow 2 x5";
-    const Told run = told(image, seed, 300, faults, OnLoss::Stop, options);
+    const RunOutput run = output_of(image, seed, 300, faults, OnLoss::Stop, options);
     CHECK(check(image, run).end == run.result.end);
     CHECK(run.result.exit_code == 0);
     CHECK(run.result.end == (run.result.steps == 300 ? End::Limit : End::Deadlock));
@@ -548,7 +548,7 @@ TEST_CASE("a checkpoint is the state after its steps, and a run goes on from it"
     options.limit = 300;
     options.checkpoint_every = 30000000;
     options.checkpoint_path = name;
-    const Told first = told(image, seed, options.limit, "lose 10%, slow 2 x3", OnLoss::Stop, options);
+    const RunOutput first = output_of(image, seed, options.limit, "lose 10%, slow 2 x3", OnLoss::Stop, options);
     (void)check(image, first);
     CHECK(first.err.find("bipc: go on after step ") == 0);
     // The recorded steps before it lead there.
@@ -581,7 +581,7 @@ TEST_CASE("a checkpoint is the state after its steps, and a run goes on from it"
     }
     RunOptions more;
     more.resume_path = name;
-    const Told second = told(image, seed + 1, 200, "double 20%", OnLoss::Stop, more);
+    const RunOutput second = output_of(image, seed + 1, 200, "double 20%", OnLoss::Stop, more);
     CHECK(second.result.steps == 200);
     (void)check(image, second, name);
     std::remove(name);
@@ -836,13 +836,13 @@ TEST_CASE("locks of a lost node stay: the others stop, or go on with what does n
   options.placement = &placement;
   int goes_on = 0;
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
-    const Told stopped = told(b.image(), seed, 100000, "crash 2 30ms, lose 10%", OnLoss::Stop, options);
+    const RunOutput stopped = output_of(b.image(), seed, 100000, "crash 2 30ms, lose 10%", OnLoss::Stop, options);
     CHECK(stopped.result.end == End::Interrupted);
     CHECK(stopped.result.exit_code == 1);
     CHECK(stopped.err.find("error[R0030]: lost `2`") == 0);
     (void)check(b.image(), stopped);
     // Philosophers whose forks are at home on one of the other nodes go on, unless one of them was locked.
-    const Told went_on = told(b.image(), seed, 3000, "crash 2 30ms, lose 10%", OnLoss::GoOn, options);
+    const RunOutput went_on = output_of(b.image(), seed, 3000, "crash 2 30ms, lose 10%", OnLoss::GoOn, options);
     CHECK((went_on.result.end == End::Limit || went_on.result.end == End::Interrupted));
     CHECK(went_on.err.find("[R0030]: lost `2`") != std::string::npos);
     (void)check(b.image(), went_on);
@@ -884,10 +884,11 @@ TEST_CASE("the same seed gives the same simulated run") {
   ImageBuilder b;
   build_philosophers(b, 6, false);
   const char* const faults = "lose 20%, double 20%, cut 1-2 5ms..50ms";
-  const Told one = told(b.image(), 5, 300, faults, OnLoss::Stop), two = told(b.image(), 5, 300, faults, OnLoss::Stop);
+  const RunOutput one = output_of(b.image(), 5, 300, faults, OnLoss::Stop),
+                  two = output_of(b.image(), 5, 300, faults, OnLoss::Stop);
   CHECK(one.trace == two.trace);
   CHECK(one.out == two.out);
-  CHECK(told(b.image(), 6, 300, faults, OnLoss::Stop).trace != one.trace);
+  CHECK(output_of(b.image(), 6, 300, faults, OnLoss::Stop).trace != one.trace);
 }
 
 TEST_CASE("simulated runs are accepted, whatever the network does") {
@@ -902,12 +903,12 @@ TEST_CASE("when a node is lost the others stop, or go on with what does not need
   ImageBuilder b;
   build_pairs(b, 12);
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const Told stopped = told(b.image(), seed, 100000, "crash 2 30ms", OnLoss::Stop);
+    const RunOutput stopped = output_of(b.image(), seed, 100000, "crash 2 30ms", OnLoss::Stop);
     CHECK(stopped.result.end == End::Interrupted);
     CHECK(stopped.result.exit_code == 1);
     CHECK(stopped.err.find("error[R0030]: lost `2`") == 0);
     (void)check(b.image(), stopped);
-    const Told went_on = told(b.image(), seed, 3000, "crash 2 30ms", OnLoss::GoOn);
+    const RunOutput went_on = output_of(b.image(), seed, 3000, "crash 2 30ms", OnLoss::GoOn);
     CHECK(went_on.result.end == End::Limit);
     CHECK(went_on.result.exit_code == 0);
     CHECK(went_on.err.find("warning[R0030]: lost `2`") == 0);
@@ -930,7 +931,7 @@ TEST_CASE("a fault ends a simulated run at the step where a sequential one meets
     for (const char* name : {"v", "w", "x"}) b.atom(name, "Worker");
     b.connector("vw", "Two", {"v.go", "w.go"});
     b.connector("wx", "Two", {"w.go", "x.go"});
-    const Told run = told(b.image(), seed, 1000, "lose 10%", OnLoss::Stop);
+    const RunOutput run = output_of(b.image(), seed, 1000, "lose 10%", OnLoss::Stop);
     CHECK(run.result.end == End::Fault);
     CHECK(run.err.find("R0005") != std::string::npos);
     CHECK(check(b.image(), run).end == End::Fault);
