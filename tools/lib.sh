@@ -23,6 +23,31 @@ configure() {
   (cd "$root" && cmake --preset release -B "$build_dir" "${configure_options[@]}")
 }
 
+# show_progress TERMINAL: ninja's lines from the standard input. On a terminal (1) one line that changes; piped (0), a line each
+# ten steps, with an estimate of the time that is left. What a failing step says is shown whole.
+# Not by awk: Debian's (mawk) reads a pipe in blocks of 4 KiB, which are minutes of a first build.
+show_progress() {
+  local start=$SECONDS open='' line done all spent left
+  while IFS= read -r line; do
+    if [[ $line =~ ^\[([0-9]+)/([0-9]+)\]\  ]]; then
+      done=${BASH_REMATCH[1]} all=${BASH_REMATCH[2]} left=''
+      spent=$((SECONDS - start))
+      ((done < 3)) || left="  ($spent s, about $(((spent * (all - done) + done / 2) / done)) s left)"
+      if (($1)); then
+        printf '\r\033[K%.90s%s' "$line" "$left"
+        open=yes
+      elif ((done % 10 == 0 || done == all)); then
+        printf '%s%s\n' "$line" "$left"
+      fi
+    elif [[ ! $line =~ ^ninja:\ (Entering|no\ work)|Re-checking\ globbed|Re-running\ CMake|^--\  ]]; then
+      [[ ! $open ]] || printf '\n'
+      open=''
+      printf '%s\n' "$line"
+    fi
+  done
+  [[ ! $open ]] || printf '\r\033[K'
+}
+
 # configure_and_build [target...]: quiet if all is up to date, ninja's progress while there is work.
 configure_and_build() {
   local log=$build_dir/configure.log
@@ -37,19 +62,5 @@ configure_and_build() {
   local jobs terminal=0
   jobs=$(nproc 2>/dev/null || echo 2)
   [[ -t 2 ]] && terminal=1
-  # On a terminal one line that changes; piped, a line each ten steps, with an estimate of the time that is left. What a
-  # failing step says is shown whole.
-  ninja -C "$build_dir" -j"$jobs" "$@" 2>&1 9>&- | awk -v terminal=$terminal '
-    BEGIN { start = systime() }
-    /^ninja: (Entering|no work)/ || /Re-checking globbed|Re-running CMake/ || /^-- / { next }
-    /^\[[0-9]+\/[0-9]+\] / {
-      split($1, n, /[\[\/\]]/)
-      spent = systime() - start
-      left = n[2] < 3 ? "" : sprintf("  (%d s, about %d s left)", spent, spent * (n[3] - n[2]) / n[2] + 0.5)
-      if (terminal) { printf "\r\033[K%.90s%s", $0, left; open = 1 }
-      else if (n[2] % 10 == 0 || n[2] == n[3]) print $0 left
-      fflush(); next
-    }
-    { if (open) { printf "\n"; open = 0 } print; fflush() }
-    END { if (open) printf "\r\033[K" }' >&2
+  ninja -C "$build_dir" -j"$jobs" "$@" 2>&1 9>&- | show_progress $terminal >&2
 }

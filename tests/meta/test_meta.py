@@ -11,6 +11,7 @@ import re
 import shutil
 import subprocess
 import sys
+import threading
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
@@ -342,6 +343,26 @@ def check_no_paths_of_a_machine():
                if p.is_file() and p.suffix not in (".svg", ".png", ".pyc") and p != pathlib.Path(__file__).resolve()]
     return [f"{relative(p)}:{n}: {line.strip()[:80]}" for p in tracked
             for n, line in enumerate(p.read_text(encoding="utf-8", errors="replace").splitlines(), 1) if pattern.search(line)]
+
+
+def check_builds_show_progress():
+    """The first lines of a build are shown before its last step is done, and a failing step's words are whole."""
+    script = (f"source '{ROOT}/tools/lib.sh'; {{ for step in 1 2 3 4 5 6 7 8 9 10; do echo \"[$step/20] Building $step\"; done; "
+              "read -r answer; echo '  error: two  blanks'; echo '[20/20] Linking bipc'; echo 'ninja: no work to do.'; } | show_progress 0")
+    with subprocess.Popen(["bash", "-c", script], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as build:
+        # A build that shows nothing before its end is ended: then the first line is missing.
+        limit = threading.Timer(20, build.kill)
+        limit.start()
+        first = build.stdout.readline()
+        if first:
+            build.stdin.write("go on\n")
+            build.stdin.flush()
+        rest = build.stdout.read().splitlines()
+        limit.cancel()
+    problems = [] if first.startswith("[10/20] Building 10  (") else [f"tools/lib.sh: shown before the last step: {first!r}"]
+    if not (len(rest) == 2 and rest[0] == "  error: two  blanks" and rest[1].startswith("[20/20] Linking bipc  (")):
+        problems.append(f"tools/lib.sh: shown then: {rest!r}")
+    return problems
 
 
 def check_cli_docs():
