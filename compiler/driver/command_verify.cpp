@@ -108,6 +108,7 @@ int command_verify(const VerifyArguments& arguments) {
   request.wants_run = arguments.json;
   const std::optional<std::vector<NamedQuestion>> questions = read_questions(arguments, *c.system);
   if (!questions || !may_write_files(arguments, *questions)) return kUsage;
+  request.is_one_of_many = questions->size() > 1;
   if (request.reuses) warn_of_unusable_cache(c, c.options.cache);
   const std::string note = library::remove_unread_cpp(request, c, data_of(*questions));
   std::vector<NamedVerdict> verdicts;

@@ -159,6 +159,22 @@ Verdict plain_verdict(const verify::Question& question, int exit_code, const std
   return verdict;
 }
 
+Verdict refuse(const VerifyRequest& request, Compilation& c, const verify::Question& question,
+               const Unsupported& unsupported) {
+  if (!request.is_one_of_many) {
+    c.diags.report(Diag::kB1900, c.root_range, unsupported.what).note(unsupported.note).help(unsupported.help);
+    return {};
+  }
+  verify::Decision none;
+  none.reason = unsupported.what + " is not supported yet";
+  Verdict verdict;
+  verdict.is_answered = true;
+  verdict.exit_code = kUnknown;
+  verdict.text = fmt::format("unknown: {}\nnote: {}\nhelp: {}\n", none.reason, unsupported.note, unsupported.help);
+  verdict.json = verdict_json({kUnknown, "unknown", verdict.text}, question, none, nullptr);
+  return verdict;
+}
+
 std::optional<Verdict> decide_initial_fault(const Compilation& c, const verify::Question& question) {
   if (has_undetermined_values(*c.system) || question.what == verify::QuestionKind::NoErrors) return std::nullopt;
   const std::string fault = initial_fault(*c.system);

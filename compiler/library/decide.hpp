@@ -68,6 +68,15 @@ struct Verdict {
                                       const std::string& note, const verify::CancellationToken& token,
                                       const verify::Report& report);
 
+/// A question that no engine answers yet.
+struct Unsupported {
+  std::string what;  // "a property of runs … for a model with time"
+  std::string note, help;
+};
+/// Reports it (B1900) and returns no answer, or returns the answer `unknown` if the question is one of many.
+[[nodiscard]] Verdict refuse(const VerifyRequest& request, Compilation& c, const verify::Question& question,
+                             const Unsupported& unsupported);
+
 /// A verdict that needed no proof.
 [[nodiscard]] Verdict plain_verdict(const verify::Question& question, int exit_code, const std::string& name,
                                     const std::string& text);

@@ -26,17 +26,6 @@ namespace bip::library {
 
 namespace {
 
-// What has no answer yet is said. False: it was.
-bool has_an_engine(Compilation& c) {
-  if (const std::string what = system::first_timed(*c.system); !what.empty()) {
-    c.diags.report(Diag::kB1900, c.root_range, "a property of runs (`eventually`, `leads to` …) for a model with time")
-        .note(what)
-        .help("`E leads to F within 50 ms` and `eventually E within 50 ms` have answers");
-    return false;
-  }
-  return true;
-}
-
 // False: there is none, which was said.
 bool add_certificate(const VerifyRequest& request, Compilation& c, const verify::Question& question,
                      const verify::StateCollector& reached, const std::optional<verify::KLivenessProof>& proof,
@@ -148,8 +137,11 @@ std::string proof_text(const verify::Question& question, const VerifyRequest& re
 
 Verdict decide_liveness(const VerifyRequest& request, Compilation& c, const verify::Question& question,
                         const std::string& note, const verify::CancellationToken& token, const verify::Report& report) {
+  if (const std::string what = system::first_timed(*c.system); !what.empty())
+    return refuse(request, c, question,
+                  {"a property of runs (`eventually`, `leads to` …) for a model with time", what,
+                   "`E leads to F within 50 ms` and `eventually E within 50 ms` have answers"});
   Verdict verdict;
-  if (!has_an_engine(c)) return verdict;
   Executor executor(MachineCode::Fresh);
   const bool has_graph = !has_undetermined_values(*c.system);
   if (has_graph && !executor.prepare(c, request.backend, Optimisation::Auto)) return verdict;

@@ -27,20 +27,6 @@ namespace bip::library {
 
 namespace {
 
-// What has no answer yet is said. False: it was.
-bool is_observable(Compilation& c, const verify::Formula& formula) {
-  for (const verify::Property& condition : formula.states) {
-    for (const verify::PropertyNode& node : condition.nodes) {
-      if (node.kind != verify::PropertyKind::CanConnector && node.kind != verify::PropertyKind::CanPort) continue;
-      c.diags.report(Diag::kB1900, c.root_range, "`can` in a property with `within`")
-          .note("what can be done changes while time passes")
-          .help("`happens` says that it is done, `component@PLACE` where it may be");
-      return false;
-    }
-  }
-  return true;
-}
-
 // Is a node without words of time true at a point of a run?
 bool is_true_at(const verify::Formula& formula, std::uint32_t row, rt::Core& core, const rt::Candidate* candidate) {
   const verify::FormulaNode& node = formula.nodes[row];
@@ -96,7 +82,11 @@ Verdict decide_response(const VerifyRequest& request, Compilation& c, const veri
                         const std::string& note, const verify::CancellationToken& token) {
   const verify::Formula& formula = question.formula;
   BIP_ASSERT(formula.bounded, "a property without a limit of time");
-  if (!is_observable(c, formula)) return {};
+  // What can be done is no part of a location.
+  if (std::any_of(formula.states.begin(), formula.states.end(), verify::asks_offers))
+    return refuse(request, c, question,
+                  {"`can` in a property with `within`", "what can be done changes while time passes",
+                   "`happens` says that it is done, `component@PLACE` where it may be"});
   if (has_undetermined_values(*c.system)) return unknown_because_of_values(*c.system);
   const verify::CancellationToken cancellation = token.within(request.timeout);
   Executor executor(MachineCode::Fresh);

@@ -55,12 +55,6 @@ void ask(const verify::Property& property, rt::ExploreOptions& options) {
   }
 }
 
-bool asks_offers(const verify::Property& property) {
-  return std::any_of(property.nodes.begin(), property.nodes.end(), [](const verify::PropertyNode& node) {
-    return node.kind == verify::PropertyKind::CanConnector || node.kind == verify::PropertyKind::CanPort;
-  });
-}
-
 bool has_resume(const System& system) {
   return std::any_of(system.atom_types.begin(), system.atom_types.end(), [](const AtomType& type) {
     return type.initial_resume.present || std::any_of(type.transitions.begin(), type.transitions.end(),
@@ -244,7 +238,7 @@ Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify:
   if (request.wants_certificate && !is_violated && found.inexact.empty() && !cancellation.is_cancelled()) {
     if (refused.empty() && found.has_error && can_fault_in_guards(*c.system))
       refused = "guards of connectors or priorities that end in an error";
-    if (refused.empty() && asks_state && has_resume(*c.system) && asks_offers(question.property))
+    if (refused.empty() && asks_state && has_resume(*c.system) && verify::asks_offers(question.property))
       refused = "`resume`, of a property with `can`,";
     if (!refused.empty()) refused = "a certificate for a model with time and " + refused;
     else if (!is_complete || certificate.empty())

@@ -20,9 +20,10 @@ struct VerifyRequest {
   bool stats = false;
   bool reuses = true;  // proofs from earlier runs, and leaves its own
   bool wants_certificate = false;
-  bool wants_trace = false;  // of a run that breaks what was asked
-  bool wants_run = false;    // as data, in the JSON
-  bool all_steps = false;    // of a run that breaks what was asked, also those that it does not need
+  bool wants_trace = false;     // of a run that breaks what was asked
+  bool wants_run = false;       // as data, in the JSON
+  bool all_steps = false;       // of a run that breaks what was asked, also those that it does not need
+  bool is_one_of_many = false;  // a question that has no answer yet is unknown, and no error: the others are answered
 };
 
 }  // namespace bip::library

@@ -659,6 +659,14 @@ class PropertyParser {
     }
     return false;
   }
+  std::string word_at(std::size_t start) const {
+    return text_.substr(start, text_.find_first_of(" \t\n", start) - start);
+  }
+  // What `always A implies B` can mean, by the place of `always`.
+  std::string both_readings(std::size_t prefix, std::string_view connective) const {
+    const std::string first = word_at(prefix), then(connective);
+    return "`" + first + " (… " + then + " …)` or `(" + first + " …) " + then + " …`";
+  }
   std::uint32_t parse_formula(int depth) {
     skip_blanks();
     const std::size_t start = at_;
@@ -670,7 +678,8 @@ class PropertyParser {
     for (const OtherSign& other : kOtherConnectives) {
       if (begins_name(other.sign.front()) ? !take_words(other.sign) : !take_sign(other.sign)) continue;
       at_ = middle;
-      set_problem("`" + std::string(other.sign) + "` is written `" + std::string(other.word) + "`");
+      set_problem("`" + std::string(other.sign) + "` is written `" + std::string(other.word) + "`" +
+                  (has_prefix ? ": " + both_readings(start, other.word) : std::string()));
       return 0;
     }
     const TemporalWord* found = nullptr;
@@ -681,10 +690,8 @@ class PropertyParser {
     if (found == nullptr && !is_implication) return left;
     const std::string word(is_implication ? "implies" : found->word);
     if (has_prefix) {
-      const std::string first = text_.substr(start, text_.find_first_of(" \t\n", start) - start);
       at_ = middle;
-      set_problem("does `" + first + "` reach over `" + word + "`? Write `" + first + " (… " + word + " …)` or `(" +
-                  first + " …) " + word + " …`");
+      set_problem("does `" + word_at(start) + "` reach over `" + word + "`? Write " + both_readings(start, word));
       return 0;
     }
     skip_blanks();

@@ -182,6 +182,12 @@ std::vector<std::uint32_t> owners_of(const Property& property, const Test& test)
 }
 }  // namespace
 
+bool asks_offers(const Property& property) {
+  return std::any_of(property.nodes.begin(), property.nodes.end(), [](const PropertyNode& node) {
+    return node.kind == PropertyKind::CanConnector || node.kind == PropertyKind::CanPort;
+  });
+}
+
 std::vector<std::uint32_t> atoms_of(const Property& property) {
   return owners_of(property, [](PropertyKind kind) {
     return kind == PropertyKind::At || kind == PropertyKind::Data || kind == PropertyKind::CanPort;

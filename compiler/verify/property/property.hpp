@@ -88,6 +88,8 @@ struct Property {
 [[nodiscard]] Signal violating_signal(const Property& property, TransitionSystem& machine, const rt::Image& image);
 /// Returns the rows of the atoms that the property is about, each once, ascending.
 [[nodiscard]] std::vector<std::uint32_t> atoms_of(const Property& property);
+/// Does the property ask what can be done (`can`)? With time that changes within a location.
+[[nodiscard]] bool asks_offers(const Property& property);
 /// The data that it reads.
 [[nodiscard]] std::vector<DataRef> data_of(const Property& property);
 /// Returns the rows of the connectors in `can CONNECTOR`, each once, ascending.
