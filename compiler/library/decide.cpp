@@ -186,9 +186,11 @@ Verdict decide(const VerifyRequest& request, Compilation& c, const verify::Quest
                const verify::CancellationToken& asked, const verify::Report& report) {
   const verify::CancellationToken token =
       request.wall_timeout > 0 ? asked.within_wall_clock(request.wall_timeout) : asked;
-  if (question.formula.bounded) return decide_response(request, c, question, note, token);
+  const bool is_timed = system::is_timed(*c.system);
+  if (question.formula.has_limit() || (is_timed && question.formula.response))
+    return decide_response(request, c, question, note, token);
   if (question.what == verify::QuestionKind::Runs) return decide_liveness(request, c, question, note, token, report);
-  if (system::is_timed(*c.system)) return decide_timed(request, c, question, note, token);
+  if (is_timed) return decide_timed(request, c, question, note, token);
   verify::PortfolioLimits limits;
   limits.cancellation = token.within(request.timeout);
   limits.threads = processors();

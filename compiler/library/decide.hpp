@@ -59,7 +59,8 @@ struct Verdict {
 [[nodiscard]] Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify::Question& question,
                                    const std::string& note, const verify::CancellationToken& token);
 
-/// The same for `within`, on the zone graph with an observer.
+/// The same for `within`, and for a model with time also for a response without a limit: on the zone graph with an
+/// observer.
 [[nodiscard]] Verdict decide_response(const VerifyRequest& request, Compilation& c, const verify::Question& question,
                                       const std::string& note, const verify::CancellationToken& token);
 
@@ -70,7 +71,7 @@ struct Verdict {
 
 /// A question that no engine answers yet.
 struct Unsupported {
-  std::string what;  // "a property of runs … for a model with time"
+  std::string what;  // "fairness for a model with time"
   std::string note, help;
 };
 /// Reports it (B1900) and returns no answer, or returns the answer `unknown` if the question is one of many.

@@ -138,9 +138,11 @@ std::string proof_text(const verify::Question& question, const VerifyRequest& re
 Verdict decide_liveness(const VerifyRequest& request, Compilation& c, const verify::Question& question,
                         const std::string& note, const verify::CancellationToken& token, const verify::Report& report) {
   if (const std::string what = system::first_timed(*c.system); !what.empty())
-    return refuse(request, c, question,
-                  {"a property of runs (`eventually`, `leads to` …) for a model with time", what,
-                   "`E leads to F within 50 ms` and `eventually E within 50 ms` have answers"});
+    return refuse(
+        request, c, question,
+        {"this property of runs for a model with time", what,
+         "`eventually E`, `always eventually E` and `E leads to F` have answers, also `within 50 ms`; E and F "
+         "without words of time"});
   Verdict verdict;
   Executor executor(MachineCode::Fresh);
   const bool has_graph = !has_undetermined_values(*c.system);

@@ -1,5 +1,6 @@
-// Verdicts about `E leads to F within T` and `eventually F within T`: see decide.hpp. The zone graph with an observer
-// decides (runtime/explore/zone_response.cpp); what it cannot treat is refused by name or unknown with the reason.
+// Verdicts about `E leads to F` and `eventually F` of models with time, within T or at any time: see decide.hpp. The
+// zone graph with an observer decides (runtime/explore/zone_response.cpp, zone_lasso.cpp); what it cannot treat is
+// refused by name or unknown with the reason.
 #include <optional>
 #include <utility>
 #include <vector>
@@ -64,16 +65,40 @@ std::string time_text(std::int64_t ticks) {
   return text;
 }
 
+// What goes on for ever, of a response without a limit.
+std::string endless_text(const rt::ZoneReport& found) {
+  const std::size_t size = found.match.steps.size();
+  if (!found.match_cycle) return "from then on time can pass for ever without a step";
+  return *found.match_cycle + 1 == size
+             ? fmt::format("step #{} can repeat for ever, and time goes on", size - 1)
+             : fmt::format("the steps #{} to #{} can repeat for ever, and time goes on", *found.match_cycle, size - 1);
+}
+
 // "`a leads to b within 50 ms`   (3 steps, at 57ms)" and since when.
 std::string missed_text(const verify::Formula& formula, const rt::ZoneReport& found, const rt::MissedResponse& missed) {
   const rt::TimedPath& path = found.match;
-  std::string text = fmt::format("violated[V0006]: `{}`   ({}, at {})\n", formula.text,
-                                 rt::counted(path.steps.size(), "step"), time_text(path.end));
+  std::string text = fmt::format("violated[{}]: `{}`   ({}, at {})\n", formula.has_limit() ? "V0006" : "V0005",
+                                 formula.text, rt::counted(path.steps.size(), "step"), time_text(path.end));
   if (missed.at_step)
     text += fmt::format("  asked for by step #{}, at {}", missed.requested_by, time_text(missed.requested));
   else text += "  asked for from " + time_text(missed.requested) + " on";
   if (found.is_match_end) return text + ": there the run ends, for time cannot pass and nothing can be done\n";
+  if (!formula.has_limit()) return text + ": " + endless_text(found) + '\n';
   return text + fmt::format(": {} later it has not come\n", time_text(path.end - missed.requested));
+}
+
+// What has no answer yet, of a response without a limit. `what` is empty: it has one.
+Unsupported without_an_answer(const VerifyRequest& request, const System& system) {
+  if (request.fairness.kind != verify::FairnessKind::None)
+    return {"fairness for a model with time", "urgencies and invariants say what has to happen",
+            "without `--fair` the property is decided"};
+  if (const std::string resume = system::first_resume(system); !resume.empty())
+    return {"a property of runs without a limit for a model with `resume`", resume,
+            "`E leads to F within 50 ms` and `eventually E within 50 ms` have answers"};
+  if (request.wants_certificate)
+    return {"a certificate for a property of runs without a limit for a model with time", system::first_timed(system),
+            "without `--certificate` the property is decided"};
+  return {};
 }
 
 }  // namespace
@@ -81,24 +106,28 @@ std::string missed_text(const verify::Formula& formula, const rt::ZoneReport& fo
 Verdict decide_response(const VerifyRequest& request, Compilation& c, const verify::Question& question,
                         const std::string& note, const verify::CancellationToken& token) {
   const verify::Formula& formula = question.formula;
-  BIP_ASSERT(formula.bounded, "a property without a limit of time");
+  BIP_ASSERT(formula.response, "a property of no response");
   // What can be done is no part of a location.
   if (std::any_of(formula.states.begin(), formula.states.end(), verify::asks_offers))
     return refuse(request, c, question,
-                  {"`can` in a property with `within`", "what can be done changes while time passes",
+                  {"`can` in a property of runs of a model with time", "what can be done changes while time passes",
                    "`happens` says that it is done, `component@PLACE` where it may be"});
+  if (!formula.has_limit()) {
+    const Unsupported unsupported = without_an_answer(request, *c.system);
+    if (!unsupported.what.empty()) return refuse(request, c, question, unsupported);
+  }
   if (has_undetermined_values(*c.system)) return unknown_because_of_values(*c.system);
   const verify::CancellationToken cancellation = token.within(request.timeout);
   Executor executor(MachineCode::Fresh);
   if (!executor.prepare(c, request.backend, Optimisation::Auto)) return {};
   const rt::Image& image = c.lowered->image;
-  const verify::Formula::Bounded& bounded = *formula.bounded;
+  const verify::Formula::Response& asked = *formula.response;
   const auto at = [&formula](std::uint32_t row) {
     return [&formula, row](rt::Core& core, const rt::Candidate* candidate) {
       return is_true_at(formula, row, core, candidate);
     };
   };
-  const rt::TimedResponse response{at(bounded.request), at(bounded.response), bounded.asks_once, bounded.within};
+  const rt::TimedResponse response{at(asked.request), at(asked.response), asked.asks_once, asked.within};
   rt::ExploreOptions options;
   options.bytes = request.megabytes * kMega;
   options.is_stopped = [&] { return cancellation.is_over(); };
@@ -151,9 +180,10 @@ Verdict decide_response(const VerifyRequest& request, Compilation& c, const veri
     json["requested"] = missed.requested;
     json["time"] = found.match.end;
     json["ends"] = found.is_match_end;
+    if (found.match_cycle) json["cycle"] = *found.match_cycle;
     if (request.wants_run) add_run(json, rt::counterexample_json(image, rt::MaximalProgress::On, end, found.match));
     exit_code = kViolated;
-    run = FoundRun{end, found.match, {}};
+    run = FoundRun{end, found.match, {}, found.match_cycle};
     if (request.wants_trace)
       run->trace = rt::trace_of_counterexample(image, rt::MaximalProgress::On, end, found.match, rt::TraceFormat::Json);
   } else if (is_complete && !found.has_match) {
@@ -161,6 +191,8 @@ Verdict decide_response(const VerifyRequest& request, Compilation& c, const veri
     json["method"] = "exhaustive";
     text = fmt::format("holds: `{}`: true of all runs through {}\n", formula.text, size);
     if (found.has_error) text += "note: this holds, but a run can end with an error: `--property errors` shows it\n";
+    if (found.has_standing_cycle)
+      text += "note: steps can repeat for ever while time stands still (Zeno); such runs do not count\n";
     exit_code = kOk;
   } else {
     const std::string reason =

@@ -55,13 +55,6 @@ void ask(const verify::Property& property, rt::ExploreOptions& options) {
   }
 }
 
-bool has_resume(const System& system) {
-  return std::any_of(system.atom_types.begin(), system.atom_types.end(), [](const AtomType& type) {
-    return type.initial_resume.present || std::any_of(type.transitions.begin(), type.transitions.end(),
-                                                      [](const Transition& t) { return t.resume.present; });
-  });
-}
-
 // Describes the state at the end of the path.
 std::string broken_text(const rt::Image& image, const verify::Property& property, const rt::TimedPath& path) {
   rt::Core core(image);
@@ -179,8 +172,8 @@ Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify:
   const bool asks_state = question.what == verify::QuestionKind::State;
   if (asks_state) json["property"] = question.property.text;
   // A certificate is the zone graph, of two components or of the whole.
-  if (request.wants_certificate && asks_state && c.system->priorities.empty() && !has_resume(*c.system) &&
-      !can_fault_in_guards(*c.system)) {
+  if (request.wants_certificate && asks_state && c.system->priorities.empty() &&
+      system::first_resume(*c.system).empty() && !can_fault_in_guards(*c.system)) {
     const verify::TimeProof proof = verify::prove_state_by_pairs(*c.system, question.property, explore_system,
                                                                  cancellation.within(request.timeout / kShareOfParts),
                                                                  {}, request.megabytes * (kMega / 2));
@@ -238,7 +231,8 @@ Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify:
   if (request.wants_certificate && !is_violated && found.inexact.empty() && !cancellation.is_cancelled()) {
     if (refused.empty() && found.has_error && can_fault_in_guards(*c.system))
       refused = "guards of connectors or priorities that end in an error";
-    if (refused.empty() && asks_state && has_resume(*c.system) && verify::asks_offers(question.property))
+    if (refused.empty() && asks_state && !system::first_resume(*c.system).empty() &&
+        verify::asks_offers(question.property))
       refused = "`resume`, of a property with `can`,";
     if (!refused.empty()) refused = "a certificate for a model with time and " + refused;
     else if (!is_complete || certificate.empty())

@@ -55,6 +55,14 @@ std::string first_event_with_object(const System& system) {
   });
 }
 
+std::string first_resume(const System& system) {
+  return first_of(system, [&](const AtomType& type) -> std::string {
+    for (const Transition& t : type.transitions)
+      if (t.resume.present) return told(system, type, "a transition with `resume`", t.loc);
+    return type.initial_resume.present ? told(system, type, "`resume` at its start", type.initial_resume.loc) : "";
+  });
+}
+
 std::string first_timed(const System& system) {
   return first_of(system, [&](const AtomType& type) -> std::string {
     if (!type.clocks.empty())

@@ -106,11 +106,27 @@ bool let_time_pass(Core& core, const TimedPath& path, u64 number) {
   return let_time_pass(core, end);
 }
 
+// From the initial node to the target's, then along its cycle.
+std::vector<ZoneSearch::Visit> ZoneSearch::visits_of(const Target& target) const {
+  BIP_ASSERT(target.node < nodes_.size(), "node {}", target.node);
+  std::vector<Visit> visits;
+  for (u32 at = target.node; at != kNone; at = nodes_[at].parent) {
+    const ZoneNode& node = nodes_[at];
+    visits.push_back(
+        {at, node.parent, node.edge, node.interaction, node.config, node.is_requested, node.is_later, &node.origin});
+  }
+  std::reverse(visits.begin(), visits.end());
+  for (const u32 row : target.arcs) {
+    const ZoneArc& arc = arcs_[row];
+    BIP_ASSERT(arc.from == visits.back().node, "arc {} begins at node {}", row, arc.from);
+    visits.push_back({arc.to, arc.from, arc.edge, arc.interaction, arc.config, false, arc.is_later, &arc.origin});
+  }
+  return visits;
+}
+
 void ZoneSearch::find_path(const Target& target, TimedPath& path) {
   path = {};
-  BIP_ASSERT(target.node < nodes_.size(), "node {}", target.node);
-  std::vector<u32> visited;  // nodes, from the initial one on
-  for (u32 node = target.node; node != kNone; node = nodes_[node].parent) visited.insert(visited.begin(), node);
+  const std::vector<Visit> visited = visits_of(target);
   Instants instants(locations_.clocks());
   report_.are_paths_known = false;
   if (!core_.initialize()) return;
@@ -129,32 +145,34 @@ void ZoneSearch::find_path(const Target& target, TimedPath& path) {
   std::vector<Resumed> resumed;
   u32 left = 0;
   for (std::size_t k = 0; k < visited.size(); ++k) {
-    const ZoneNode& node = nodes_[visited[k]];
+    const Visit& visit = visited[k];
+    const ZoneNode& node = nodes_[visit.node];
     const Location& at = locations_[node.location];
     const u32 entered = instants.add();
-    if (k != 0) instants.exactly(left, entered, node.edge == ZoneEdge::Time ? 1 : 0);
-    if (node.edge == ZoneEdge::Step) {
+    if (k != 0) instants.exactly(left, entered, visit.edge == ZoneEdge::Time ? 1 : 0);
+    if (visit.edge == ZoneEdge::Step) {
       // Once more, to see which clocks it sets.
-      const Location& before = locations_[nodes_[node.parent].location];
+      const Location& before = locations_[nodes_[visit.parent].location];
       for (const InteractionCondition& interaction : before.interactions) {
-        if (interaction.interaction != node.interaction) continue;
-        for (const ZoneBound& bound : interaction.bounds) instants.demand(left, side_of(bound, node.origin));
+        if (interaction.interaction != visit.interaction) continue;
+        for (const ZoneBound& bound : interaction.bounds) instants.demand(left, side_of(bound, *visit.origin));
       }
-      if (!enter_core(before, node.origin)) return;
-      const u64 choice = number_of(core_, node.interaction, node.config);
+      if (!enter_core(before, *visit.origin)) return;
+      const u64 choice = number_of(core_, visit.interaction, visit.config);
       if (choice == core_.candidate_count()) return;
       // At these clock values the state that it leads to may have a fault, at others of the path not.
       if (!core_.time().take(core_.position(choice)) && !core_.fault().is_of_state) return;
-      taken.push_back({left, node.interaction, node.config});
+      taken.push_back({left, visit.interaction, visit.config});
     }
-    if (node.edge == ZoneEdge::GoOn) {
-      const std::vector<u32>& before = locations_[nodes_[node.parent].location].waits;
+    if (visit.edge == ZoneEdge::GoOn) {
+      const std::vector<u32>& before = locations_[nodes_[visit.parent].location].waits;
       for (u32 atom = 0; atom < before.size(); ++atom) {
         if (before[atom] != kNone && at.waits[atom] == kNone) resumed.push_back({taken.size(), atom, entered});
       }
     }
-    if (node.edge == ZoneEdge::Initial || node.edge == ZoneEdge::Step) note_clocks(entered);
-    if (node.is_requested) instants.set_clock(locations_.in_time().i, entered, 0);
+    if (visit.edge == ZoneEdge::Initial || visit.edge == ZoneEdge::Step) note_clocks(entered);
+    if (visit.is_later) instants.demand(left, {0, locations_.in_time().i, -locations_.in_time().limit});
+    if (visit.is_requested || visit.is_later) instants.set_clock(locations_.in_time().i, entered, 0);
     left = instants.add();
     instants.at_least(entered, left, 0);
     if (node.is_still) instants.exactly(entered, left, 0);
@@ -182,6 +200,11 @@ void ZoneSearch::find_path(const Target& target, TimedPath& path) {
     // point says: zones forget that.
     if (is_reached && (!target.is_bound || end.i != 0)) instants.demand(left, {end.j, end.i, -end.limit});
   }
+  if (!target.arcs.empty()) {
+    const auto cycle = visited.end() - static_cast<std::ptrdiff_t>(target.arcs.size());
+    report_.match_cycle = static_cast<u64>(
+        std::count_if(visited.begin(), cycle, [](const Visit& visit) { return visit.edge == ZoneEdge::Step; }));
+  }
   const std::vector<i64> when = instants.earliest();
   if (when.empty()) return;
   for (const Resumed& atom : resumed) path.resumptions.push_back({atom.before, atom.atom, when[atom.when]});
@@ -198,7 +221,12 @@ void ZoneSearch::find_path(const Target& target, TimedPath& path) {
   const bool has_passed = is_sound && let_time_pass(core_, path, path.steps.size());
   if (target.is_far) {
     is_sound = has_passed;
-    while (is_sound && !is_dead(core_)) {
+    const auto is_there = [&] {
+      std::vector<i64> ends;
+      return target.is_idle ? core_.time().next_change() == kForever && core_.time().wait_limit(ends) == kForever
+                            : is_dead(core_);
+    };
+    while (is_sound && !is_there()) {
       if (core_.time().next_change() == kForever || !let_time_pass(core_, core_.time().next_change())) return;
     }
     path.end = core_.now();

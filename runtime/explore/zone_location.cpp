@@ -2,6 +2,7 @@
 #include "runtime/explore/zone_location.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 #include "bip/assert.hpp"
 #include "runtime/core/final_state.hpp"
@@ -27,6 +28,12 @@ void sort_unique(Bounds& bounds) {
 
 // A row of the hash table: its node with key, number and hash, and its bucket.
 constexpr std::size_t kHashRowBytes = allocated(sizeof(std::string) + 3 * sizeof(void*)) + sizeof(void*);
+
+// A bound that is open lies a tick beside the constant of the source.
+i64 without_tick(i64 constant) {
+  const i64 last = constant % 10;
+  return last == 9 ? constant + 1 : last == 1 ? constant - 1 : constant;
+}
 
 }  // namespace
 
@@ -54,7 +61,10 @@ Locations::Locations(Core& core, const ExploreOptions& options, const TimedRespo
     is_timed_.push_back(type.time != nullptr);
     if (type.time != nullptr) clocks_ += type.time->clocks.size;
   }
-  if (response != nullptr) in_time_ = {++clocks_, 0, response->within};
+  if (response != nullptr) {
+    in_time_ = {++clocks_, 0, response->within.value_or(1)};
+    is_limited_ = response->within.has_value();
+  }
   max_.assign(clocks_ + 1, 0);
   min_.assign(clocks_ + 1, 0);
   transitions_.resize(image.atoms.size);
@@ -83,6 +93,7 @@ Locations::Locations(Core& core, const ExploreOptions& options, const TimedRespo
       if (core.clock_constraints().measure(atom, invariant, guard)) append(atom, guard, bounds);
     }
   }
+  if (response != nullptr && !is_limited_) in_time_.limit = std::max<i64>(divisor_, 1);
   if (response != nullptr) note(in_time_);
   has_grown_ = false;
 }
@@ -126,6 +137,7 @@ void Locations::note(const ZoneBound& bound) {
   }
   const u32 clock = std::max(bound.i, bound.j);
   const i64 constant = bound.i == 0 ? -bound.limit : bound.limit;
+  if (constant > 0) divisor_ = std::gcd(divisor_, without_tick(constant));
   if (constant <= max_[clock]) return;
   max_[clock] = std::max(constant, std::min(2 * max_[clock], kFarLimit));
   has_grown_ = true;
@@ -247,7 +259,7 @@ bool Locations::measure_bounds(Location& at, const std::vector<i64>& clocks) {
   for (const WaitGroup& group : at.groups) {
     if (group.ends) at.cells.insert(at.cells.end(), group.bounds.begin(), group.bounds.end());
   }
-  if (at.is_pending) at.cells.push_back(in_time_);
+  if (at.is_pending && is_limited_) at.cells.push_back(in_time_);
   for (u32 interaction = 0; interaction < shapes_.interactions.size(); ++interaction)
     (void)measure_variable(at, interaction);
   sort_unique(at.cells);

@@ -73,7 +73,8 @@ class Locations {
   [[nodiscard]] Bounds all_bounds(const Location& at) const;
 
   [[nodiscard]] u32 clocks() const { return clocks_; }
-  /// The observer's clock has passed this bound: the response is late.
+  /// The observer's clock has passed this bound: the response is late. Of a response without a limit: the clock has
+  /// reached it, so time has passed.
   [[nodiscard]] const ZoneBound& in_time() const { return in_time_; }
   /// By clock + 1: compared with nothing greater, never set to less.
   [[nodiscard]] const std::vector<i64>& max() const { return max_; }
@@ -102,6 +103,8 @@ class Locations {
   Shapes shapes_;
   u32 clocks_ = 0;
   ZoneBound in_time_;             // of the observer's clock; 0, 0: there is none
+  bool is_limited_ = false;       // the observer's clock cuts cells
+  i64 divisor_ = 0;               // of the constants that were noted, but for open bounds
   std::vector<bool> is_timed_;    // by atom
   std::vector<bool> is_ruled_;    // by interaction: priorities compare it with others
   std::vector<u32> ruled_atoms_;  // of all those interactions

@@ -1,6 +1,7 @@
 // A response with a limit of time, by an observer beside the zone graph: one bit of a location says that a request
 // waits, and one clock for how long the oldest one does. A response answers all requests that wait, so the oldest one
 // decides. Without one the clock is forgotten. Whether a run is late shows on the run itself, too, without zones.
+// Without a limit the clock shows that time passes (zone_lasso.cpp).
 #include "runtime/explore/zone_search.hpp"
 
 #include "bip/assert.hpp"
@@ -18,7 +19,7 @@ void ZoneSearch::observe(const Candidate* candidate, bool& is_pending, bool& is_
 }
 
 bool ZoneSearch::find_late(u32 node) {
-  if (response_ == nullptr || !locations_[nodes_[node].location].is_pending) return false;
+  if (response_ == nullptr || !response_->within || !locations_[nodes_[node].location].is_pending) return false;
   if (!nodes_[node].zone.implies(locations_.in_time().opposite())) return false;
   // A run that ends in an error here is not looked at. Once it is known that guards fault, cells are cut by them.
   if (nodes_[node].is_faulty) return false;
@@ -56,13 +57,13 @@ class ResponseReplay {
     std::vector<i64> ends;
     const bool has_ended = core_.candidate_count() == 0 && core_.time().wait_limit(ends) == core_.now();
     if (is_late()) return found_;
-    found_.is_missed = is_pending_ && has_ended;
+    found_.is_missed = is_pending_ && (has_ended || !response_.within);
     return found_;
   }
 
  private:
   bool is_late() {
-    found_.is_missed = is_pending_ && core_.now() - found_.requested > response_.within;
+    found_.is_missed = is_pending_ && response_.within && core_.now() - found_.requested > *response_.within;
     return found_.is_missed;
   }
   void look(const Candidate* candidate, u64 steps) {
@@ -97,8 +98,10 @@ ZoneReport explore_response(const Image& image, const ExploreOptions& options, c
   ZoneSearch search(image, options, nullptr, &response);
   ZoneReport report = search.run();
   if (visit) search.visit_locations(report, visit);
-  if (report.has_match && report.are_paths_known)
-    report.are_paths_known = follow_response(image, options, report.match, response).is_missed;
+  if (report.has_match && report.are_paths_known) {
+    const MissedResponse missed = follow_response(image, options, report.match, response);
+    report.are_paths_known = missed.is_missed && missed.requested_by <= report.match_cycle.value_or(kForever);
+  }
   return report;
 }
 

@@ -77,6 +77,7 @@ bool ZoneSearch::follow_clocks(Zone& zone) {
 
 bool ZoneSearch::begin() {
   nodes_.clear();
+  arcs_.clear();
   locations_.clear();
   next_ = 0;
   node_bytes_ = 0;
@@ -202,11 +203,15 @@ void ZoneSearch::insert(ZoneNode&& node) {
   BIP_ASSERT(node.parent == kNone || node.parent < nodes_.size(), "parent {} of node {}", node.parent, nodes_.size());
   BIP_ASSERT((node.edge == ZoneEdge::Initial) == (node.parent == kNone), "edge {}", node.edge);
   std::vector<u32>& others = locations_[node.location].nodes;
+  // A cycle through a larger zone need not be one of its parts.
+  const bool is_apart = is_without_limit() && locations_[node.location].is_pending;
   for (const u32 other : others) {
-    if (nodes_[other].zone.includes(node.zone)) return;
+    if (is_apart ? nodes_[other].zone != node.zone : !nodes_[other].zone.includes(node.zone)) continue;
+    if (is_apart) note_arc(node, other);
+    return;
   }
   std::erase_if(others, [&](u32 other) {
-    if (!node.zone.includes(nodes_[other].zone)) return false;
+    if (is_apart || !node.zone.includes(nodes_[other].zone)) return false;
     BIP_ASSERT(other < nodes_.size(), "node {}", other);
     nodes_[other].is_covered = other >= next_;
     return true;
@@ -215,6 +220,7 @@ void ZoneSearch::insert(ZoneNode&& node) {
     report_.end = ExploreEnd::States;
     return;
   }
+  if (is_apart) note_arc(node, static_cast<u32>(nodes_.size()));
   node_bytes_ -= heap_bytes(others);
   others.push_back(static_cast<u32>(nodes_.size()));
   node_bytes_ += heap_bytes(others) + sizeof(ZoneNode) + node.zone.bytes() + heap_bytes(node.origin);
@@ -262,6 +268,7 @@ bool ZoneSearch::fire(u32 node, const Zone& cell, const std::vector<i64>& point,
   }
   ++report_.steps;
   bool is_pending = at.is_pending, is_requested = false;
+  const bool was_pending = at.is_pending;
   if (response_ != nullptr) observe(&candidate, is_pending, is_requested);
   // Whether the state that it leads to has a fault may depend on the clocks: that is asked in each of its cells.
   if (!core_.time().take(position) && !core_.fault().is_of_state) {
@@ -283,7 +290,9 @@ bool ZoneSearch::fire(u32 node, const Zone& cell, const std::vector<i64>& point,
                  .is_requested = is_requested,
                  .origin = point,
                  .zone = Zone(0)};
-  enter(locations_.find_or_add(core_.snapshot(), waits, leaders, is_pending), std::move(zone), std::move(label));
+  const u32 row = locations_.find_or_add(core_.snapshot(), waits, leaders, is_pending);
+  if (is_without_limit() && was_pending && is_pending && !is_requested) enter_later(row, zone, label);
+  enter(row, std::move(zone), std::move(label));
   return true;
 }
 
@@ -449,6 +458,7 @@ void ZoneSearch::expand(u32 node) {
     const InteractionCondition condition = locations_[nodes_[node].location].interactions[k];
     if (!step_from(node, condition, rest)) return;
   }
+  if (find_idle(node)) return;
   std::vector<Zone> ahead = cells_ahead(node);
   const std::vector<Zone> ends = take_closed(node, ahead);
   if (nodes_[node].is_waking) rest = without_last(node, std::move(rest));
@@ -498,6 +508,7 @@ void ZoneSearch::search() {
 
 ZoneReport ZoneSearch::run() {
   search();
+  find_lasso();
   report_.locations = locations_.size();
   report_.bytes = node_bytes_ + locations_.bytes();
   report_.has_deadlock = deadlock_.node != kNone;

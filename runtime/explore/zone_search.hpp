@@ -22,9 +22,19 @@ struct ZoneNode {
   bool is_faulty = false;           // a run that comes here ends in an error
   bool is_waking = false;           // busy atoms may go on
   bool is_covered = false;          // by a later one, before it was expanded
-  bool is_requested = false;        // the observer's clock begins here
-  std::vector<i64> origin;          // Step: a point of the parent's zone at which it was taken
+  bool is_requested = false;        // a request begins to wait, and the observer's clock
+  bool is_later = false;    // Step, without a limit: the observer's clock shows that time has passed, and begins
+  std::vector<i64> origin;  // Step: a point of the parent's zone at which it was taken
   Zone zone;
+};
+
+/// Of a response without a limit: from a node to one that follows, while the same request waits.
+struct ZoneArc {
+  u32 from = 0, to = 0;
+  ZoneEdge edge = ZoneEdge::Step;
+  bool is_later = false;
+  u32 interaction = 0, config = 0;
+  std::vector<i64> origin;
 };
 
 class ZoneSearch {
@@ -45,9 +55,19 @@ class ZoneSearch {
     std::vector<i64> point;
     bool is_error = false, is_step = false;  // is_step: in a step of this interaction
     u32 interaction = 0, config = 0;
-    bool is_far = false;    // deadlock: however long time passes
-    bool is_state = false;  // it is enough to be there
-    bool is_bound = false;  // just there: at an open bound
+    bool is_far = false;         // deadlock: however long time passes
+    bool is_state = false;       // it is enough to be there
+    bool is_bound = false;       // just there: at an open bound
+    bool is_idle = false;        // is_far, and steps are possible that need not be taken
+    std::vector<u32> arcs = {};  // followed from the node on, back to it
+  };
+  // How a path enters a node.
+  struct Visit {
+    u32 node = 0, parent = kNone;
+    ZoneEdge edge = ZoneEdge::Initial;
+    u32 interaction = 0, config = 0;
+    bool is_requested = false, is_later = false;
+    const std::vector<i64>* origin = nullptr;
   };
   // zone_search.cpp
   bool begin();
@@ -83,6 +103,12 @@ class ZoneSearch {
   /// What the observer makes of a point: the request that waited may have its response, or one begins to wait.
   void observe(const Candidate* candidate, bool& is_pending, bool& is_requested);
   [[nodiscard]] bool find_late(u32 node);
+  [[nodiscard]] bool is_without_limit() const { return response_ != nullptr && !response_->within; }
+  // zone_lasso.cpp
+  void note_arc(const ZoneNode& to, u32 row);
+  void enter_later(u32 location, const Zone& zone, const ZoneNode& label);
+  [[nodiscard]] bool find_idle(u32 node);
+  void find_lasso();
   // zone_part.cpp
   [[nodiscard]] bool is_impossible(u32 row);
   [[nodiscard]] bool is_asked_for(u32 node);
@@ -90,6 +116,7 @@ class ZoneSearch {
 
   // zone_counterexample.cpp
   void find_path(const Target& target, TimedPath& path);
+  [[nodiscard]] std::vector<Visit> visits_of(const Target& target) const;
 
   const Image& image_;
   ExploreOptions options_;
@@ -101,7 +128,8 @@ class ZoneSearch {
   u32 open_ = kNone;                   // of a part: a location
   u64 impossible_ = 0;
   std::deque<ZoneNode> nodes_;
-  u32 next_ = 0;  // the first that was not expanded
+  std::vector<ZoneArc> arcs_;  // of a response without a limit
+  u32 next_ = 0;               // the first that was not expanded
   std::size_t node_bytes_ = 0;
   Target deadlock_, time_lock_, error_, match_;
   bool is_node_faulty_ = false;

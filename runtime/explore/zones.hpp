@@ -9,6 +9,8 @@
 // but nothing is forgotten then, so the graph may have no end. Cost: zones times interactions times clocks squared; a
 // location's zones are compared pairwise.
 #pragma once
+#include <optional>
+
 #include "runtime/explore/dbm.hpp"
 #include "runtime/explore/explore.hpp"
 
@@ -44,6 +46,11 @@ struct ZoneReport {
   bool has_deadlock = false, has_time_lock = false, has_error = false;
   bool has_match = false;     // options.predicate was true somewhere: the exploration ended there
   bool is_match_end = false;  // of a response: the run ends there, at a time lock
+  // Of a response without a limit: the steps of `match` from this number on repeat for ever. None of them: time passes
+  // for ever after the last one, or is_match_end.
+  std::optional<u64> match_cycle = std::nullopt;
+  bool has_standing_cycle =
+      false;  // the same: steps can repeat for ever while time stands still; such runs do not count
   TimedPath deadlock, time_lock, error, match;
   bool are_paths_known = true;  // false: the core could not take a path
   std::size_t bytes = 0;
@@ -66,17 +73,22 @@ struct ListedLocation {
 [[nodiscard]] ZoneReport explore_zones(const Image& image, const ExploreOptions& options,
                                        const std::function<void(const ListedLocation&)>& visit);
 
-/// A demand with a limit: at most `within` ticks after each point of a run at which `request` is true `response` is
-/// true. A point is a state while time passes in it (no candidate), or a step that is taken from it. What they read
-/// does not change while time passes.
+/// A demand: at most `within` ticks after each point of a run at which `request` is true `response` is true. A point is
+/// a state while time passes in it (no candidate), or a step that is taken from it. What they read does not change
+/// while time passes. Without a limit `response` is true at some time in each run in which time passes for ever, and
+/// before each time lock.
 struct TimedResponse {
   std::function<bool(Core&, const Candidate*)> request, response;
   bool asks_once = false;  // the first point of a run is the only request, and `request` is not called
-  i64 within = 0;
+  std::optional<i64> within = 0;
 };
 /// The zone graph with an observer: has_match says that a run misses the demand, `match` leads to the first instant
 /// after the limit, or to a time lock before it. The core has taken it, or are_paths_known is false. A run without a
 /// further instant beyond the limit that goes on for ever (Zeno) misses nothing.
+///
+/// Without a limit: `match` leads to a time lock, to where time may pass for ever without a step, or once around a
+/// cycle (match_cycle). Zones of which a request waits are then kept apart unless they are equal, so there are more of
+/// them. Images without `resume` only.
 [[nodiscard]] ZoneReport explore_response(const Image& image, const ExploreOptions& options,
                                           const TimedResponse& response);
 /// The same; visits all locations that have zones if the graph is complete and no run misses the demand.

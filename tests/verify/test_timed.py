@@ -6,8 +6,8 @@
 The systems have clocks in ns with small constants, bounds that are open or closed, limits from data, invariants, all urgencies,
 `resume`, triggers, guards, transfers, and divisions by zero in guards, limits and actions. The oracle is written from
 compiler/docs/semantics.md and shares nothing with bipc: it visits every state at every ns, clocks cut off above all constants, and
-says whether a deadlock, a time lock and an error are reachable, and whether a random `never E`, `E leads to F within T` or
-`eventually F within T` is violated. Prints the text of a system with another answer. BIPC names the
+says whether a deadlock, a time lock and an error are reachable, and whether a random `never E`, `E leads to F within T`,
+`eventually F within T`, or one of these without T, is violated. Prints the text of a system with another answer. BIPC names the
 program, JOBS the number of processes. Each tenth system is asked by the program, the others by the Python package of the build folder
 if there is one. To see it go red: let `may_pass` ignore one of its rules.
 """
@@ -20,6 +20,9 @@ import random
 import subprocess
 import sys
 import tempfile
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from strong_components import components  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 BUILD = pathlib.Path(os.environ.get("BUILD") or os.environ.get("BIPC_BUILD_DIR") or ROOT / "build").resolve()
@@ -320,6 +323,42 @@ class Oracle:
         worst = self.worst_age(*demand)
         return None if worst is None else worst > demand[2]
 
+    def never_comes(self, request, response):
+        """Is there a run with a request (None: the beginning) whose response never comes? It ends at a time lock, or time passes in it for
+        ever: a strong component of points at which the request waits, with a ns in it. None: too many states. Without `resume`."""
+        demand = request, response, None
+        first = tuple(State(0, atom.first, 0, None) for atom in self.atoms)
+        start = first, self.look(demand, first, None, None, True)
+        known, todo, waits, ticks = {start}, [start], {}, set()
+        while todo:
+            point = todo.pop()
+            state, age = point
+            found = self.expand(state)
+            if found is None:
+                continue
+            if age is not None and found.later is None and not found.steps:
+                return True
+            following, same = [], []  # same: the request that waits still does
+            if found.later is not None:
+                following.append((found.later, age))
+                same.append(age is not None)
+                if same[0]:
+                    ticks.add((point, following[0]))
+            for candidate, after in found.steps:
+                if after is not None:
+                    kept = self.look(demand, state, candidate, age)
+                    following.append((after, self.look(demand, after, None, kept)))
+                    same.append(age is not None and kept is not None and following[-1][1] is not None)
+            waits[point] = [new for new, is_same in zip(following, same) if is_same]
+            for new in following:
+                if new not in known:
+                    known.add(new)
+                    todo.append(new)
+            if len(known) > 3 * MOST_STATES:
+                return None
+        component = {node: k for k, own in enumerate(components(list(waits), waits)) for node in own}
+        return any(component[a] == component.get(b) for a, b in ticks)
+
     def run(self):
         """False: too many states."""
         first = tuple(State(0, atom.first, 0, None) for atom in self.atoms)
@@ -396,7 +435,7 @@ def sharp(r, oracle, request, response):
 
 def demand_text(demand):
     request, response, within = demand
-    text = f"({condition_text(response)}) within {within} ns"
+    text = f"({condition_text(response)})" + ("" if within is None else f" within {within} ns")
     return f"eventually {text}" if request is None else f"({condition_text(request)}) leads to {text}"
 
 
@@ -446,6 +485,9 @@ def check(seed):
     demands = [sharp(r, oracle, None if r.random() < 0.2 else make_condition(r, atoms, connectors), make_condition(r, atoms, connectors))
                for _ in range(3)]
     nevers = [make_state_condition(r, atoms) for _ in range(3)]
+    # Without a limit, of the same conditions; what an action that takes time does some time is not asked.
+    if all(t.resume is None for atom in atoms for t in atom.transitions):
+        demands += [((request, response, None), oracle.never_comes(request, response)) for (request, response, _), _ in demands]
     properties = [demand_text(demand) for demand, _ in demands] + [f"never {condition_text(never)}" for never in nevers]
     explored, given = (ask_program if bipc is None or seed % 10 == 0 else ask_package)(text, properties)
     if explored is None:
@@ -475,13 +517,15 @@ def check(seed):
             difference += f"\n`never {condition_text(never)}`: {answer and answer['text']}, the oracle says {wanted}"
     for (demand, is_missed), answer in zip(demands, answers):
         wanted = "no-state" if oracle.has_no_state else {None: "large", True: "violated", False: "holds"}[is_missed]
-        kinds.append(f"within: {wanted}")
+        kinds.append(f"{'without a limit' if demand[2] is None else 'within'}: {wanted}")
         if wanted == "large":
             continue
         if answer is None or answer["verdict"] != wanted:
             difference += f"\n`{demand_text(demand)}`: {answer and answer['text']}, the oracle says {wanted}"
-        elif wanted == "violated" and not answer["ends"] and answer["time"] - answer["requested"] <= demand[2]:
+        elif wanted == "violated" and demand[2] is not None and not answer["ends"] and answer["time"] - answer["requested"] <= demand[2]:
             difference += f"\n`{demand_text(demand)}`: not missed yet: {answer['text']}"
+        elif answer.get("cycle") is not None:
+            kinds.append("a cycle of steps")
     kind = "+".join(k for k, v in zip(("deadlock", "time lock", "error"), expected) if v) or "free"
     kinds.append(kind)
     return kinds, f"seed {seed}: oracle: {words % expected}; {difference}\n{text}" if difference else ""
@@ -500,8 +544,8 @@ def main():
     print(", ".join(f"{kind}: {n}" for kind, n in sorted(kinds.items())))
     compared = count - kinds["large"] - kinds["refused"]
     # What decides nothing is no test.
-    if count >= 60 and (compared < count // 2 or any(kinds[k] == 0 for k in ("free", "deadlock", "time lock"))
-                        or any(kinds[f"within: {k}"] < count // 10 for k in ("holds", "violated"))):
+    if count >= 60 and (compared < count // 2 or any(kinds[k] == 0 for k in ("free", "deadlock", "time lock", "a cycle of steps"))
+                        or any(kinds[f"{limit}: {k}"] < count // 10 for limit in ("within", "without a limit") for k in ("holds", "violated"))):
         bad += 1
         print("too few systems of some kind")
     print(f"timed: {compared - bad if compared > bad else 0} passed, {bad} failed")

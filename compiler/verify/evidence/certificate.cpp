@@ -211,17 +211,17 @@ std::optional<std::string> certificate_of_runs(const Formula& formula, const std
 
 std::optional<std::string> certificate_of_response(const Formula& formula, const std::string& rows,
                                                    const System& system, const std::string& root_name) {
-  BIP_ASSERT(formula.bounded, "no limit of time");
+  BIP_ASSERT(formula.has_limit(), "no limit of time");
   const auto text_of = [&](u32 row) {
     Formula part = formula;
     part.root = row;
     return certificate_text(part, system);
   };
   const std::optional<std::string> request =
-      formula.bounded->asks_once ? std::optional<std::string>("first") : text_of(formula.bounded->request);
-  const std::optional<std::string> response = text_of(formula.bounded->response);
+      formula.response->asks_once ? std::optional<std::string>("first") : text_of(formula.response->request);
+  const std::optional<std::string> response = text_of(formula.response->response);
   if (!request || !response) return std::nullopt;
-  return head_of_claim(root_name) + "within " + std::to_string(formula.bounded->within) + "ns " + *request + ' ' +
+  return head_of_claim(root_name) + "within " + std::to_string(*formula.response->within) + "ns " + *request + ' ' +
          *response + "\nmethod zones\n" + rows + "end\n";
 }
 

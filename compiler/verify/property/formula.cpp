@@ -26,11 +26,9 @@ class FormulaMaker {
 
   Result<Formula> run(std::optional<std::int64_t> within) {
     made_.root = make(parsed_.root);
-    if (within) {
-      const PropertyNode& root = parsed_.nodes[parsed_.root];
-      Formula::Bounded bounded{root.temporal == TemporalOperator::Eventually, make(root.a), make(root.b), *within};
-      made_.bounded = bounded;
-    }
+    made_.response = response_of(parsed_.root);
+    BIP_ASSERT(!within || made_.response, "a limit of time of no response");
+    if (within) made_.response->within = within;
     const auto past = std::count_if(made_.nodes.begin(), made_.nodes.end(),
                                     [](const FormulaNode& node) { return looks_back(node.kind); });
     if (made_.states.size() + made_.steps.size() + static_cast<std::size_t>(past) > kMaxConditions)
@@ -91,6 +89,28 @@ class FormulaMaker {
     const auto at = static_cast<std::uint32_t>(same - made_.steps.begin());
     if (same == made_.steps.end()) made_.steps.push_back(wanted);
     return add({.kind = FormulaKind::Step, .row = at});
+  }
+  // Without words of time, which speak of other points.
+  [[nodiscard]] bool is_of_one_point(std::uint32_t row) const {
+    const PropertyNode& node = parsed_.nodes[row];
+    if (is_temporal_[row] == 0) return true;
+    if (node.kind != PropertyKind::Operator) return node.kind != PropertyKind::Temporal;
+    return is_of_one_point(node.a) && (node.b == node.a || is_of_one_point(node.b));
+  }
+  // Its nodes are those that the formula has already.
+  std::optional<Formula::Response> response_of(std::uint32_t row) {
+    const PropertyNode& node = parsed_.nodes[row];
+    if (node.kind != PropertyKind::Temporal) return std::nullopt;
+    if (node.temporal == TemporalOperator::Always) {
+      const std::optional<Formula::Response> inner = response_of(node.a);
+      if (!inner || !inner->asks_once) return inner;
+      return Formula::Response{false, constant(true), inner->response, {}};
+    }
+    const bool asks_once = node.temporal == TemporalOperator::Eventually;
+    if ((!asks_once && node.temporal != TemporalOperator::LeadsTo) || !is_of_one_point(node.a) ||
+        !is_of_one_point(node.b))
+      return std::nullopt;
+    return Formula::Response{asks_once, make(node.a), make(node.b), {}};
   }
   // The parser has limited the depth.
   std::uint32_t make(std::uint32_t row) {

@@ -44,13 +44,14 @@ struct Formula {
   std::vector<Property> states;  // conditions, of type bool
   std::vector<StepCondition> steps;
   std::string text;
-  // `E leads to F within T`, `eventually F within T`: E and F as nodes without words of time. Only of models with time.
-  struct Bounded {
+  // `E leads to F`, `eventually F`, `always eventually F` (then E is true): E and F as nodes without words of time.
+  struct Response {
     bool asks_once = false;  // `eventually`: there is no E
     std::uint32_t request = 0, response = 0;
-    std::int64_t within = 0;  // ns
+    std::optional<std::int64_t> within;  // ns; only of models with time
   };
-  std::optional<Bounded> bounded;
+  std::optional<Response> response;
+  [[nodiscard]] bool has_limit() const { return response && response->within; }
 };
 
 /// A property of `--property`: of states or of runs.

@@ -1,0 +1,121 @@
+// A response without a limit of time: is there a run in which a request waits for ever while time goes on?
+//
+// Either time passes for ever after the last step: in a node that no instant has to end. Or steps follow for ever, and
+// time does: a cycle of nodes of which the same request waits, with a step that is *later*. At a later step the
+// observer's clock has reached Locations::in_time, and it begins again; any step at which it has may be later or not,
+// so the runs with infinitely many later steps are those in which time diverges (Tripakis, Yovine, Bouajjani 2005). The
+// amount is a divisor of the model's constants: with another one, say a tick, clocks would creep by it from round to
+// round, and the graph would be as large as the constants. A cycle of nodes is one of runs as long as nodes are joined
+// only if they are equal, not if one includes the other (Li 2009: Extra_LU preserves emptiness; Laarman et al. 2013).
+#include <algorithm>
+
+#include "bip/assert.hpp"
+#include "runtime/core/graph_algorithms.hpp"
+#include "runtime/explore/heap_bytes.hpp"
+#include "runtime/explore/zone_search.hpp"
+
+namespace bip::rt {
+
+namespace {
+
+// Arcs by the node that they leave, and the strong components of the nodes.
+struct ArcGraph {
+  const std::vector<ZoneArc>& arcs;
+  std::vector<u32> first;  // by node, and the end
+  std::vector<u32> component;
+  u32 count = 0;
+
+  ArcGraph(const std::vector<ZoneArc>& all, std::size_t nodes) : arcs(all), first(nodes + 1, 0), component(nodes, 0) {
+    BIP_ASSERT(std::is_sorted(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.from < b.from; }),
+               "nodes are expanded in their order");
+    for (const ZoneArc& arc : all) ++first[arc.from + 1];
+    for (std::size_t node = 0; node < nodes; ++node) first[node + 1] += first[node];
+    StrongComponents<u32> search;
+    search.begin(nodes);
+    for (const ZoneArc& arc : all) search.visit(arc.from, *this);
+  }
+  // As StrongComponents asks.
+  u32 enter(u32 node) { return first[node]; }
+  u32 next(u32 node, u32& arc) { return arc < first[node + 1] ? arcs[arc++].to : kNoSuccessor; }
+  void reach(u32, u32) {}
+  void close(const u32* members, std::size_t size) {
+    for (std::size_t k = 0; k < size; ++k) component[members[k]] = count;
+    ++count;
+  }
+
+  [[nodiscard]] bool is_on_cycle(const ZoneArc& arc) const { return component[arc.from] == component[arc.to]; }
+  // The fewest arcs that lead back to where the arc begins, after it.
+  [[nodiscard]] std::vector<u32> cycle_of(u32 begin) const {
+    const u32 start = arcs[begin].from;
+    std::vector<u32> by(component.size(), kNone), queue{arcs[begin].to};
+    by[arcs[begin].to] = begin;
+    for (std::size_t head = 0; head < queue.size() && by[start] == kNone; ++head) {
+      for (u32 arc = first[queue[head]]; arc < first[queue[head] + 1]; ++arc) {
+        if (by[arcs[arc].to] != kNone || !is_on_cycle(arcs[arc])) continue;
+        by[arcs[arc].to] = arc;
+        queue.push_back(arcs[arc].to);
+      }
+    }
+    BIP_ASSERT(by[start] != kNone, "nothing leads back to node {}", start);
+    std::vector<u32> cycle{by[start]};
+    while (cycle.back() != begin) cycle.push_back(by[arcs[cycle.back()].from]);
+    std::reverse(cycle.begin(), cycle.end());
+    return cycle;
+  }
+};
+
+}  // namespace
+
+// A node is entered, or one that is equal is there already.
+void ZoneSearch::note_arc(const ZoneNode& to, u32 row) {
+  if (to.parent == kNone || to.is_requested || !locations_[nodes_[to.parent].location].is_pending) return;
+  arcs_.push_back({to.parent, row, to.edge, to.is_later, to.interaction, to.config, to.origin});
+  node_bytes_ += sizeof(ZoneArc) + heap_bytes(to.origin);
+}
+
+void ZoneSearch::enter_later(u32 location, const Zone& zone, const ZoneNode& label) {
+  const ZoneBound& reached = locations_.in_time();
+  Zone later = zone;
+  if (!later.meet({0, reached.i, -reached.limit})) return;
+  later.set_clock(reached.i, 0);
+  ZoneNode node = label;
+  node.is_later = true;
+  enter(location, std::move(later), std::move(node));
+}
+
+bool ZoneSearch::find_idle(u32 node) {
+  const ZoneNode& at = nodes_[node];
+  if (!is_without_limit() || !locations_[at.location].is_pending) return false;
+  BIP_ASSERT(!at.is_waking, "an action that returns some time is not followed here");
+  // A run that ends in an error is not looked at: where guards fault has been cut, or the search begins anew.
+  if (at.is_still || at.is_faulty || !at.zone.is_unbounded()) return false;
+  std::vector<i64> point = at.zone.least_point();
+  if (!enter_core(locations_[at.location], point)) {
+    locations_.cut_by_all();
+    return false;
+  }
+  match_ = {};
+  match_.node = node;
+  match_.point = std::move(point);
+  match_.is_far = match_.is_idle = true;
+  return true;
+}
+
+// Also where the search ended at a limit: what was found is there.
+void ZoneSearch::find_lasso() {
+  if (!is_without_limit() || match_.node != kNone || !report_.inexact.empty()) return;
+  const ArcGraph graph(arcs_, nodes_.size());
+  for (u32 arc = 0; arc < arcs_.size(); ++arc) {
+    if (!graph.is_on_cycle(arcs_[arc])) continue;
+    report_.has_standing_cycle = true;
+    if (!arcs_[arc].is_later) continue;
+    match_ = {};
+    match_.node = arcs_[arc].from;
+    match_.point = nodes_[match_.node].zone.least_point();
+    match_.is_state = true;
+    match_.arcs = graph.cycle_of(arc);
+    return;
+  }
+}
+
+}  // namespace bip::rt
