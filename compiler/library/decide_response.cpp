@@ -92,9 +92,6 @@ Unsupported without_an_answer(const VerifyRequest& request, const System& system
   if (request.fairness.kind != verify::FairnessKind::None)
     return {"fairness for a model with time", "urgencies and invariants say what has to happen",
             "without `--fair` the property is decided"};
-  if (const std::string resume = system::first_resume(system); !resume.empty())
-    return {"a property of runs without a limit for a model with `resume`", resume,
-            "`E leads to F within 50 ms` and `eventually E within 50 ms` have answers"};
   if (request.wants_certificate)
     return {"a certificate for a property of runs without a limit for a model with time", system::first_timed(system),
             "without `--certificate` the property is decided"};

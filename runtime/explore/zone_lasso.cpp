@@ -7,6 +7,7 @@
 // amount is a divisor of the model's constants: with another one, say a tick, clocks would creep by it from round to
 // round, and the graph would be as large as the constants. A cycle of nodes is one of runs as long as nodes are joined
 // only if they are equal, not if one includes the other (Li 2009: Extra_LU preserves emptiness; Laarman et al. 2013).
+// An action that may return at infinitely many instants returns.
 #include <algorithm>
 
 #include "bip/assert.hpp"
@@ -44,23 +45,22 @@ struct ArcGraph {
   }
 
   [[nodiscard]] bool is_on_cycle(const ZoneArc& arc) const { return component[arc.from] == component[arc.to]; }
-  // The fewest arcs that lead back to where the arc begins, after it.
-  [[nodiscard]] std::vector<u32> cycle_of(u32 begin) const {
-    const u32 start = arcs[begin].from;
-    std::vector<u32> by(component.size(), kNone), queue{arcs[begin].to};
-    by[arcs[begin].to] = begin;
-    for (std::size_t head = 0; head < queue.size() && by[start] == kNone; ++head) {
+  // The fewest arcs from a node to another one of its component; none, if they are the same.
+  void append_path(std::vector<u32>& walk, u32 from, u32 to) const {
+    std::vector<u32> by(component.size(), kNone), queue{from};
+    for (std::size_t head = 0; head < queue.size() && by[to] == kNone && from != to; ++head) {
       for (u32 arc = first[queue[head]]; arc < first[queue[head] + 1]; ++arc) {
         if (by[arcs[arc].to] != kNone || !is_on_cycle(arcs[arc])) continue;
         by[arcs[arc].to] = arc;
         queue.push_back(arcs[arc].to);
       }
     }
-    BIP_ASSERT(by[start] != kNone, "nothing leads back to node {}", start);
-    std::vector<u32> cycle{by[start]};
-    while (cycle.back() != begin) cycle.push_back(by[arcs[cycle.back()].from]);
-    std::reverse(cycle.begin(), cycle.end());
-    return cycle;
+    const std::size_t begin = walk.size();
+    for (u32 node = to; node != from; node = arcs[by[node]].from) {
+      BIP_ASSERT(by[node] != kNone, "node {} does not lead to node {}", from, to);
+      walk.push_back(by[node]);
+    }
+    std::reverse(walk.begin() + static_cast<std::ptrdiff_t>(begin), walk.end());
   }
 };
 
@@ -86,9 +86,9 @@ void ZoneSearch::enter_later(u32 location, const Zone& zone, const ZoneNode& lab
 bool ZoneSearch::find_idle(u32 node) {
   const ZoneNode& at = nodes_[node];
   if (!is_without_limit() || !locations_[at.location].is_pending) return false;
-  BIP_ASSERT(!at.is_waking, "an action that returns some time is not followed here");
   // A run that ends in an error is not looked at: where guards fault has been cut, or the search begins anew.
-  if (at.is_still || at.is_faulty || !at.zone.is_unbounded()) return false;
+  // An action that may return does so some time.
+  if (at.is_still || at.is_faulty || at.is_waking || !at.zone.is_unbounded()) return false;
   std::vector<i64> point = at.zone.least_point();
   if (!enter_core(locations_[at.location], point)) {
     locations_.cut_by_all();
@@ -101,19 +101,45 @@ bool ZoneSearch::find_idle(u32 node) {
   return true;
 }
 
+// Is the atom busy, and may it go on?
+bool ZoneSearch::may_go_on(u32 node, u32 atom) {
+  const Location& at = locations_[nodes_[node].location];
+  return at.waits[atom] != kNone && std::any_of(at.groups.begin(), at.groups.end(), [&](const WaitGroup& group) {
+           return group.leader == at.leaders[atom] && wakes(group, nodes_[node].zone);
+         });
+}
+
 // Also where the search ended at a limit: what was found is there.
 void ZoneSearch::find_lasso() {
   if (!is_without_limit() || match_.node != kNone || !report_.inexact.empty()) return;
   const ArcGraph graph(arcs_, nodes_.size());
+  // By component: has it a later step; does an action that may return never do so?
+  std::vector<std::uint8_t> has_later(graph.count, 0), is_refused(graph.count, 0);
+  for (const ZoneArc& arc : arcs_) {
+    if (graph.is_on_cycle(arc) && arc.is_later) has_later[graph.component[arc.from]] = 1;
+  }
   for (u32 arc = 0; arc < arcs_.size(); ++arc) {
+    const u32 start = arcs_[arc].from, component = graph.component[start];
     if (!graph.is_on_cycle(arcs_[arc])) continue;
-    report_.has_standing_cycle = true;
-    if (!arcs_[arc].is_later) continue;
+    if (has_later[component] == 0) report_.has_standing_cycle = true;
+    if (!arcs_[arc].is_later || is_refused[component] != 0) continue;
+    std::vector<u32> walk{arc};
+    for (u32 atom = 0; atom < image_.atoms.size && is_refused[component] == 0; ++atom) {
+      const auto returns = [&](const ZoneArc& other) {
+        return graph.component[other.from] == component && !may_go_on(other.from, atom);
+      };
+      if (std::any_of(walk.begin(), walk.end(), [&](u32 taken) { return returns(arcs_[taken]); })) continue;
+      const auto found = std::find_if(arcs_.begin(), arcs_.end(), returns);
+      if (found == arcs_.end()) is_refused[component] = 1;
+      else graph.append_path(walk, arcs_[walk.back()].to, found->from);
+    }
+    if (is_refused[component] != 0) continue;
+    graph.append_path(walk, arcs_[walk.back()].to, start);
     match_ = {};
-    match_.node = arcs_[arc].from;
-    match_.point = nodes_[match_.node].zone.least_point();
+    match_.node = start;
+    match_.point = nodes_[start].zone.least_point();
     match_.is_state = true;
-    match_.arcs = graph.cycle_of(arc);
+    match_.arcs = std::move(walk);
     return;
   }
 }

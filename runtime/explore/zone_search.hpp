@@ -109,6 +109,7 @@ class ZoneSearch {
   void enter_later(u32 location, const Zone& zone, const ZoneNode& label);
   [[nodiscard]] bool find_idle(u32 node);
   void find_lasso();
+  [[nodiscard]] bool may_go_on(u32 node, u32 atom);
   // zone_part.cpp
   [[nodiscard]] bool is_impossible(u32 row);
   [[nodiscard]] bool is_asked_for(u32 node);

@@ -325,7 +325,8 @@ class Oracle:
 
     def never_comes(self, request, response):
         """Is there a run with a request (None: the beginning) whose response never comes? It ends at a time lock, or time passes in it for
-        ever: a strong component of points at which the request waits, with a ns in it. None: too many states. Without `resume`."""
+        ever: a strong component of points at which the request waits, with a ns in it. An action that may return does so some time.
+        None: too many states."""
         demand = request, response, None
         first = tuple(State(0, atom.first, 0, None) for atom in self.atoms)
         start = first, self.look(demand, first, None, None, True)
@@ -336,14 +337,17 @@ class Oracle:
             found = self.expand(state)
             if found is None:
                 continue
-            if age is not None and found.later is None and not found.steps:
+            if age is not None and found.later is None and not found.steps and not found.is_last:
                 return True
             following, same = [], []  # same: the request that waits still does
             if found.later is not None:
                 following.append((found.later, age))
                 same.append(age is not None)
-                if same[0]:
+                if age is not None:
                     ticks.add((point, following[0]))
+            for after in found.resumed:
+                following.append((after, age))
+                same.append(age is not None)
             for candidate, after in found.steps:
                 if after is not None:
                     kept = self.look(demand, state, candidate, age)
@@ -356,8 +360,10 @@ class Oracle:
                     todo.append(new)
             if len(known) > 3 * MOST_STATES:
                 return None
-        component = {node: k for k, own in enumerate(components(list(waits), waits)) for node in own}
-        return any(component[a] == component.get(b) for a, b in ticks)
+        parts = components(list(waits), waits)
+        component = {node: k for k, own in enumerate(parts) for node in own}
+        lasting = {component[a] for a, b in ticks if component[a] == component.get(b)}
+        return any(not set.intersection(*(set(self.may_resume(state)) for state, _ in parts[k])) for k in lasting)
 
     def run(self):
         """False: too many states."""
@@ -485,9 +491,8 @@ def check(seed):
     demands = [sharp(r, oracle, None if r.random() < 0.2 else make_condition(r, atoms, connectors), make_condition(r, atoms, connectors))
                for _ in range(3)]
     nevers = [make_state_condition(r, atoms) for _ in range(3)]
-    # Without a limit, of the same conditions; what an action that takes time does some time is not asked.
-    if all(t.resume is None for atom in atoms for t in atom.transitions):
-        demands += [((request, response, None), oracle.never_comes(request, response)) for (request, response, _), _ in demands]
+    # Without a limit, of the same conditions.
+    demands += [((request, response, None), oracle.never_comes(request, response)) for (request, response, _), _ in demands]
     properties = [demand_text(demand) for demand, _ in demands] + [f"never {condition_text(never)}" for never in nevers]
     explored, given = (ask_program if bipc is None or seed % 10 == 0 else ask_package)(text, properties)
     if explored is None:
