@@ -22,6 +22,11 @@ std::error_code error_of(int number) {
   return {number, std::generic_category()};
 }
 
+// A folder that may not be read, what is gone by now, and links that lead nowhere.
+bool is_left_out(int number) {
+  return number == EACCES || number == EPERM || number == ENOENT || number == ENOTDIR || number == ELOOP;
+}
+
 }  // namespace
 
 std::error_code visit_files(const fs::path& folder, const std::function<Visit(const FolderEntry&)>& visit) {
@@ -30,10 +35,11 @@ std::error_code visit_files(const fs::path& folder, const std::function<Visit(co
   const std::unique_ptr<FTS, int (*)(FTS*)> tree(fts_open(roots, FTS_PHYSICAL | FTS_COMFOLLOW | FTS_NOCHDIR, nullptr),
                                                  fts_close);
   if (tree == nullptr) return error_of(errno);
+  std::error_code first;  // of entries
   while (true) {
     errno = 0;
     FTSENT* const entry = fts_read(tree.get());
-    if (entry == nullptr) return errno == 0 ? std::error_code() : error_of(errno);
+    if (entry == nullptr) return errno == 0 ? first : error_of(errno);
     const bool is_root = entry->fts_level == FTS_ROOTLEVEL;
     switch (entry->fts_info) {
       case FTS_DP: continue;
@@ -41,6 +47,7 @@ std::error_code visit_files(const fs::path& folder, const std::function<Visit(co
       case FTS_ERR:
       case FTS_NS:
         if (is_root || entry->fts_errno == ENOMEM) return error_of(entry->fts_errno);
+        if (!is_left_out(entry->fts_errno) && !first) first = error_of(entry->fts_errno);
         continue;
       default: break;
     }
@@ -60,11 +67,17 @@ std::error_code visit_files(const fs::path& folder, const std::function<Visit(co
 
 std::vector<fs::path> files_below(const fs::path& folder, std::error_code& error) {
   std::vector<fs::path> files;
+  std::error_code first;  // of entries
   error = visit_files(folder, [&](const FolderEntry& entry) {
-    std::error_code gone;
-    if (!entry.is_folder && fs::is_regular_file(entry.path, gone)) files.push_back(entry.path);
+    if (entry.is_folder) return Visit::GoOn;
+    std::error_code unknown;
+    const bool is_file = fs::is_regular_file(entry.path, unknown);
+    if (is_file) files.push_back(entry.path);
+    if (unknown.value() == ENOMEM) throw_out_of_memory();
+    if (unknown && !is_left_out(unknown.value()) && !first) first = unknown;
     return Visit::GoOn;
   });
+  if (!error) error = first;
   std::sort(files.begin(), files.end());
   return files;
 }

@@ -21,7 +21,8 @@ struct FolderEntry {
 };
 
 /// Calls `visit` with each entry below `folder`, a folder before what is in it, otherwise in no order. A folder that
-/// may not be read is left out. Throws std::bad_alloc. Error: `folder` is none, or reading it failed.
+/// may not be read is left out. Throws std::bad_alloc. Error: `folder` is none, or reading it or something below it
+/// failed; then what could be read has been visited.
 std::error_code visit_files(const std::filesystem::path& folder, const std::function<Visit(const FolderEntry&)>& visit);
 
 /// The regular files below `folder`, and links to such, sorted. Error and std::bad_alloc: see visit_files.
