@@ -36,7 +36,7 @@ int serve_session(live::PageSession& session, const ViewArguments& arguments,
   options.port = arguments.port;
   const auto announce = [](const std::string& address) {
     std::printf("%s\n", address.c_str());
-    std::fflush(stdout);
+    return std::fflush(stdout) == 0;
   };
   const Result<bool> served = live::serve_page(session, options, make, announce);
   if (served) return kOk;
@@ -135,7 +135,9 @@ int command_view(const ViewArguments& arguments) {
     c.diags.report(Diag::kB5004, {}, output, written.error());
     return report(c);
   }
-  std::printf("%s: %s; a browser opens it\n", output.c_str(), rt::counted(session.position(), "step").c_str());
+  // Standard output is the page then.
+  if (output != "-")
+    std::printf("%s: %s; a browser opens it\n", output.c_str(), rt::counted(session.position(), "step").c_str());
   return kOk;
 }
 

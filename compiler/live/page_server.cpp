@@ -35,6 +35,10 @@ using Tcp = net::ip::tcp;
 using Failure = beast::error_code;
 // How often a session with another end is woken.
 constexpr std::chrono::milliseconds kTick{25};
+// When no more connections can be opened: until one may have ended.
+constexpr std::chrono::milliseconds kBreath{50};
+// How often the parent's pipe is looked at.
+constexpr std::chrono::seconds kSweep{1};
 
 struct Connection {
   explicit Connection(Tcp::socket&& socket) : stream(std::in_place, std::move(socket)) {}
@@ -53,7 +57,14 @@ class PageServer {
  public:
   PageServer(PageSession& session, const PageServerOptions& options,
              const std::function<std::string(const std::string&)>& page)
-      : session_(session), options_(options), page_(page), acceptor_(io_), signals_(io_), clock_(io_) {}
+      : session_(session),
+        options_(options),
+        page_(page),
+        acceptor_(io_),
+        signals_(io_),
+        clock_(io_),
+        sweep_(io_),
+        breath_(io_) {}
 
   // The page's address.
   Result<std::string> open() {
@@ -77,6 +88,7 @@ class PageServer {
       if (!why) io_.stop();
     });
     accept();
+    if (serve::is_open_pipe(STDIN_FILENO)) sweep();
     if (session_.descriptor() >= 0) {
       model_.emplace(io_, ::dup(session_.descriptor()));
       wait_for_model();
@@ -105,11 +117,39 @@ class PageServer {
     });
   }
 
+  // Ends with the parent that started us with a pipe and is gone. Nothing is read from the pipe.
+  void sweep() {
+    if (!serve::is_open_pipe(STDIN_FILENO)) return io_.stop();
+    sweep_.expires_after(kSweep);
+    sweep_.async_wait([this](const Failure& failed) {
+      if (!failed) sweep();
+    });
+  }
+
+  // Frees a place for a new connection: the oldest that is no page goes. False: all are pages.
+  bool make_room() {
+    for (const auto& [number, connection] : connections_) {
+      if (connection->is_page || connection->is_closed) continue;
+      close(number);
+      return true;
+    }
+    return false;
+  }
+
   void accept() {
     acceptor_.async_accept([this](const Failure& failed, Tcp::socket socket) {
       if (failed == net::error::operation_aborted) return;
+      if (failed) {
+        // Too many open files, as a rule: to ask again at once would be all that this thread does.
+        (void)make_room();
+        breath_.expires_after(kBreath);
+        breath_.async_wait([this](const Failure& stopped) {
+          if (!stopped) accept();
+        });
+        return;
+      }
       // One too many is closed at once.
-      if (!failed && connections_.size() < options_.max_clients) {
+      if (connections_.size() < options_.max_clients || make_room()) {
         const std::uint64_t number = next_++;
         Connection& c = *connections_.emplace(number, std::make_unique<Connection>(std::move(socket))).first->second;
         read_request(number, c);
@@ -289,7 +329,7 @@ class PageServer {
   net::io_context io_{1};
   Tcp::acceptor acceptor_;
   net::signal_set signals_;
-  net::steady_timer clock_;
+  net::steady_timer clock_, sweep_, breath_;
   std::optional<net::posix::stream_descriptor> model_;
   std::string token_;
   std::array<std::string, 2> hosts_;
@@ -303,12 +343,11 @@ class PageServer {
 
 Result<bool> serve_page(PageSession& session, const PageServerOptions& options,
                         const std::function<std::string(const std::string& connects_to)>& page,
-                        const std::function<void(const std::string& address)>& announce) {
+                        const std::function<bool(const std::string& address)>& announce) {
   PageServer server(session, options, page);
   const Result<std::string> address = server.open();
   if (!address) return bip::Failure{address.error()};
-  announce(*address);
-  server.run();
+  if (announce(*address)) server.run();
   return true;
 }
 

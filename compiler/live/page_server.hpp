@@ -15,18 +15,19 @@
 namespace bip::live {
 
 struct PageServerOptions {
-  std::uint16_t port = 0;  // 0: one that is free
-  std::size_t max_clients = 16;
+  std::uint16_t port = 0;                                  // 0: one that is free
+  std::size_t max_clients = 16;                            // a new one takes the place of the oldest that is no page
   std::size_t max_head = 8 << 10, max_message = 64 << 10;  // bytes of a client
   std::size_t max_waiting = std::size_t{256} << 20;        // bytes to a client that does not read
   int silence = 10;                                        // seconds until a connection that asks for nothing is closed
 };
 
-/// Serves until SIGINT, SIGTERM or SIGHUP ends the process, or the session's other end is gone. `page` makes the page,
-/// and gets what its content security policy allows it to connect to; `announce` gets the page's address. A failure
-/// says why nothing was served.
+/// Serves until SIGINT, SIGTERM or SIGHUP ends the process, the session's other end is gone, or standard input is a
+/// pipe whose other end is closed. `page` makes the page, and gets what its content security policy allows it to
+/// connect to; `announce` gets the page's address and returns whether anybody knows it now: nothing is served
+/// otherwise. A failure says why nothing was served.
 [[nodiscard]] Result<bool> serve_page(PageSession& session, const PageServerOptions& options,
                                       const std::function<std::string(const std::string& connects_to)>& page,
-                                      const std::function<void(const std::string& address)>& announce);
+                                      const std::function<bool(const std::string& address)>& announce);
 
 }  // namespace bip::live

@@ -9,6 +9,7 @@ not those of the page: other origins, other hosts, no token, unsound ones, too l
 """
 import os
 import pathlib
+import resource
 import signal
 import subprocess
 import sys
@@ -239,6 +240,7 @@ def strangers():
             except OSError:
                 pass
         check("one connection too many is closed", closed >= 20, closed)
+        check("those that say nothing keep nobody out", served.get(path).startswith("HTTP/1.1 200"))
         for s in silent:
             s.close()
         time.sleep(0.3)
@@ -259,10 +261,48 @@ def strangers():
         check("Ctrl-C ends it", interrupted.process.wait(20) == 0, interrupted.process.returncode)
 
 
+def ticks(pid):
+    return sum(int(x) for x in pathlib.Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[11:13])
+
+
+def surroundings():
+    # UBSan needs files of its own.
+    if os.environ.get("BIPC_TEST_PATIENCE", "1") == "1":
+        with Served(BIPC, PHILOSOPHERS, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (16, 16))) as served:
+            crowd = [served.connect() for _ in range(30)]
+            time.sleep(0.3)
+            before = ticks(served.process.pid)
+            time.sleep(1)
+            spent = ticks(served.process.pid) - before
+            check("more connections than files: nothing spins", spent < 15, f"{spent} ticks of the processor in a second")
+            check("and the page is served", served.get(f"/{served.token}/").startswith("HTTP/1.1 200"))
+            for s in crowd:
+                s.close()
+    with Served(BIPC, PHILOSOPHERS, stdin=subprocess.PIPE) as started:
+        check("it stays while its parent's pipe is open", started.get(f"/{started.token}/").startswith("HTTP/1.1 200"))
+        started.process.stdin.close()
+        check("it ends with its parent's pipe", ends(started.process) == 0, started.process.poll())
+    with open("/dev/full", "w") as full:
+        nobody = subprocess.Popen([BIPC, "view", "--port", "0", str(PHILOSOPHERS)], stdin=subprocess.DEVNULL, stdout=full, stderr=subprocess.PIPE, text=True)
+        code, said = ends(nobody), nobody.stderr.read()
+        check("an address that nobody hears is not served", code == 74 and "cannot write `standard output`" in said, code, said)
+
+
+def ends(process):
+    """Its exit code; None if it goes on, and is ended then."""
+    try:
+        return process.wait(10)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+        return None
+
+
 with tempfile.TemporaryDirectory() as name:
     deadlock(pathlib.Path(name))
     driving()
     events()
     strangers()
+    surroundings()
 print(f"live: {passed} passed, {failed} failed")
 sys.exit(1 if failed else 0)

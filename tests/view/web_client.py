@@ -12,8 +12,8 @@ import tempfile
 class Served:
     """A live page over a model; `host`, `port`, `token` of its address."""
 
-    def __init__(self, bipc, *arguments):
-        self.process = subprocess.Popen([bipc, "view", "--port", "0", *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    def __init__(self, bipc, *arguments, **more):
+        self.process = subprocess.Popen([bipc, "view", "--port", "0", *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **more)
         self.address = self.process.stdout.readline().strip()
         found = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/([0-9a-f]{32})/", self.address)
         assert found, self.address + self.process.stderr.read()
