@@ -64,11 +64,16 @@ Result<bool> write_directly(const fs::path& path, std::string_view text) {
 
 }  // namespace
 
-NewFile::NewFile(fs::path target, fs::path path, int file, bool is_copied)
-    : target_(std::move(target)), path_(std::move(path)), file_(file), is_copied_(is_copied) {}
+NewFile::NewFile(std::unique_ptr<DelayedSignals> signals, fs::path target, fs::path path, int file, bool is_copied)
+    : signals_(std::move(signals)),
+      target_(std::move(target)),
+      path_(std::move(path)),
+      file_(file),
+      is_copied_(is_copied) {}
 
 NewFile::NewFile(NewFile&& other) noexcept
-    : target_(std::move(other.target_)),
+    : signals_(std::move(other.signals_)),
+      target_(std::move(other.target_)),
       path_(std::move(other.path_)),
       file_(std::exchange(other.file_, -1)),
       is_copied_(other.is_copied_) {
@@ -113,7 +118,7 @@ Result<bool> can_be_written(const fs::path& target) {
   return true;
 }
 
-Result<NewFile> NewFile::create(const fs::path& target) {
+Result<NewFile> NewFile::create(const fs::path& target, Readers readers) {
   static std::atomic<unsigned> next{0};
   const Result<Target> examined = examine(target);
   if (!examined) return Failure{examined.error()};
@@ -122,12 +127,14 @@ Result<NewFile> NewFile::create(const fs::path& target) {
   const fs::path folder = is_copied ? fs::temp_directory_path(unusable) : final.parent_path();
   if (unusable) return Failure{unusable.message()};
   const std::string stem = final.filename().string().substr(0, kMaxStem);
+  const mode_t mode = readers == Readers::OwnerAlone ? S_IRUSR | S_IWUSR : 0666;
+  auto signals = std::make_unique<DelayedSignals>();
   for (int k = 0; k < kMaxNames; ++k) {
     const std::string name = "." + stem + "." + std::to_string(::getpid()) + "-" + std::to_string(next++) + ".new";
     // Copied before there is a file, which nothing would remove if memory ended here.
     fs::path path = folder / name, end = final;
-    const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (file >= 0) return NewFile(std::move(end), std::move(path), file, is_copied);
+    const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+    if (file >= 0) return NewFile(std::move(signals), std::move(end), std::move(path), file, is_copied);
     if (errno != EEXIST) return failure_of(errno);
   }
   return failure_of(EEXIST);
@@ -147,6 +154,8 @@ Result<bool> NewFile::commit(Durability durability) {
     // Before the writing, which SIGPIPE may end together with the process.
     ::unlink(path_.c_str());
     path_.clear();
+    // Nothing is left to remove, and the reader of a pipe may never come.
+    signals_.reset();
     return write_directly(target_, *text);
   }
   if (durability == Durability::Synced) {
@@ -170,8 +179,8 @@ Result<bool> NewFile::commit(Durability durability) {
 
 Result<bool> write_file(const fs::path& path, std::string_view text, Durability durability) {
   if (path == "-") {
-    std::fflush(stdout);
-    if (const int error = write_all(STDOUT_FILENO, text); error != 0) return failure_of(error);
+    // A loss is found by finish_standard_output(), like that of everything else that is printed.
+    std::fwrite(text.data(), 1, text.size(), stdout);
     return true;
   }
   struct stat old {};

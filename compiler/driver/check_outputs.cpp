@@ -25,13 +25,24 @@ std::vector<std::string> inputs_of(Compilation& c) {
   return inputs;
 }
 
+namespace fs = std::filesystem;
+
+// By the path as it is given or by what it leads to.
+bool lies_in(const fs::path& file, const fs::path& folder) {
+  std::error_code error;
+  for (fs::path path : {fs::absolute(file, error).lexically_normal(), fs::weakly_canonical(file, error)}) {
+    for (; path.has_relative_path(); path = path.parent_path()) {
+      if (is_same_file(path, folder)) return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 bool check_outputs(Compilation& c, const std::vector<std::string>& outputs, const std::vector<std::string>& others) {
   std::error_code error;
-  const auto is_file = [&](const std::string& path) {
-    return !path.empty() && std::filesystem::is_regular_file(path, error);
-  };
+  const auto is_file = [&](const std::string& path) { return !path.empty() && fs::is_regular_file(path, error); };
   if (std::none_of(outputs.begin(), outputs.end(), is_file)) return true;
   std::vector<std::string> inputs = inputs_of(c);
   inputs.insert(inputs.end(), others.begin(), others.end());
@@ -45,6 +56,17 @@ bool check_outputs(Compilation& c, const std::vector<std::string>& outputs, cons
     is_sound = false;
   }
   return is_sound;
+}
+
+bool check_replaced_folder(Compilation& c, const std::string& folder) {
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) return true;
+  const std::vector<std::string> inputs = inputs_of(c);
+  if (std::none_of(inputs.begin(), inputs.end(),
+                   [&](const std::string& in) { return !in.empty() && lies_in(in, folder); }))
+    return !c.diags.has_errors();
+  c.diags.report(Diag::kB5013, {}, folder);
+  return false;
 }
 
 bool check_writable(Compilation& c, const std::vector<std::string>& outputs) {

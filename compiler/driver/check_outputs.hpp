@@ -14,6 +14,9 @@ namespace bip::driver {
 [[nodiscard]] bool check_outputs(Compilation& c, const std::vector<std::string>& outputs,
                                  const std::vector<std::string>& inputs = {});
 
+/// The same for a folder that is removed before its files are written: no input may lie in it.
+[[nodiscard]] bool check_replaced_folder(Compilation& c, const std::string& folder);
+
 /// Returns whether the outputs can be written, before the model's C++ is loaded for a result that would be lost; false
 /// after a report (B5004).
 [[nodiscard]] bool check_writable(Compilation& c, const std::vector<std::string>& outputs);

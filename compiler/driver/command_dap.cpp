@@ -4,12 +4,18 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdio>
+#include <cstring>
 
+#include <fmt/format.h>
+
+#include "bip/process.hpp"
+#include "compiler/base/framed_output.hpp"
 #include "compiler/base/framing.hpp"
 #include "compiler/debug/dap_server.hpp"
 #include "compiler/driver/commands.hpp"
+#include "compiler/driver/report.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
+#include "compiler/pipeline/host_compiler.hpp"
 #include "compiler/driver/load_moves.hpp"
 #include "compiler/pipeline/executor.hpp"
 #include "runtime/engine/policies.hpp"
@@ -78,16 +84,6 @@ std::unique_ptr<debug::Debuggee> launch_model(const debug::LaunchRequest& reques
   return model;
 }
 
-bool write_whole(int file, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t done = ::write(file, bytes.data(), bytes.size());
-    if (done < 0 && errno == EINTR) continue;
-    if (done <= 0) return false;
-    bytes.remove_prefix(static_cast<std::size_t>(done));
-  }
-  return true;
-}
-
 bool has_bytes() {
   pollfd input{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
   return ::poll(&input, 1, 0) > 0;
@@ -99,14 +95,15 @@ int command_dap() {
   constexpr std::size_t kChunk = 1u << 16;
   // The protocol has the only copy of standard output.
   const int out = ::dup(STDOUT_FILENO);
-  if (out < 0 || ::dup2(STDERR_FILENO, STDOUT_FILENO) < 0) return kUsage;
-  bool is_heard = true;
-  debug::DapServer server(launch_model,
-                          [&](const std::string& body) { is_heard = is_heard && write_whole(out, framed(body)); });
+  if (out < 0 || ::dup2(STDERR_FILENO, STDOUT_FILENO) < 0) return report_lost_output(errno);
+  FramedOutput output(out);
+  debug::DapServer server(launch_model, [&](const std::string& body) { output.write(body); });
   Framing framing;
+  int read_error = 0;
   server.has_input = has_bytes;
   std::string chunk;
-  while (is_heard && !server.is_finished()) {
+  // A signal that came while the model's C++ was compiled ends the session.
+  while (output.error() == 0 && !server.is_finished() && signal_during_program() == 0) {
     bool has_message = false;
     while (auto frame = framing.next()) {
       has_message = true;
@@ -122,10 +119,17 @@ int command_dap() {
     chunk.resize(kChunk);
     const ssize_t got = ::read(STDIN_FILENO, chunk.data(), chunk.size());
     if (got < 0 && errno == EINTR) continue;
+    if (got < 0) read_error = errno;
     if (got <= 0) break;
     framing.feed(std::string_view(chunk).substr(0, static_cast<std::size_t>(got)));
   }
   ::close(out);
+  if (output.error() != 0) return report_lost_output(output.error());
+  if (read_error != 0) {
+    print_error_words(fmt::format("error: cannot read standard input: {}", std::strerror(read_error)));
+    return kOutputLost;
+  }
+  if (!server.is_finished()) print_error_words("error: standard input has ended before a request `disconnect`");
   return server.is_finished() ? kOk : kModelErrors;
 }
 

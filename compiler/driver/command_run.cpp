@@ -79,8 +79,8 @@ int run_profiled(Compilation& c, const RunArguments& arguments, rt::RunOptions o
   if (arguments.profile_path.empty()) return result.exit_code;
   if (const Result<bool> written = write_file(arguments.profile_path, profile_json(*c.lowered, profile, result.steps));
       !written) {
-    print_error_words(fmt::format("error: cannot write `{}`: {}", arguments.profile_path, written.error()));
-    return kUsage;
+    print_error_words(fmt::format("error[B5004]: cannot write `{}`: {}", arguments.profile_path, written.error()));
+    return kModelErrors;
   }
   return result.exit_code;
 }

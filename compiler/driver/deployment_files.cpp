@@ -19,6 +19,7 @@
 #include "compiler/base/read_file.hpp"
 #include "compiler/base/visit_files.hpp"
 #include "compiler/base/write_file.hpp"
+#include "compiler/driver/check_outputs.hpp"
 #include "compiler/driver/distributed_runs.hpp"
 #include "compiler/driver/known_conflicts.hpp"
 #include "compiler/emit_cpp/copy_ffi_files.hpp"
@@ -117,21 +118,31 @@ std::string listen_of(const std::string& address) {
   return is_number ? address : "*" + address.substr(address.rfind(':'));
 }
 
-// Only the owner reads it, from its first byte on.
-Result<bool> write_secret(const fs::path& path, const std::string& text) {
-  ::unlink(path.c_str());
-  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, S_IRUSR | S_IWUSR);
-  if (file < 0) return Failure{path.string() + ": " + std::strerror(errno)};
-  const bool is_written = ::write(file, text.data(), text.size()) == static_cast<ssize_t>(text.size());
-  if (::close(file) != 0 || !is_written) return Failure{path.string() + ": " + std::strerror(errno)};
-  return true;
+// False after a report.
+bool note_written(Compilation& c, const fs::path& path, const Result<bool>& written) {
+  if (!written) c.diags.report(Diag::kB5004, {}, path.string(), written.error());
+  return static_cast<bool>(written);
 }
 
-Result<bool> write_text_file(const fs::path& path, const std::string& text, bool is_program = false) {
-  if (const Result<bool> written = write_file(path, text); !written)
-    return Failure{path.string() + ": " + written.error()};
-  if (is_program && ::chmod(path.c_str(), 0755) != 0) return Failure{path.string() + ": " + std::strerror(errno)};
-  return true;
+// Only the owner reads it, from its first byte on.
+Result<bool> replace_secret(const fs::path& path, const std::string& text) {
+  Result<NewFile> file = NewFile::create(path, Readers::OwnerAlone);
+  if (!file) return Failure{file.error()};
+  if (Result<bool> written = file->write(text); !written) return written;
+  return file->commit(Durability::Synced);
+}
+
+bool write_secret(Compilation& c, const fs::path& path, const std::string& text) {
+  return note_written(c, path, replace_secret(path, text));
+}
+
+bool write_text_file(Compilation& c, const fs::path& path, const std::string& text) {
+  return note_written(c, path, write_file(path, text));
+}
+
+bool write_program(Compilation& c, const fs::path& path, const std::string& text) {
+  if (!write_text_file(c, path, text)) return false;
+  return note_written(c, path, ::chmod(path.c_str(), 0755) == 0 ? Result<bool>(true) : Failure{std::strerror(errno)});
 }
 
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
@@ -182,6 +193,24 @@ Result<bool> move_cpp(FfiFiles& cpp, const fs::path& folder) {
   return true;
 }
 
+// Before anything is written. Other folders called `ffi` than ours are not removed.
+bool check_deployed_files(Compilation& c, const rt::Placement& placement, const DeployArguments& arguments) {
+  std::error_code error;
+  for (const std::string& name : placement.nodes) {
+    const fs::path folder = fs::path(arguments.output) / name;
+    const fs::path cpp = folder / kCppFolder;
+    std::vector<std::string> files;
+    for (const char* file : {kModelFile, kPlacementFile, kMovesFile, kNodeFile, kKeyFile, kLauncherKeyFile})
+      files.push_back(folder / file);
+    if (!check_outputs(c, files, {arguments.placement_path}) || !check_replaced_folder(c, cpp)) return false;
+    if (fs::exists(cpp, error) && !fs::exists(folder / kNodeFile, error)) {
+      c.diags.report(Diag::kB5004, {}, cpp.string(), "it is there already, and `bipc deploy` has not made it");
+      return false;
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 bool is_deployable(Compilation& c, const rt::Placement& placement) {
@@ -223,6 +252,7 @@ Result<bool> write_deployment(Compilation& c, const rt::Placement& placement, co
   }
 
   const fs::path top = arguments.output;
+  if (!check_deployed_files(c, placement, arguments)) return false;
   std::string copies, starts, model;
   for (std::size_t node = 0; node < nodes; ++node) {
     const std::string& name = placement.nodes[node];
@@ -231,7 +261,7 @@ Result<bool> write_deployment(Compilation& c, const rt::Placement& placement, co
     fs::create_directories(folder, error);
     fs::remove_all(folder / kCppFolder, error);
     fs::create_directories(folder, error);
-    if (error) return Failure{folder.string() + ": " + error.message()};
+    if (error) return note_written(c, folder, Failure{error.message()});
     if (const auto copied = emit_cpp::copy_ffi_files(cpp, folder); !copied) return Failure{copied.error()};
     if (node == 0) {
       if (const Result<bool> moved = move_cpp(c.system->code.cpp, folder); !moved) return moved;
@@ -247,26 +277,22 @@ Result<bool> write_deployment(Compilation& c, const rt::Placement& placement, co
                     node == 0 ? " and the launcher, which prints the steps: see `bipc node --help`" : "",
                     listen_of(address), placement.nodes[0]);
     const std::string unit = fmt::format(kUnit, name, kWhereInstalled);
-    const Result<bool> files[] = {
-        write_text_file(folder / kModelFile, model),
-        write_text_file(folder / kPlacementFile, place),
-        write_text_file(folder / kMovesFile, print_next_moves(placement.next_moves)),
-        write_text_file(folder / kNodeFile, about + known),
-        write_secret(folder / kKeyFile, keys[node].secret + '\n'),
-        node == 0 ? write_secret(folder / kLauncherKeyFile, keys[nodes].secret + '\n') : Result<bool>(true),
-        write_text_file(folder / "start", fmt::format(kStart, name), true),
-        write_text_file(folder / ("bipc-" + name + ".service"), unit),
-        write_text_file(folder / "README", readme)};
-    for (const Result<bool>& written : files) {
-      if (!written) return Failure{written.error()};
-    }
+    const bool is_written = write_text_file(c, folder / kModelFile, model) &&
+                            write_text_file(c, folder / kPlacementFile, place) &&
+                            write_text_file(c, folder / kMovesFile, print_next_moves(placement.next_moves)) &&
+                            write_text_file(c, folder / kNodeFile, about + known) &&
+                            write_secret(c, folder / kKeyFile, keys[node].secret + '\n') &&
+                            (node != 0 || write_secret(c, folder / kLauncherKeyFile, keys[nodes].secret + '\n')) &&
+                            write_program(c, folder / "start", fmt::format(kStart, name)) &&
+                            write_text_file(c, folder / ("bipc-" + name + ".service"), unit) &&
+                            write_text_file(c, folder / "README", readme);
+    if (!is_written) return false;
     const std::string host = host_of(address);
     copies += fmt::format("copy {} {}\n", name, host);
     if (node != 0) starts += fmt::format("ssh {} \"'$target'/{}/start\" & others=\"$others $!\"\n", host, name);
   }
-  return write_text_file(top / "start",
-                         fmt::format(kStartAll, copies + starts, placement.nodes[0], host_of(placement.addresses[0])),
-                         true);
+  return write_program(c, top / "start",
+                       fmt::format(kStartAll, copies + starts, placement.nodes[0], host_of(placement.addresses[0])));
 }
 
 Result<rt::Deployment> read_deployment(const std::string& folder, const rt::Placement& placement) {

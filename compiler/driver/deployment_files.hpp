@@ -25,7 +25,8 @@ inline constexpr const char* kCppFolder = "ffi";
 /// Can such a placement be deployed? False: a diagnostic was reported.
 [[nodiscard]] bool is_deployable(Compilation& c, const rt::Placement& placement);
 
-/// Writes the folders. A failure says what could not be written.
+/// Writes the folders. A failure says why; false: a diagnostic was reported, that a file cannot be written (B5004) or
+/// is an input of this command (B5013).
 [[nodiscard]] Result<bool> write_deployment(Compilation& c, const rt::Placement& placement,
                                             const DeployArguments& arguments, const rt::FabricFactory& fabrics);
 

@@ -39,6 +39,25 @@ void write_skeleton(Compilation& c, const GenomArguments& a, const genom::Transl
   }
 }
 
+std::string beside_output(const GenomArguments& a, const std::string& name) {
+  return (fs::path(a.output).parent_path() / name).string();
+}
+
+// All that write_translation() may write.
+std::vector<std::string> paths_of(const GenomArguments& a, const genom::Translation& translation,
+                                  const std::string& package) {
+  std::vector<std::string> paths{a.output};
+  for (const auto& [name, file] : translation.c_files) paths.push_back(beside_output(a, name));
+  if (a.skeleton) paths.push_back(beside_output(a, package + "_codels.hpp"));
+  return paths;
+}
+
+std::vector<std::string> input_files_of(const GenomArguments& a) {
+  std::vector<std::string> inputs = a.codels;
+  inputs.push_back(a.side_file);
+  return inputs;
+}
+
 // As pkg-config knows it. The package is one argument, whatever it is called.
 Result<std::vector<std::string>> package_folders(const std::string& package) {
   auto folder = pipeline::TemporaryDirectory::make();
@@ -139,10 +158,9 @@ void write_translation(Compilation& c, const GenomArguments& a, const genom::Tra
   const std::string text = formatted(translation.bip);
   if (a.output.empty()) {
     std::fwrite(text.data(), 1, text.size(), stdout);
-  } else if (check_outputs(c, {a.output})) {
+  } else if (check_outputs(c, paths_of(a, translation, package), input_files_of(a))) {
     write(c, a.output, text);
-    for (const auto& [name, file] : translation.c_files)
-      write(c, (fs::path(a.output).parent_path() / name).string(), file);
+    for (const auto& [name, file] : translation.c_files) write(c, beside_output(a, name), file);
     if (a.skeleton) write_skeleton(c, a, translation, package);
   }
 }

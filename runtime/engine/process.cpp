@@ -66,12 +66,16 @@ void hold_standard_descriptors() {
   }
 }
 
+int report_lost_output(int error) {
+  const char* const reason = error != 0 ? std::strerror(error) : "an earlier part was lost";
+  std::fprintf(stderr, "error[B5004]: cannot write `standard output`: %s\n", reason);
+  return kOutputLost;
+}
+
 int finish_standard_output(int code) {
   errno = 0;
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
-  const char* const reason = errno != 0 ? std::strerror(errno) : "an earlier part was lost";
-  std::fprintf(stderr, "error[B5004]: cannot write `standard output`: %s\n", reason);
-  return kOutputLost;
+  return report_lost_output(errno);
 }
 
 namespace {

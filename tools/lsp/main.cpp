@@ -12,21 +12,12 @@
 #include <string_view>
 
 #include "bip/process.hpp"
+#include "compiler/base/framed_output.hpp"
 #include "tools/lsp/language_server.hpp"
 
 namespace {
 
 constexpr std::size_t kMostAtOnce = 1u << 20;
-
-bool write_all(std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t done = ::write(STDOUT_FILENO, bytes.data(), bytes.size());
-    if (done < 0 && errno == EINTR) continue;
-    if (done <= 0) return false;
-    bytes.remove_prefix(static_cast<std::size_t>(done));
-  }
-  return true;
-}
 
 // Between two keys of a person who goes on typing.
 constexpr int kPauseMs = 300;
@@ -38,24 +29,32 @@ bool has_input(int ms) {
 
 int serve() {
   using Queue = bip::lsp::Server::Queue;
-  bool is_heard = true;
-  bip::lsp::Server server(
-      [&is_heard](std::string_view message) { is_heard = is_heard && write_all(bip::framed(message)); });
+  bip::FramedOutput output(STDOUT_FILENO);
+  bip::lsp::Server server([&output](std::string_view message) { output.write(message); });
   bip::Framing framing;
   std::string chunk;
-  while (is_heard) {
+  int read_error = 0;
+  while (output.error() == 0) {
     while (auto frame = framing.next()) {
       server.handle(*frame, framing.has_more() || has_input(0) ? Queue::HasMore : Queue::Empty);
-      if (server.is_finished()) return server.exit_code();
+      if (server.is_finished() && output.error() == 0) return server.exit_code();
+      if (output.error() != 0) break;
     }
     if (server.is_behind() && !has_input(kPauseMs)) server.catch_up();
     if (server.is_unfinished() && !has_input(0)) server.finish();
     chunk.resize(std::clamp<std::size_t>(framing.missing(), 4096, kMostAtOnce));
     const ssize_t got = ::read(STDIN_FILENO, chunk.data(), chunk.size());
     if (got < 0 && errno == EINTR) continue;
+    if (got < 0) read_error = errno;
     if (got <= 0) break;
     framing.feed(std::string_view(chunk).substr(0, static_cast<std::size_t>(got)));
   }
+  if (output.error() != 0) return bip::report_lost_output(output.error());
+  if (read_error != 0) {
+    std::fprintf(stderr, "error: cannot read standard input: %s\n", std::strerror(read_error));
+    return bip::kOutputLost;
+  }
+  std::fputs("error: standard input has ended before the notification `exit`\n", stderr);
   return 1;
 }
 

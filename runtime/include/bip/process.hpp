@@ -20,6 +20,10 @@ inline constexpr int kOutputLost = 74;
 /// at once; writing to standard output fails, as it did before.
 void hold_standard_descriptors();
 
+/// Reports on standard error that standard output was lost, for the reason that the error's number gives (0: an earlier
+/// one). Returns kOutputLost.
+int report_lost_output(int error);
+
 /// Writes what is buffered for standard output. Returns `code`, or kOutputLost after a report on standard error.
 [[nodiscard]] int finish_standard_output(int code);
 

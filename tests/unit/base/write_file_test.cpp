@@ -2,7 +2,10 @@
 #include "compiler/base/write_file.hpp"
 
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <csignal>
 #include <thread>
 
 #include "compiler/base/build_id.hpp"
@@ -64,6 +67,61 @@ TEST_CASE("a pipe stays a pipe when a new file is written to its name") {
   CHECK(got == "text");
   CHECK(fs::is_fifo(path));
   CHECK(NewFile::create(folder.path()).error() == "Is a directory");
+}
+
+TEST_CASE("a signal that ends the process while a file is written comes when the file is gone") {
+  const testing::ScratchFolder folder;
+  const std::string path = folder.path() + "/a";
+  REQUIRE(write_file(path, "old"));
+  for (const int ending : {SIGINT, SIGTERM, SIGHUP}) {
+    const pid_t child = ::fork();
+    if (child == 0) {
+      std::signal(ending, SIG_DFL);
+      Result<NewFile> file = NewFile::create(path);
+      (void)std::raise(ending);
+      const bool is_alive_meanwhile = file && file->write("new");
+      { const Result<NewFile> dropped = std::move(file); }
+      ::_exit(is_alive_meanwhile ? 1 : 2);
+    }
+    int status = 0;
+    REQUIRE(::waitpid(child, &status, 0) == child);
+    CHECK(WIFSIGNALED(status));
+    CHECK(WTERMSIG(status) == ending);
+    CHECK(files_in(folder.path()) == 1);
+    CHECK(read_file(path) == "old");
+  }
+}
+
+TEST_CASE("signals that somebody handles or ignores are not delayed") {
+  static volatile std::sig_atomic_t handled = 0;
+  struct sigaction before {};
+  struct sigaction own {};
+  own.sa_handler = [](int) { handled = 1; };
+  REQUIRE(::sigaction(SIGTERM, &own, &before) == 0);
+  {
+    const DelayedSignals first;
+    const DelayedSignals second;
+    REQUIRE(std::raise(SIGTERM) == 0);
+    CHECK(handled == 1);
+  }
+  struct sigaction after {};
+  REQUIRE(::sigaction(SIGTERM, &before, &after) == 0);
+  CHECK(after.sa_handler == own.sa_handler);
+}
+
+TEST_CASE("a file for its owner alone is so whatever the umask") {
+  const testing::ScratchFolder folder;
+  const mode_t before = ::umask(0);
+  {
+    Result<NewFile> file = NewFile::create(folder.path() + "/key", Readers::OwnerAlone);
+    REQUIRE(file);
+    CHECK(file->write("secret"));
+    CHECK(file->commit(Durability::Synced));
+  }
+  ::umask(before);
+  struct stat made {};
+  REQUIRE(::stat((folder.path() + "/key").c_str(), &made) == 0);
+  CHECK((made.st_mode & 0777) == 0600);
 }
 
 TEST_CASE("what cannot be written or read is a failure with its reason") {
