@@ -43,8 +43,8 @@ void add_node(CLI::App& app, NodeArguments& a) {
                "a node that gives no sign for TIME is lost; more than its longest action takes (default: 10s)");
   add_duration(
       *command, "--stall-after", a.stall_after,
-      "when no step of this node has ended for so long, say so and call the safe-stop function (default: 1s if "
-      "the model's C++ has one, else 0: never)");
+      "when no step of this node has ended for TIME, print a warning and call the safe-stop function, if there is one "
+      "(default: 1s if the model's C++ has one, else 0: never)");
   command
       ->add_option("--safe-stop", a.safe_stop,
                    "the C function of the model's C++ that stops the robot, `extern \"C\" void NAME(const char* why)` "

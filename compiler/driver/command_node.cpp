@@ -12,6 +12,7 @@
 #include "compiler/driver/deployment_files.hpp"
 #include "compiler/driver/distributed_runs.hpp"
 #include "compiler/driver/report.hpp"
+#include "compiler/driver/safe_stop.hpp"
 #include "compiler/pipeline/executor.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/pipeline/fabric_loader.hpp"
@@ -30,19 +31,6 @@ bool has_options_of_run(const NodeArguments& a) {
   return a.run.has_seed || a.run.limit != plain.limit || a.run.policy != plain.policy || !a.run.trace_path.empty() ||
          a.run.format != plain.format || a.run.on_loss != plain.on_loss || a.run.silent || a.run.show_state ||
          a.run.stats;
-}
-
-// False: a function is asked for that there is not.
-bool find_safe_stop(const NodeArguments& a, void* library, rt::StallOptions& stall) {
-  stall.stop_name = a.safe_stop.empty() ? "safe_stop" : a.safe_stop;
-  if (library != nullptr) {
-    stall.stop = reinterpret_cast<void (*)(const char*)>(::dlsym(library, stall.stop_name.c_str()));
-    stall.go_on = reinterpret_cast<void (*)(const char*)>(::dlsym(library, "safe_go_on"));
-  }
-  constexpr std::int64_t kSecond = 1'000'000'000;
-  const std::int64_t after = a.stall_after >= 0 ? a.stall_after : kSecond;
-  stall.after = stall.stop == nullptr ? 0 : after;
-  return stall.stop != nullptr || (a.safe_stop.empty() && a.stall_after <= 0);
 }
 
 }  // namespace
@@ -81,9 +69,11 @@ int command_node(const NodeArguments& arguments) {
   Result<rt::Deployment> deployment = read_deployment(arguments.folder, placement);
   if (!deployment) return end_unusable(deployment.error());
   if (!arguments.listen.empty()) deployment->listen = arguments.listen;
-  if (!find_safe_stop(arguments, c.lowered->library, deployment->stall))
-    return end_unusable("the model's C++ has no function `extern \"C\" void " + deployment->stall.stop_name +
-                        "(const char* why)`");
+  Result<SafeStop> safe_stop = find_safe_stop(c.lowered->library, arguments.safe_stop, arguments.stall_after);
+  if (!safe_stop) return end_unusable(safe_stop.error());
+  deployment->stall = {safe_stop->stall_after, safe_stop->stop, nullptr, safe_stop->name};
+  if (c.lowered->library != nullptr)
+    deployment->stall.go_on = reinterpret_cast<void (*)(const char*)>(::dlsym(c.lowered->library, "safe_go_on"));
   const Result<const rt::FabricFactory*> fabrics = load_fabric();
   if (!fabrics) return end_unusable(fabrics.error());
   rt::RunOptions options = arguments.run;

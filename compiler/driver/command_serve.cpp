@@ -11,6 +11,7 @@
 #include "compiler/pipeline/executor.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/driver/report.hpp"
+#include "compiler/driver/safe_stop.hpp"
 #include "compiler/serve/model_server.hpp"
 #include "compiler/serve/service_calls.hpp"
 
@@ -18,18 +19,17 @@ namespace bip::driver {
 
 namespace {
 
-// False: a function is asked for that there is not.
-bool find_safe_stop(const ServeArguments& arguments, void* library, serve::WatchOptions& watch) {
-  watch.safe_stop_name = arguments.safe_stop.empty() ? "safe_stop" : arguments.safe_stop;
-  if (library != nullptr) {
-    watch.safe_stop = reinterpret_cast<void (*)(const char*)>(::dlsym(library, watch.safe_stop_name.c_str()));
-    watch.called_now = reinterpret_cast<const std::atomic<const char*>* (*)()>(::dlsym(library, "bip_called_now"));
-    watch.set_module_hook = reinterpret_cast<void (*)(void (*)(const char*))>(::dlsym(library, "bip_set_module_hook"));
-    watch.set_crash_hook = reinterpret_cast<void (*)(void (*)(const char*))>(::dlsym(library, "bip_set_crash_hook"));
-  }
+serve::WatchOptions watch_options(const ServeArguments& arguments, const SafeStop& safe_stop, void* library) {
+  serve::WatchOptions watch;
+  watch.safe_stop = safe_stop.stop;
+  watch.safe_stop_name = safe_stop.name;
+  watch.stall = safe_stop.stall_after;
   watch.late = arguments.late_after;
-  watch.stall = arguments.stall_after >= 0 ? arguments.stall_after : watch.safe_stop == nullptr ? 0 : 1'000'000'000;
-  return arguments.safe_stop.empty() || watch.safe_stop != nullptr;
+  if (library == nullptr) return watch;
+  watch.called_now = reinterpret_cast<const std::atomic<const char*>* (*)()>(::dlsym(library, "bip_called_now"));
+  watch.set_module_hook = reinterpret_cast<void (*)(void (*)(const char*))>(::dlsym(library, "bip_set_module_hook"));
+  watch.set_crash_hook = reinterpret_cast<void (*)(void (*)(const char*))>(::dlsym(library, "bip_set_crash_hook"));
+  return watch;
 }
 
 }  // namespace
@@ -45,12 +45,12 @@ int command_serve(const ServeArguments& arguments) {
   options.policy = arguments.policy;
   options.asap = arguments.asap;
   options.speed = arguments.speed;
-  serve::WatchOptions watch;
-  if (!find_safe_stop(arguments, c.lowered->library, watch)) {
-    std::fprintf(stderr, "error: the model's C++ has no function `extern \"C\" void %s(const char* why)`\n",
-                 arguments.safe_stop.c_str());
+  const Result<SafeStop> safe_stop = find_safe_stop(c.lowered->library, arguments.safe_stop, arguments.stall_after);
+  if (!safe_stop) {
+    print_error_words(fmt::format("error: {}", safe_stop.error()));
     return kUsage;
   }
+  const serve::WatchOptions watch = watch_options(arguments, *safe_stop, c.lowered->library);
   serve::Controller controller(c.lowered->image, options,
                                arguments.paused ? serve::Controller::Begin::Paused : serve::Controller::Begin::Running,
                                watch);

@@ -11,7 +11,7 @@ namespace bip::rt {
 /// When and how a node that stands still stops its robot (runtime/engine/stall_watch.hpp).
 struct StallOptions {
   std::int64_t after = 0;                    // ns of the wall clock without the end of a step; 0: there is no watch
-  void (*stop)(const char* why) = nullptr;   // stops the robot; not null if there is a watch
+  void (*stop)(const char* why) = nullptr;   // stops the robot; null: a stall is reported only
   void (*go_on)(const char* why) = nullptr;  // called when steps end again; may be null
   std::string stop_name;                     // for messages
 };

@@ -17,8 +17,7 @@
 // Models with time: all nodes pass from one instant to the next, which the caller computes when all of them rest and
 // no message is on its way (engine/node_time.hpp). An atom's home has its clocks. An offer says until when it holds;
 // after that its coordinator counts the atom as at work, and its home offers it again. An action that runs beside the
-// others
-// (`@async`) is such a change: the atom offers nothing until its budget is over, and its action runs then.
+// others (`@async`) is such a change: the atom offers nothing until its budget is over, and its action runs then.
 #pragma once
 #include <deque>
 #include <functional>

@@ -1,6 +1,7 @@
 // A thread beside a node of a run on several hosts that calls a function of the model's C++ when the node stands still:
 // no step of it has ended for some time, whatever the reason is (an action that hangs, a cable that is out, a node that
-// is lost). A second function is called when steps end again, and the first one once more when the run is over.
+// is lost). A second function is called when steps end again, and the first one once more when the run is over. Both
+// changes are reported on standard error, also if the model's C++ has no such functions.
 //
 // It shares an instant with the node and nothing else, so that no lock that a hanging action holds can hold it up. It
 // looks eight times within the bound. Cost: a store for each action that ends.

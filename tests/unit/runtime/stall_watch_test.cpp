@@ -3,8 +3,11 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdio>
 #include <string>
 #include <thread>
+
+#include <unistd.h>
 
 #include "runtime/engine/stall_watch.hpp"
 
@@ -63,4 +66,32 @@ TEST_CASE("a node that stands still stops the robot once, until steps end again,
     CHECK(robot_stops == 3);
     CHECK_FALSE(is_reason_odd);
   }
+}
+
+TEST_CASE("a stall is reported also if nothing stops the robot") {
+  StallOptions options;
+  options.after = 10'000'000;
+  std::atomic<bool> goes_on{false};
+  std::FILE* const said = std::tmpfile();
+  REQUIRE(said != nullptr);
+  std::fflush(stderr);
+  const int before = dup(STDERR_FILENO);
+  REQUIRE(dup2(fileno(said), STDERR_FILENO) >= 0);
+  const auto has_said = [said](const char* what) {
+    std::string text(4096, '\0');
+    const ssize_t size = pread(fileno(said), text.data(), text.size(), 0);
+    return size > 0 && text.substr(0, static_cast<std::size_t>(size)).find(what) != std::string::npos;
+  };
+  {
+    StallWatch watch(options, "field");
+    const bool starts = watch.start();
+    const bool stalls = starts && comes_true([&] { return has_said("node `field`: no step has ended for "); });
+    watch.note_steps();
+    goes_on = stalls && comes_true([&] { return has_said("node `field`: steps end again after "); });
+  }
+  dup2(before, STDERR_FILENO);
+  close(before);
+  CHECK(goes_on);
+  CHECK_FALSE(has_said("was called"));
+  std::fclose(said);
 }
