@@ -88,30 +88,69 @@ def generate(folder):
     run(folder, BIPC, "genom", "--executive", "--skeleton", "--yields", "dala.yields", *(str(DALA / f"{name}.gen") for name in MODULES), "-o", "dala.bip")
 
 
+class RoverLost(Exception):
+    """The rover has ended, or writes nothing: there is nothing to judge."""
+
+
 class Rover:
-    def __init__(self, folder):
-        self.record = folder / "record"
+    def __init__(self, folder, seconds=30):
+        self.record, self.seconds = folder / "record", seconds
         self.process = subprocess.Popen(["./rover", "bus", "record", "0", "0"], cwd=folder, stdin=subprocess.PIPE)
-        while not self.record.exists():
+        self.wait_for(self.record.exists, "a record")
+
+    def wait_for(self, condition, what):
+        """Returns what the condition gives, when it gives something; raises RoverLost when it cannot come any more."""
+        end = time.monotonic() + self.seconds
+        while not (found := condition()):
+            if self.process.poll() is not None:
+                raise RoverLost(f"the rover ended with exit code {self.process.returncode} before it wrote {what}")
+            if time.monotonic() > end:
+                raise RoverLost(f"the rover has not written {what} within {self.seconds} s")
             time.sleep(0.01)
+        return found
 
     def rows(self):
         return [tuple(map(float, line.split())) for line in self.record.read_text(encoding="utf-8").splitlines() if line.count(" ") == 7]
 
     def row(self):
-        while not (rows := self.rows()):
-            time.sleep(0.01)
-        return rows[-1]
+        return self.wait_for(self.rows, "a row of its record")[-1]
 
     def wait_until(self, holds, seconds):
         end = time.monotonic() + seconds
         while not holds(self.row()) and time.monotonic() < end:
+            if self.process.poll() is not None:
+                raise RoverLost(f"the rover ended with exit code {self.process.returncode} in the middle of the mission")
             time.sleep(0.02)
         return holds(self.row())
 
     def end(self):
         self.process.stdin.close()
-        self.process.wait(10)
+        try:
+            self.process.wait(10)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            self.process.wait()
+            raise RoverLost("the rover did not end within 10 s") from None
+
+
+def check_waits():
+    """A rover that ends at once, writes nothing, or ends on its way is reported; nothing waits for it without limit."""
+    for script, words in (("exit 3", "ended with exit code 3 before it wrote a record"), ("exec cat", "has not written a record within"),
+                          ("> record; exec cat", "has not written a row"), ("echo 0 0 0 0 0 0 0 0 > record; exit 4", "exit code 4 in the middle")):
+        with tempfile.TemporaryDirectory() as name:
+            folder, said, rover = pathlib.Path(name), "", None
+            (folder / "rover").write_text(f"#!/bin/sh\n{script}\n", encoding="utf-8")
+            (folder / "rover").chmod(0o755)
+            begin = time.monotonic()
+            try:
+                rover = Rover(folder, 1)
+                rover.process.poll() or time.sleep(0.2)
+                rover.wait_until(lambda row: False, 20)
+            except RoverLost as lost:
+                said = str(lost)
+            check(words in said and time.monotonic() - begin < 10, f"a rover that does `{script}` is reported", said)
+            if rover is not None:
+                rover.end()
 
 
 def pull(hosts, rover, nodes, node, text):
@@ -145,6 +184,21 @@ def mission(folder, hosts):
     def text():
         return "".join(f"---- {test_hosts.NAMES[node]}: exit {one.process.returncode}\n{one.text[-3000:]}" for node, one in sorted(nodes.items()))
 
+    try:
+        drive(hosts, rover, nodes, text)
+    except RoverLost as lost:
+        check(False, str(lost), text())
+    finally:
+        for one in nodes.values():
+            if one.process.poll() is None:
+                one.process.kill()
+            one.end(10)
+        if rover.process.poll() is None:
+            rover.process.kill()
+            rover.process.wait()
+
+
+def drive(hosts, rover, nodes, text):
     for node in (EYES, DRIVE):
         pull(hosts, rover, nodes, node, text)
     check(nodes[DRIVE].wait_for("NDD.GoTo ends: OK", 240), "the mission is over", text())
@@ -163,7 +217,12 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--loopback", action="store_true")
     parser.add_argument("--keep", help="a folder to work in")
+    parser.add_argument("--waits", action="store_true", help="only that the test ends when the rover does not move or write")
     options = parser.parse_args()
+    check_waits()
+    if options.waits:
+        print(f"{test_hosts.passed} passed, {test_hosts.failed} failed")
+        return 1 if test_hosts.failed else 0
     if not (BUILD / "libbipc_zmq.so").exists():
         print("skipped: runs on several hosts: libzmq3-dev was not there when bipc was built\n0 passed, 0 failed")
         return 0
@@ -176,6 +235,8 @@ def main():
         hosts = test_hosts.Hosts(folder, 1, in_namespaces)
         try:
             mission(folder, hosts)
+        except RoverLost as lost:
+            check(False, str(lost))
         finally:
             hosts.end()
     print(f"{test_hosts.passed} passed, {test_hosts.failed} failed")
