@@ -111,19 +111,25 @@ std::vector<CodelFunction> functions_of(const std::vector<Module>& modules) {
         add(all, {.name = bip_name(s.validate.name.text),
                   .module = m.name.text,
                   .says = fmt::format("{}, its parameters", s.name.text),
-                  .answers = reports});
+                  .answers = reports,
+                  .wcet_us = s.validate.budget_us});
       for (const Codel& c : s.body) {
         if (c.name.is_set())
-          add(all, {.name = bip_name(c.name.text), .module = m.name.text, .says = s.name.text, .answers = reports});
+          add(all, {.name = bip_name(c.name.text),
+                    .module = m.name.text,
+                    .says = s.name.text,
+                    .answers = reports,
+                    .wcet_us = c.budget_us});
       }
       add_activity(all, m, s.name.text, s.activity);
     }
     for (const Task& t : m.tasks) {
-      if (t.permanent.is_set())
-        add(all, {.name = bip_name(t.permanent.text),
+      if (t.permanent.name.is_set())
+        add(all, {.name = bip_name(t.permanent.name.text),
                   .module = m.name.text,
                   .says = fmt::format("task {}, in each cycle", t.name.text),
-                  .answers = {"OK = 0"}});
+                  .answers = {"OK = 0"},
+                  .wcet_us = t.permanent.budget_us});
       add_activity(all, m, "task " + t.name.text, t.activity);
     }
   }

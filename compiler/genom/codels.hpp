@@ -30,7 +30,7 @@ struct CodelFunction {
   int first = 0;                       // answer of the skeleton
   bool is_unlimited = false;           // it runs beside its task without a budget
   std::int64_t budget_us = 0;
-  std::int64_t wcet_us = 0;  // as the description has it, also of those that are not async
+  std::int64_t wcet_us = 0;  // its longest time as description or side file say, async or not; 0: none is known
 };
 /// Each once, in the order of the descriptions.
 [[nodiscard]] std::vector<CodelFunction> functions_of(const std::vector<Module>& modules);

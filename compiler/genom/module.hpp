@@ -43,7 +43,7 @@ struct Codel {
   Name name;
   std::vector<DataUse> uses;
   bool is_async = false;       // runs beside its task, which goes on meanwhile
-  std::int64_t budget_us = 0;  // then it is given up; 0: never
+  std::int64_t budget_us = 0;  // its longest time, after which an async one is given up; 0: none is known
 };
 
 /// One state of an activity. Without a codel it passes on as its default says; that costs its turn all the same.
@@ -90,12 +90,12 @@ struct Task {
   Name name;
   std::int64_t period_us = 0;  // 0: aperiodic, woken by the control task
   std::int64_t delay_us = 0;
-  Name permanent;  // GenoM 2: one codel, run in each cycle
+  Codel permanent;  // GenoM 2: run in each cycle
   bool permanent_fails = true;
   Activity activity;                    // GenoM 3: the task's own codels; no states if it has none
   std::vector<Name> reads;              // posters of other modules, "Module.Poster", read when a cycle begins
   std::vector<std::int64_t> freshness;  // by `reads`: a cycle begins only if it is younger; 0: however old it is
-  [[nodiscard]] bool has_permanent() const { return permanent.is_set() || !activity.states.empty(); }
+  [[nodiscard]] bool has_permanent() const { return permanent.name.is_set() || !activity.states.empty(); }
 };
 
 /// GenoM 2: a member NAME of a poster, with what stands at PATH in the module's data.

@@ -309,7 +309,7 @@ class Genom2Parser {
                         fmt::format("`{}`", word));
     }
     if (word == "priority") return in_.number(ignored, ";}", 0, 255, "`priority`");
-    if (word == "codel_task_main") return in_.name(task_.permanent, "the name of a codel");
+    if (word == "codel_task_main") return in_.name(task_.permanent.name, "the name of a codel");
     for (const std::string& known : kKnown) {
       if (word == known) return skip();
     }

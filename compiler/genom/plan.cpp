@@ -231,7 +231,7 @@ class Planner {
     }
     for (std::size_t i = 0; i < module_.tasks.size(); ++i) {
       const std::size_t actor = plan_.activities.size() + i;
-      if (module_.tasks[i].permanent.is_set()) f({module_.tasks[i].permanent, {}}, Plan::thread_of_task(i), actor);
+      if (module_.tasks[i].permanent.name.is_set()) f(module_.tasks[i].permanent, Plan::thread_of_task(i), actor);
       for (const State& state : module_.tasks[i].activity.states)
         f(state.codel, state.codel.is_async ? plan_.thread_beside_task(i) : Plan::thread_of_task(i), actor);
     }
@@ -340,7 +340,7 @@ std::vector<Plan> make_plans(const std::vector<Module>& modules, const GenerateO
 
 bool Plan::may_suspend(std::size_t task) const {
   const Task& t = module->tasks[task];
-  if ((t.permanent.is_set() && t.permanent_fails) || tasks[task].permanent.has_bad) return true;
+  if ((t.permanent.name.is_set() && t.permanent_fails) || tasks[task].permanent.has_bad) return true;
   return std::any_of(tasks[task].activities.begin(), tasks[task].activities.end(),
                      [&](std::size_t activity) { return services[activities[activity].service].activity.has_bad; });
 }

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <charconv>
+#include <map>
+#include <utility>
 
 #include "compiler/genom/names.hpp"
 
@@ -184,7 +186,7 @@ class Resolver {
       return std::any_of(line.words.begin(), line.words.end(), [&](const Name& w) { return w.text == word; });
     };
     for (Task& t : module_.tasks) {
-      if (t.permanent.is_set() && is_about(line.subject, t.permanent.text)) {
+      if (t.permanent.name.is_set() && is_about(line.subject, t.permanent.name.text)) {
         t.permanent_fails = has("ERROR");
         line.used = true;
       }
@@ -194,62 +196,118 @@ class Resolver {
         s.validate_fails = has("ERROR");
         line.used = true;
       }
-      if (!s.body.empty() && s.body.front().name.is_set() && is_about(line.subject, s.body.front().name.text)) {
+      for (const Codel& c : s.body) {
+        if (!c.name.is_set() || !is_about(line.subject, c.name.text)) continue;
         s.body_fails = has("ERROR");
         line.used = true;
       }
-      for (State& state : s.activity.states) {
-        if (!state.codel.name.is_set() || !is_about(line.subject, state.codel.name.text)) continue;
-        line.used = true;
-        if (flavour_ == Flavour::Verification) narrow(state, line);
-      }
+      for (State& state : s.activity.states) narrow_if_about(line, state);
+    }
+    for (Task& t : module_.tasks) {
+      for (State& state : t.activity.states) narrow_if_about(line, state);
     }
   }
 
-  // Beside its task run codels of activities: of others somebody waits for the answer.
+  void narrow_if_about(SideLine& line, State& state) {
+    if (!state.codel.name.is_set() || !is_about(line.subject, state.codel.name.text)) return;
+    line.used = true;
+    if (flavour_ == Flavour::Verification) narrow(state, line);
+  }
+
+  // Beside its task run codels of activities, and of GenoM 3's tasks: of others somebody waits for the answer.
   void codel_async(SideLine& line) {
     std::int64_t budget = 0;
-    if (!line.words.empty() && !read_time(line.words, budget)) {
-      line.used = true;
-      diags_.report(Diag::kB6022, line.words[0].range, fmt::format("`{}` is no length of time", line.words[0].text))
-          .help("a number with `us`, `ms` or `s`: `20 ms`");
-      return;
-    }
-    for (Service& s : module_.services) {
-      for (State& state : s.activity.states) {
-        if (!state.codel.name.is_set() || !is_about(line.subject, state.codel.name.text)) continue;
-        state.codel.is_async = true;
-        state.codel.budget_us = budget;
-        line.used = true;
+    if (!line.words.empty() && !read_budget(line, budget)) return;
+    for_each_codel([&](Codel& codel, CodelRole role) {
+      if (!is_about(line.subject, codel.name.text) || !is_only_budget(line, codel, budget)) return;
+      if (role != CodelRole::State) return waited_for(line);
+      codel.is_async = true;
+      if (budget > 0) codel.budget_us = budget;
+    });
+  }
+
+  // Somebody waits for it.
+  void codel_takes(SideLine& line) {
+    std::int64_t budget = 0;
+    if (!read_budget(line, budget)) return;
+    for_each_codel([&](Codel& codel, CodelRole) {
+      if (!is_about(line.subject, codel.name.text) || !is_only_budget(line, codel, budget)) return;
+      if (codel.is_async) {
+        diags_
+            .report(
+                Diag::kB6022, line.subject.range,
+                fmt::format("codel `{}` is async in the description: its task does not wait for it", codel.name.text))
+            .label(codel.name.range, "`async` here")
+            .help(fmt::format("`codel {} async TIME` gives it a budget", line.subject.text));
+        return;
       }
-      const bool is_control = std::any_of(s.body.begin(), s.body.end(),
-                                          [&](const Codel& c) { return is_about(line.subject, c.name.text); });
-      if (is_control || is_about(line.subject, s.validate.name.text)) waited_for(line);
+      codel.budget_us = budget;
+    });
+  }
+
+  // How a codel is run: as a state of an activity, or at once for somebody who waits for its answer.
+  enum class CodelRole : std::uint8_t { State, AtOnce };
+
+  // All codels of the module that have a name.
+  template <class Visit>
+  void for_each_codel(Visit visit) {
+    const auto one = [&](Codel& codel, CodelRole role) {
+      if (codel.name.is_set()) visit(codel, role);
+    };
+    for (Service& s : module_.services) {
+      one(s.validate, CodelRole::AtOnce);
+      for (Codel& c : s.body) one(c, CodelRole::AtOnce);
+      for (State& state : s.activity.states) one(state.codel, CodelRole::State);
     }
-    for (const Task& t : module_.tasks) {
-      if (is_about(line.subject, t.permanent.text)) waited_for(line);
+    for (Task& t : module_.tasks) {
+      one(t.permanent, CodelRole::AtOnce);
+      for (State& state : t.activity.states) one(state.codel, CodelRole::State);
     }
   }
 
-  // Its task waits for it.
-  void codel_takes(SideLine& line) {
-    std::int64_t budget = 0;
-    if (!read_time(line.words, budget)) {
-      line.used = true;
-      diags_
-          .report(Diag::kB6022, line.words.empty() ? line.subject.range : line.words[0].range,
-                  line.words.empty() ? "`takes` without a length of time"
-                                     : fmt::format("`{}` is no length of time", line.words[0].text))
-          .help("a number with `us`, `ms` or `s`: `20 ms`");
-      return;
+  // The first line about the time of a codel, and no `wcet` of the description beside it. Marks the line as used. A
+  // codel may stand in several places; what is wrong with it is told once.
+  bool is_only_budget(SideLine& line, const Codel& codel, std::int64_t budget) {
+    const bool is_first_place = !line.used;
+    line.used = true;
+    const auto [known, is_new] = timed_.try_emplace(codel.name.text, &line, codel.budget_us);
+    const auto& [first, described] = known->second;
+    if (first != &line) {
+      if (is_first_place)
+        diags_
+            .report(Diag::kB6022, line.subject.range,
+                    first->kind == line.kind
+                        ? fmt::format("second `{}` of codel `{}`", line.kind, codel.name.text)
+                        : fmt::format("codel `{}` cannot be `async` and have its task wait for it (`takes`)",
+                                      codel.name.text))
+            .label(first->subject.range, "the first one");
+      return false;
     }
-    for (Service& s : module_.services) {
-      for (State& state : s.activity.states) {
-        if (!state.codel.name.is_set() || !is_about(line.subject, state.codel.name.text)) continue;
-        state.codel.budget_us = budget;
-        line.used = true;
-      }
+    if (budget > 0 && described > 0) {
+      if (is_first_place)
+        diags_
+            .report(Diag::kB6022, line.subject.range,
+                    fmt::format("codel `{}` has a budget in the description", codel.name.text))
+            .label(codel.name.range, "`wcet` here");
+      return false;
     }
+    return true;
+  }
+
+  // The time of a line; what is none is reported.
+  bool read_budget(SideLine& line, std::int64_t& budget) {
+    if (read_time(line.words, budget)) return true;
+    line.used = true;
+    std::string text;
+    for (const Name& w : line.words) text += (text.empty() ? "" : " ") + w.text;
+    SourceRange range = line.subject.range;
+    if (!line.words.empty()) range = {range.file, line.words.front().range.begin, line.words.back().range.end};
+    diags_
+        .report(Diag::kB6022, range,
+                text.empty() ? fmt::format("`{}` without a length of time", line.kind)
+                             : fmt::format("`{}` is no length of time", text))
+        .help("a whole number with `us`, `ms` or `s`: `20 ms`");
+    return false;
   }
 
   void waited_for(SideLine& line) {
@@ -271,26 +329,31 @@ class Resolver {
     return us <= 1'000'000'000'000;
   }
 
+  // Is `word` how a side file writes this answer?
+  [[nodiscard]] bool is_written(const Yield& y, std::string_view word) const {
+    switch (y.next) {
+      case Next::Ether: return word == (module_.generation == 2 ? "ETHER" : "ether");
+      case Next::Zombie: return word == "ZOMBIE";
+      case Next::Sleep: return word == "SLEEP";
+      case Next::Pause: return word == y.name.text || word == "pause::" + y.name.text;
+      case Next::State: return word == y.name.text;
+      case Next::Other: return false;
+    }
+    return false;
+  }
+
   // Only what the state permits, in its order; OTHER comes on top.
   void narrow(State& state, const SideLine& line) {
     std::vector<Yield> kept;
     for (const Yield& y : state.yields) {
-      const std::string_view word = y.next == Next::Ether    ? (module_.generation == 2 ? "ETHER" : "ether")
-                                    : y.next == Next::Zombie ? "ZOMBIE"
-                                    : y.next == Next::Sleep  ? "SLEEP"
-                                                             : std::string_view(y.name.text);
-      if (std::any_of(line.words.begin(), line.words.end(), [&](const Name& w) { return w.text == word; }))
+      if (std::any_of(line.words.begin(), line.words.end(), [&](const Name& w) { return is_written(y, w.text); }))
         kept.push_back(y);
     }
     for (const Name& w : line.words) {
       if (w.text == "OTHER") {
         kept.push_back({Next::Other, w, 0});
-      } else if (std::none_of(state.yields.begin(), state.yields.end(), [&](const Yield& y) {
-                   return y.name.text == w.text ||
-                          (y.next == Next::Ether && (w.text == "ETHER" || w.text == "ether")) ||
-                          (y.next == Next::Zombie && w.text == "ZOMBIE") ||
-                          (y.next == Next::Sleep && w.text == "SLEEP");
-                 })) {
+      } else if (std::none_of(state.yields.begin(), state.yields.end(),
+                              [&](const Yield& y) { return is_written(y, w.text); })) {
         diags_.report(
             Diag::kB6022, w.range,
             fmt::format("codel `{}` of state `{}` cannot yield `{}`", state.codel.name.text, state.name.text, w.text));
@@ -303,6 +366,8 @@ class Resolver {
   std::vector<SideLine>& side_;
   Flavour flavour_;
   Diagnostics& diags_;
+  // By codel: the first line about its time, and the budget that the description gives it.
+  std::map<std::string, std::pair<const SideLine*, std::int64_t>> timed_;
 };
 
 }  // namespace

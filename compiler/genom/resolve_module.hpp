@@ -1,11 +1,11 @@
 // Names of a module become indices; what the description leaves open is taken from the side file.
 //
 // Side file, a line each, `#` begins a comment; `Module.Name` where two modules have the name:
-//   codel NAME yields A B …      what a codel of a GenoM 2 module really returns: states, or OK and ERROR of control
-//   and
-//                                permanent codels; OTHER is an answer that its state does not permit
+//   codel NAME yields A B …      what a codel really returns: states, or OK and ERROR of control and permanent
+//                                codels; OTHER is an answer that its state does not permit
 //   codel NAME async [TIME]      it runs beside its task; when TIME is over it is given up
-//   codel NAME takes TIME        its task waits for it, so long at most: rules may ask whether it was late
+//   codel NAME takes TIME        who waits for it waits so long at most: a profile tells how often it took longer,
+//                                rules may ask it of codels of activities
 //   trigger SERVICE waits        a constraint may make the trigger of SERVICE wait
 //   task TASK reads MODULE.POSTER … [within AGE]
 //                                its cycle begins only with posters that are younger, in steps of PosterAge

@@ -52,8 +52,7 @@ void ModuleWriter::task(std::size_t i) {
   out_ += fmt::format("\n    // Task {}.\n", t.name.text);
   std::vector<std::string> begin{of_task(i, "begin")};
   add_module_lock(begin, "take");
-  const Codel permanent_codel{t.permanent, {}};
-  if (t.permanent.is_set()) add_locks(begin, {&permanent_codel}, 1 + i, "take");
+  if (t.permanent.name.is_set()) add_locks(begin, {&t.permanent}, 1 + i, "take");
   const std::size_t needed = begin.size();
   if (p.permanent.pauses) begin.push_back(of_task(i, "permanent_resume"));
   for (const std::size_t activity : p.activities) {
@@ -64,7 +63,7 @@ void ModuleWriter::task(std::size_t i) {
         .ports = begin,
         .triggers = begin.size() > needed ? needed : 0,
         .exported = exported});
-  if (t.permanent.is_set()) permanent(i);
+  if (t.permanent.name.is_set()) permanent(i);
   if (!t.activity.states.empty()) turns_of_permanent(i);
   for (const std::size_t activity : p.activities) {
     turns(i, activity);
@@ -86,7 +85,7 @@ void ModuleWriter::task(std::size_t i) {
 
 // GenoM 2: one codel a cycle; only where locks go by codel is there something to give back.
 void ModuleWriter::permanent(std::size_t i) {
-  const Codel codel{module_.tasks[i].permanent, {}};
+  const Codel& codel = module_.tasks[i].permanent;
   if (plan_.by_codel) {
     std::vector<std::string> done{of_task(i, "permanent_done")};
     add_locks(done, {&codel}, 1 + i, "give");

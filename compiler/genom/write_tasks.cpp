@@ -31,14 +31,14 @@ bool has_ran(const Plan& plan, std::size_t task, const ActivityPlan& a) {
   return &a != &plan.tasks[task].permanent || a.pauses || a.ends;
 }
 
-std::string begin_port(const Task& t) { return t.permanent.is_set() ? "permanentexec" : "begin"; }
+std::string begin_port(const Task& t) { return t.permanent.name.is_set() ? "permanentexec" : "begin"; }
 
 void scheduler_ports(std::string& out, const Plan& plan, std::size_t task, const std::vector<std::string>& turns) {
   const Task& t = plan.module->tasks[task];
   port(out, "trigger");
   if (!t.has_permanent()) port(out, "stop");
   port(out, begin_port(t));
-  if (t.permanent.is_set()) port(out, "permanentdone");
+  if (t.permanent.name.is_set()) port(out, "permanentdone");
   for (std::size_t i = 0; i < turns.size(); ++i) {
     const ActivityPlan& a = activity_of(plan, task, i);
     if (a.steps()) port(out, "step_" + turns[i]);
@@ -75,13 +75,14 @@ void write_scheduler(std::string& out, const Plan& plan, std::size_t task) {
   out += fmt::format(
       "\n  // The cycle of task {}: woken by its timer, then{} one codel of each activity, in the order of their "
       "slots{}.\n",
-      t.name.text, t.permanent.is_set() ? " the permanent codel and" : "", is_3 ? ", in rounds until all pause" : "");
+      t.name.text, t.permanent.name.is_set() ? " the permanent codel and" : "",
+      is_3 ? ", in rounds until all pause" : "");
   out += fmt::format("  atom type {}()\n", plan.tasks[task].scheduler);
   if (is_3) out += "    data bool more = false\n";
   scheduler_ports(out, plan, task, turns);
 
   std::string places = t.has_permanent() ? "idle, perm" : "idle, perm, stpd";
-  if (t.permanent.is_set()) places += ", exec";
+  if (t.permanent.name.is_set()) places += ", exec";
   for (std::size_t i = 0; i < turns.size(); ++i) {
     places += ", at_" + turns[i];
     if (!plan.by_codel || activity_of(plan, task, i).steps()) places += ", run_" + turns[i];
@@ -94,8 +95,8 @@ void write_scheduler(std::string& out, const Plan& plan, std::size_t task) {
   const std::string first = turns.empty() ? "over" : "at_" + turns[0];
   out += "    on trigger from idle to perm\n";
   if (!t.has_permanent()) out += "    on trigger from stpd to perm\n    on stop from perm to stpd\n";
-  out += fmt::format("    on {} from perm to {}\n", begin_port(t), t.permanent.is_set() ? "exec" : first);
-  if (t.permanent.is_set()) out += fmt::format("    on permanentdone from exec to {}\n", first);
+  out += fmt::format("    on {} from perm to {}\n", begin_port(t), t.permanent.name.is_set() ? "exec" : first);
+  if (t.permanent.name.is_set()) out += fmt::format("    on permanentdone from exec to {}\n", first);
   for (std::size_t i = 0; i < turns.size(); ++i) {
     const ActivityPlan& a = activity_of(plan, task, i);
     const std::string& turn = turns[i];
@@ -117,7 +118,7 @@ void write_scheduler(std::string& out, const Plan& plan, std::size_t task) {
   out += fmt::format("    on give from over to idle{}\n", is_3 ? " provided (!more)" : "");
   if (plan.may_suspend(task)) {
     out += "\n    // Suspended for good: time goes on without it.\n";
-    if (t.permanent.is_set() && t.permanent_fails) out += "    on suspend from exec to susp\n";
+    if (t.permanent.name.is_set() && t.permanent_fails) out += "    on suspend from exec to susp\n";
     out += "    on trigger from susp to susp\n";
   }
   out += "  end\n";
@@ -142,7 +143,8 @@ void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64
   } else {
     out += "    component WakeUp timer()\n";
   }
-  if (t.permanent.is_set()) out += "    @SuppressWarning(unboundcomponentport)\n    component Permanent permanent()\n";
+  if (t.permanent.name.is_set())
+    out += "    @SuppressWarning(unboundcomponentport)\n    component Permanent permanent()\n";
   if (!t.activity.states.empty()) out += fmt::format("    component {} permanent()\n", p.permanent.type);
   if (p.permanent.has_async) out += fmt::format("    component {} work()\n", p.work_type);
 
@@ -153,21 +155,21 @@ void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64
     write_wire(out, {.name = "stop", .ports = stop});
   }
   std::vector<std::string> begin{"scheduler." + begin_port(t), "controller.work"};
-  if (t.permanent.is_set()) begin.emplace_back("permanent.exec");
-  const bool calls = plan.calls && t.permanent.is_set();
+  if (t.permanent.name.is_set()) begin.emplace_back("permanent.exec");
+  const bool calls = plan.calls && t.permanent.name.is_set();
   write_wire(out, {.name = "begin",
                    .ports = begin,
-                   .action = calls ? fmt::format("permanent.exec.answer <- {}({})", codel_function(t.permanent.text),
-                                                 plan.owner_of_task(task))
+                   .action = calls ? fmt::format("permanent.exec.answer <- {}({})",
+                                                 codel_function(t.permanent.name.text), plan.owner_of_task(task))
                                    : "",
                    .exported = true});
-  if (t.permanent.is_set()) {
+  if (t.permanent.name.is_set()) {
     write_wire(out, {.name = "permanent_done",
                      .ports = {"scheduler.permanentdone", "permanent.done"},
                      .guard = calls ? "permanent.done.answer == 0" : "",
                      .exported = plan.by_codel});
   }
-  if (t.permanent.is_set() && t.permanent_fails) {
+  if (t.permanent.name.is_set() && t.permanent_fails) {
     write_wire(out, {.name = "permanent_fails",
                      .ports = {"scheduler.suspend", "permanent.fail"},
                      .guard = calls ? "permanent.fail.answer != 0" : "",
@@ -179,8 +181,8 @@ void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64
   out += "\n";
   write_export(out, is_periodic ? "timer.tick" : "timer.wake", is_periodic ? "tick" : "wake");
   write_export(out, "begin.out", "begin");
-  if (t.permanent.is_set() && plan.by_codel) write_export(out, "permanent_done.out", "permanent_done");
-  if (t.permanent.is_set() && t.permanent_fails) write_export(out, "permanent_fails.out", "permanent_fails");
+  if (t.permanent.name.is_set() && plan.by_codel) write_export(out, "permanent_done.out", "permanent_done");
+  if (t.permanent.name.is_set() && t.permanent_fails) write_export(out, "permanent_fails.out", "permanent_fails");
   if (!p.activities.empty()) {
     write_export(out, "controller.add", "add");
     write_export(out, "controller.remove", "remove");

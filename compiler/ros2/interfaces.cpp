@@ -216,7 +216,8 @@ class Maker {
   std::string c_field(const Module& m, const genom::CMember& member, Field& field, int depth) {
     // C's structs do not contain themselves, but a file may say so.
     if (depth > 32) return fmt::format("`{}` is too deep", member.type);
-    if (member.dimensions.size() > 1) return "an array of arrays is no field of a message";
+    if (member.dimensions.size() > 1)
+      return "a member of a message cannot be an array of arrays; put the inner array into a struct";
     if (!member.dimensions.empty() && member.dimensions[0] <= 0) return "the length of an array is not known";
     if (!member.dimensions.empty()) {
       field.shape = Shape::Array;
@@ -256,7 +257,7 @@ class Maker {
     switch (type.kind) {
       case idl::Kind::Primitive: {
         const auto known = kPrimitives.find(type.c_name);
-        if (known == kPrimitives.end()) return fmt::format("no field of a message is a `{}`", type.c_name);
+        if (known == kPrimitives.end()) return fmt::format("messages have no type for `{}`", type.c_name);
         field.kind = known->second;
         field.is_character = type.c_name == "char";
         return {};
@@ -272,7 +273,7 @@ class Maker {
       case idl::Kind::Sequence:
       case idl::Kind::Array:
       case idl::Kind::Optional: {
-        if (field.shape != Shape::One) return "a sequence of sequences is no field of a message";
+        if (field.shape != Shape::One) return nested_in(field, type.kind);
         field.shape = type.kind == idl::Kind::Array                         ? Shape::Array
                       : type.kind == idl::Kind::Optional || type.bound != 0 ? Shape::Bounded
                                                                             : Shape::Sequence;
@@ -281,12 +282,24 @@ class Maker {
         return field_of(c, type.element, field);
       }
       case idl::Kind::Struct: return struct_of(c, type, field);
-      case idl::Kind::Union: return fmt::format("`{}` is a union, which is no field of a message", type.c_name);
-      case idl::Kind::Native: return fmt::format("only codels know what `{}` is", type.c_name);
+      case idl::Kind::Union: return fmt::format("`{}` is a union, and messages have none", type.c_name);
+      case idl::Kind::Native: return fmt::format("`{}` is native: only codels know what it holds", type.c_name);
       case idl::Kind::Alias: break;
     }
     return "an alias of nothing";
   }
+  // Why there is no member of a message for a `kind` of which `outer` is a sequence, an array or an optional.
+  static std::string nested_in(const Field& outer, idl::Kind kind) {
+    const char* const inner = kind == idl::Kind::Array      ? "array"
+                              : kind == idl::Kind::Optional ? "optional"
+                                                            : "sequence";
+    const char* const around = outer.is_optional             ? "an optional"
+                               : outer.shape == Shape::Array ? "an array of"
+                                                             : "a sequence of";
+    return fmt::format("a member of a message cannot be {} {}{}; put the inner one into a struct", around, inner,
+                       outer.is_optional ? "" : "s");
+  }
+
   std::string struct_of(const idl::Component& c, const idl::Type& type, Field& field) {
     field.kind = Kind::Message;
     field.message = own_name("msg", camel(type.c_name));

@@ -67,7 +67,7 @@ class Reducer {
       genom::Task t;
       t.name.text = "task";
       t.period_us = kTick;
-      t.permanent.text = "cycle";
+      t.permanent.name.text = "cycle";
       t.permanent_fails = false;
       m.tasks.push_back(std::move(t));
       out_.modules.push_back(std::move(m));

@@ -347,11 +347,14 @@ Type NameScope::failure(const Expr& e, Condition& into) {
   if (!s) return Type::None;
   const bool is_lost = e.kind == ExprKind::Lost, is_late = e.kind == ExprKind::Late;
   if ((is_lost || is_late) && !has_budget(at(*s), is_lost)) {
-    diags_
-        .report(Diag::kB6115, e.range, e.path.text() + (is_lost ? ".lost" : ".late"), "never",
-                fmt::format("no codel of `{}` has a budget", text(*s)))
-        .help(is_lost ? "say `codel NAME async 20 ms` in the side file, or `async codel` with `wcet` in the description"
-                      : "say `codel NAME takes 20 ms` in the side file, or `wcet` in the description");
+    const bool is_activity = at(*s).kind == genom::ServiceKind::Execution;
+    auto d = diags_.report(
+        Diag::kB6115, e.range, e.path.text() + (is_lost ? ".lost" : ".late"), "never",
+        is_activity ? fmt::format("no codel of `{}` has a budget", text(*s))
+                    : fmt::format("`{}` is no activity, and only codels of activities are asked about", text(*s)));
+    if (is_activity)
+      d.help(is_lost ? "say `codel NAME async 20 ms` in the side file, or `async codel` with `wcet` in the description"
+                     : "say `codel NAME takes 20 ms` in the side file, or `wcet` in the description");
     return Type::None;
   }
   into.kind = ConditionKind::Failed;
