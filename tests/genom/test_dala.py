@@ -116,7 +116,7 @@ def keep_promises(work, timeout):
 
 
 def figures(work, timeout):
-    """The deadlocks of the paper's Figures 11 and 12, in generated modules."""
+    """The deadlocks of the paper's Figures 11 and 12 and of its footnote 19, in generated modules."""
     work = pathlib.Path(work)
     side, fresh, bip = side_of("ndd", work), work / "fresh.yields", work / "figure.bip"
 
@@ -137,6 +137,15 @@ def figures(work, timeout):
     verdict, _ = verify("--as-in-the-paper", "repaired", DALA / "ndd.gen", DALA / "aspect.gen", "--yields", fresh)
     if verdict != "deadlock":
         raise AssertionError(f"Figure 12: {verdict}")
+    # Footnote 19: Antenna takes its lock and never gives it back, so neither its task nor its control task begins again.
+    verdict, _ = verify(DALA / "antenna.gen", "--yields", side_of("antenna", work))
+    if verdict != "deadlock-free":
+        raise AssertionError(f"Antenna: {verdict}")
+    text, count = re.subn(r"(connector give_AntennaTask\(AntennaTask.give), lock.give(.*?\n\s*define \[AntennaTask.give), lock.give", r"\1\2", bip.read_text(encoding="utf-8"))
+    bip.write_text(text, encoding="utf-8")
+    found = json.loads(bipc("verify", "--no-reuse", "--json", "--timeout", timeout, bip, codes=(0, 3, 4)).stdout)
+    if count != 1 or found["verdict"] != "deadlock" or found["state"]["Antenna.lock"]["places"] != ["HELD"]:
+        raise AssertionError(f"footnote 19: {count} {found['verdict']} {found.get('state', {}).get('Antenna.lock')}")
 
 
 def main():
