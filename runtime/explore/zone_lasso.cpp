@@ -109,9 +109,10 @@ bool ZoneSearch::may_go_on(u32 node, u32 atom) {
          });
 }
 
-// Also where the search ended at a limit: what was found is there.
+// Now and then, and when the search has ended, also at a limit: what was found is there.
 void ZoneSearch::find_lasso() {
   if (!is_without_limit() || match_.node != kNone || !report_.inexact.empty()) return;
+  report_.has_standing_cycle = false;
   const ArcGraph graph(arcs_, nodes_.size());
   // By component: has it a later step; does an action that may return never do so?
   std::vector<std::uint8_t> has_later(graph.count, 0), is_refused(graph.count, 0);

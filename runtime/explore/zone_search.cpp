@@ -80,6 +80,7 @@ bool ZoneSearch::begin() {
   arcs_.clear();
   locations_.clear();
   next_ = 0;
+  next_look_ = kFirstLook;
   node_bytes_ = 0;
   deadlock_ = time_lock_ = error_ = match_ = {};
   open_ = kNone;
@@ -500,6 +501,7 @@ void ZoneSearch::search() {
     bool has_grown = false;
     for (; !has_grown && next_ < nodes_.size() && !is_over(); ++next_) {
       if (!nodes_[next_].is_covered) expand(next_);
+      if (next_ == next_look_) find_lasso(), next_look_ *= 2;
       has_grown = locations_.take_growth();
     }
     if (!has_grown) return;

@@ -109,6 +109,7 @@ class ZoneSearch {
   void enter_later(u32 location, const Zone& zone, const ZoneNode& label);
   [[nodiscard]] bool find_idle(u32 node);
   void find_lasso();
+  static constexpr u32 kFirstLook = 1024;  // nodes
   [[nodiscard]] bool may_go_on(u32 node, u32 atom);
   // zone_part.cpp
   [[nodiscard]] bool is_impossible(u32 row);
@@ -131,6 +132,7 @@ class ZoneSearch {
   std::deque<ZoneNode> nodes_;
   std::vector<ZoneArc> arcs_;  // of a response without a limit
   u32 next_ = 0;               // the first that was not expanded
+  u32 next_look_ = 0;          // at arcs, when this node has been expanded; then twice as late
   std::size_t node_bytes_ = 0;
   Target deadlock_, time_lock_, error_, match_;
   bool is_node_faulty_ = false;

@@ -49,8 +49,8 @@ struct ZoneReport {
   // Of a response without a limit: the steps of `match` from this number on repeat for ever. None of them: time passes
   // for ever after the last one, or is_match_end.
   std::optional<u64> match_cycle = std::nullopt;
-  bool has_standing_cycle =
-      false;  // the same: steps can repeat for ever while time stands still; such runs do not count
+  // The same: steps can repeat for ever while time stands still. Such runs do not count.
+  bool has_standing_cycle = false;
   TimedPath deadlock, time_lock, error, match;
   bool are_paths_known = true;  // false: the core could not take a path
   std::size_t bytes = 0;
@@ -88,7 +88,7 @@ struct TimedResponse {
 ///
 /// Without a limit: `match` leads to a time lock, to where time may pass for ever without a step, or once around a
 /// cycle (match_cycle). Zones of which a request waits are then kept apart unless they are equal, so there are more of
-/// them. Images without `resume` only.
+/// them. An action that may return (`resume`) does so some time.
 [[nodiscard]] ZoneReport explore_response(const Image& image, const ExploreOptions& options,
                                           const TimedResponse& response);
 /// The same; visits all locations that have zones if the graph is complete and no run misses the demand.
