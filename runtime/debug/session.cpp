@@ -448,13 +448,11 @@ Halt DebugSession::follow_record(const std::string& path, const Record& record) 
   if (const Result<bool> is_read = feed_.replay(path); !is_read) return refuse(is_read.error());
   const InterruptGuard guard(&feed_.waker());
   std::uint64_t steps = 0;
-  while (!record.has_end || steps < record.steps) {
+  while (record.has_end ? steps < record.steps : !feed_.is_record_over(core_)) {
     const Halt halt = step_at_tip();
     if (halt == Halt::Done) ++steps;
     else if (halt == Halt::Interrupted) return halt;
     else break;
-    // A record that was cut off says nothing of what follows its last event.
-    if (!record.has_end && steps >= kMaxTornSteps) break;
   }
   if (record.has_end && steps != record.steps && !is_faulty_)
     return refuse("it has " + std::to_string(record.steps) + " steps, the model ends after " + std::to_string(steps));

@@ -154,7 +154,7 @@ class DebugSession {
 
  private:
   static constexpr u32 kDelay = kNone, kEvent = kNone - 1, kAssign = kNone - 2;
-  static constexpr std::uint64_t kFirstStride = 64, kMaxTornSteps = 1000000;
+  static constexpr std::uint64_t kFirstStride = 64;
   struct Move {
     u32 interaction = 0, rank = 0;  // kEvent: row of events_; kAssign: of assignments_
     friend bool operator==(const Move&, const Move&) = default;

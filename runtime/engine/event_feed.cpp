@@ -278,6 +278,7 @@ bool EventFeed::overrun(Core& core, u32 atom) {
 }
 
 bool EventFeed::deliver(Core& core, const Event& event) {
+  last_delivery_ = looks_;
   if (record_ != nullptr) {
     std::string line;
     const u64 look = event.kind == EventKind::Resume ? looks_ + 1 : looks_;
@@ -286,6 +287,17 @@ bool EventFeed::deliver(Core& core, const Event& event) {
   }
   if (noted_ != nullptr) noted_->push_back(event);
   return redeliver(core, event);
+}
+
+bool EventFeed::is_record_over(const Core& core) const {
+  if (next_ < script_.size()) return false;
+  if (script_.empty()) return true;
+  const Event& last = script_.back();
+  if (core.now() > last.time || looks_ > last_delivery_ + kMostLooksBehind) return true;
+  for (u32 row = 0; row < ports_.size(); ++row) {
+    if (core.events().waiting(row) != 0) return false;
+  }
+  return true;
 }
 
 void EventFeed::rewind(std::size_t delivered) {

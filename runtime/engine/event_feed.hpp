@@ -23,6 +23,7 @@ namespace bip::rt {
 class EventFeed {
  public:
   static constexpr u32 kCapacity = 1u << 16;
+  static constexpr u64 kMostLooksBehind = 1000;
   explicit EventFeed(const Core& core, u32 capacity = kCapacity) : ports_(core), inbox_(ports_.size(), capacity) {}
   [[nodiscard]] const EventPorts& ports() const { return ports_; }
 
@@ -87,6 +88,9 @@ class EventFeed {
   [[nodiscard]] bool failed() const { return failed_; }
   /// How often the engine asked and was answered.
   [[nodiscard]] u64 looks() const { return looks_; }
+  /// Of a record without its end: does it say nothing of what follows? So it is when its last event has been taken, or
+  /// an instant has come that is later, or the steps of that instant go on for kMostLooksBehind looks.
+  [[nodiscard]] bool is_record_over(const Core& core) const;
 
  private:
   [[nodiscard]] i64 wait_for_outside(Core& core, i64 target);
@@ -108,10 +112,10 @@ class EventFeed {
   Inbox inbox_;
   EventSources sources_;
   EventSources::Engine engine_;
-  std::deque<Event> arrived_;  // in the order of their instants
-  std::vector<u32> held_;      // by row: posted events in the core, when we looked last
-  std::vector<u32> active_;    // rows of which there are some
-  u64 looks_ = 0;
+  std::deque<Event> arrived_;          // in the order of their instants
+  std::vector<u32> held_;              // by row: posted events in the core, when we looked last
+  std::vector<u32> active_;            // rows of which there are some
+  u64 looks_ = 0, last_delivery_ = 0;  // the looks before it
   u32 stalls_ = 0;
   RealTime* wall_ = nullptr;
   RunFile* record_ = nullptr;

@@ -27,9 +27,10 @@ bool begin_replay(const Image& image, RunOptions& options, Record& record, std::
                  printable(record.model).c_str(), image.name);
     return false;
   }
-  if (record.is_torn)
-    std::fprintf(err, "warning: %s: the last line is incomplete: the run was cut off there\n",
-                 printable(options.replay_path).c_str());
+  if (!record.has_end) {
+    std::fprintf(err, "warning: %s: the last line is %s: the run was cut off there\n",
+                 printable(options.replay_path).c_str(), record.is_torn ? "incomplete" : "missing");
+  }
   options.seed = record.seed;
   options.has_seed = true;
   options.policy = record.policy;

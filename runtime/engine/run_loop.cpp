@@ -217,6 +217,9 @@ std::optional<End> RunLoop::find_end() const {
   if (result_.steps >= options_.limit) return End::Limit;
   const bool was_ended = recorded_.has_end && (recorded_.end == End::Limit || recorded_.end == End::Interrupted);
   if (was_ended && result_.steps == recorded_.steps && feed_.looks() == recorded_.looks) return recorded_.end;
+  // With a limit of its own it goes on as if no more events had come.
+  const bool is_cut = is_replay() && !recorded_.has_end && options_.limit == RunOptions{}.limit;
+  if (is_cut && feed_.is_record_over(core_)) return End::Interrupted;
   return std::nullopt;
 }
 
