@@ -5,16 +5,21 @@
 // multisets of their printed form (names, port values and, for models with time, the intervals in which each may be
 // taken). The first difference is printed with both sets. The end of the trace, if it has one, must be the model's: a
 // deadlock, a time lock, the same kind of error.
+//
+// An event from outside comes when the trace chooses its port. What the trace does not tell of events (when ports wait
+// for one, values that it does not show) is not compared, and said.
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <map>
 
+#include "compiler/base/ascii.hpp"
 #include "compiler/base/read_file.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/pipeline/executor.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
+#include "compiler/driver/published_events.hpp"
 #include "compiler/driver/published_trace.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/system/uses_time.hpp"
@@ -112,7 +117,8 @@ class Replay {
   Replay(Compilation& c, const std::string& trace_path, bool maximal_progress)
       : compilation_(c),
         trace_path_(trace_path),
-        core_(c.lowered->image, {.progress = maximal_progress ? rt::MaximalProgress::On : rt::MaximalProgress::Off}) {}
+        core_(c.lowered->image, {.progress = maximal_progress ? rt::MaximalProgress::On : rt::MaximalProgress::Off}),
+        events_(core_) {}
 
   // True if all states and the end agree.
   bool follow(const PublishedTrace& trace) {
@@ -124,12 +130,13 @@ class Replay {
       case TraceEnd::None:
       case TraceEnd::Deadlock: return true;
       case TraceEnd::TimeLock: return core_.is_timed() && is_time_locked() ? agree() : no_such_end();
+      case TraceEnd::Event: return refuses_event();
+      // Of the clock on the wall, which a model has not.
+      case TraceEnd::Late: return is_late_ = true;
       case TraceEnd::TwoTransitions:
       case TraceEnd::NotOneSafe:
       case TraceEnd::Invariant:
       case TraceEnd::PriorityCycle:
-      case TraceEnd::Event:
-      case TraceEnd::Late:
       case TraceEnd::Error: break;
     }
     return no_such_end();
@@ -138,20 +145,38 @@ class Replay {
   [[nodiscard]] std::uint64_t steps() const { return steps_; }
   /// Did the trace end with an error that the model has, too?
   [[nodiscard]] bool has_equal_end() const { return ends_with_fault_; }
+  /// What the trace does not tell of events; empty: nothing.
+  [[nodiscard]] std::string not_compared() const {
+    std::string text;
+    const auto add = [&text](const std::string& what) { text += (text.empty() ? "" : "; ") + what; };
+    if (lists_event_ports_) add("the instants at which ports wait for events");
+    if (without_values_ != 0)
+      add(fmt::format("values of {} event{} that the trace does not show, taken as 0", without_values_,
+                      without_values_ == 1 ? "" : "s"));
+    if (is_late_) add("the timing violation at the end");
+    if (has_unnamed_event_) add("the event that nothing takes, which the trace does not name");
+    return text;
+  }
 
  private:
   bool follow_states(const std::vector<TraceState>& states) {
     for (const TraceState& state : states) {
+      // An event that arrives makes the engine list the state anew, at its instant.
+      if (!core_.events().empty() && rt::parse_time(state.entered) > core_.now() && !pass_time(state, state.entered))
+        return false;
       std::vector<Shown> ours = core_.is_timed() ? our_future(core_, writer_) : our_candidates(core_, writer_);
-      const std::vector<Shown> theirs = shown(core_.is_timed() ? state.candidates : without_time(state.candidates));
-      // The last state of a run that was cut off may lack lines.
-      const bool is_cut = !state.is_complete && &state == &states.back() && state.chosen.empty();
-      if (!missing_in(theirs, ours).empty() || (!is_cut && !missing_in(ours, theirs).empty()))
-        return differ(state, theirs, ours);
+      if (!agrees_on_candidates(state, ours)) return false;
       ++compared_;
       if (state.chosen.empty()) continue;
       if (core_.is_timed()) {
-        if (!pass_time(state)) return false;
+        if (state.instant.empty())
+          return fail(fmt::format("state #{} of `{}` does not say when it is left", state.number, trace_path_));
+        if (!pass_time(state, state.instant)) return false;
+        if (events_.find(state.chosen) != rt::kNone) {
+          if (!take_event(state)) return false;
+          ++steps_;
+          continue;
+        }
         ours = our_candidates(core_, writer_);
       }
       const std::string wanted = normal_candidate(state.chosen);
@@ -176,6 +201,101 @@ class Replay {
     return true;
   }
 
+  // The state's candidates are the model's, and ports for events that it lists can take one.
+  bool agrees_on_candidates(const TraceState& state, const std::vector<Shown>& ours) {
+    // The last state of a run that was cut off may lack lines.
+    const bool is_cut = !state.is_complete && &state == &trace_->states.back() && state.chosen.empty();
+    const auto agree = [&](const std::vector<Shown>& a, const std::vector<Shown>& b) {
+      return missing_in(a, b).empty() && (is_cut || missing_in(b, a).empty());
+    };
+    if (core_.events().empty()) {
+      const std::vector<Shown> theirs = shown(core_.is_timed() ? state.candidates : without_time(state.candidates));
+      return agree(theirs, ours) || differ(state, theirs, ours);
+    }
+    const std::vector<Shown> theirs = without_values(shown(state.candidates)), known = without_values(ours);
+    std::vector<Shown> without;       // events that the model does not have yet
+    std::vector<std::string> events;  // and these
+    for (const Shown& s : theirs) {
+      const rt::u32 row = events_.find(s.text);
+      if (row == rt::kNone || core_.events().waiting(row) != 0) without.push_back(s);
+      else events.push_back(s.text);
+    }
+    // Ports that wait for an event, or at which one waits, which may be urgent.
+    if (agree(without, known)) return events.empty() || offers_events(state, events);
+    const rt::State before = core_.snapshot();
+    for (const std::string& event : events) {
+      if (!deliver(state, event)) return false;
+    }
+    if (!events.empty() && agree(theirs, without_values(our_future(core_, writer_)))) return true;
+    return core_.restore(before) ? differ(state, without, known) : fault(&state);
+  }
+  // Candidates that are events are compared by their ports and intervals: the values are the event's, not the model's.
+  [[nodiscard]] std::vector<Shown> without_values(std::vector<Shown> candidates) const {
+    for (Shown& s : candidates) {
+      const rt::u32 row = events_.find(s.text);
+      if (row == rt::kNone) continue;
+      const std::string_view intervals = std::string_view(s.text).substr(without_intervals(s.text).size());
+      s.normal = normal_candidate(fmt::format("{} {}", events_.ports().path(row), trimmed(intervals)));
+    }
+    return candidates;
+  }
+  // Would these ports take an event: those that keep events now or later? Of others only the trace's choice says at
+  // which instant.
+  bool offers_events(const TraceState& state, const std::vector<std::string>& listed) {
+    lists_event_ports_ = true;
+    for (const std::string& candidate : listed) {
+      const rt::u32 row = events_.find(candidate);
+      if (core_.events().ports()[row].policy != rt::EventPolicy::Remember) continue;
+      const rt::State before = core_.snapshot();
+      if (!deliver(state, candidate)) return false;
+      const std::vector<Shown> future = our_future(core_, writer_);
+      const bool takes =
+          std::any_of(future.begin(), future.end(), [&](const Shown& s) { return events_.find(s.text) == row; });
+      if (!core_.restore(before)) return fault(&state);
+      if (!takes)
+        return fail(fmt::format("state #{} of `{}`, line {}, lists port `{}`, which takes no event there", state.number,
+                                trace_path_, state.line, events_.ports().path(row)));
+    }
+    return true;
+  }
+  // The event that a line shows comes at this instant.
+  bool deliver(const TraceState& state, const std::string& line) {
+    const Result<PublishedEvent> event = events_.read(without_intervals(line));
+    if (!event) return fail(fmt::format("state #{} of `{}`: {}", state.number, trace_path_, event.error()));
+    shows_values_ = (*event).shows_values;
+    std::vector<rt::Cell> cells;
+    events_.ports().to_cells((*event).row, (*event).values, cells);
+    return core_.events().deliver((*event).row, cells.data()) || fault(&state);
+  }
+  // The port of the event that the state chooses takes it, at this instant.
+  bool take_event(const TraceState& state) {
+    const rt::u32 row = events_.find(state.chosen);
+    if (core_.events().waiting(row) == 0 && !deliver(state, state.chosen)) return false;
+    without_values_ += shows_values_ ? 0 : 1;
+    const rt::EventPortRow& port = core_.events().ports()[row];
+    std::vector<rt::Participant> participants;
+    for (std::uint64_t k = 0; k < core_.candidate_count(); ++k) {
+      if (core_.candidate(k).connector != rt::kNone) continue;
+      core_.participants(core_.candidate(k), participants);
+      if (participants.front().atom != port.atom || participants.front().port != port.port) continue;
+      return core_.time().take(core_.position(k)) || fault(&state == &trace_->states.back() ? nullptr : &state);
+    }
+    return fail(fmt::format("state #{} of `{}` takes at {} an event of port `{}`, which takes none then", state.number,
+                            trace_path_, state.instant, events_.ports().path(row)));
+  }
+  // The trace ends with an event that nothing takes: is it an error of the model, too?
+  bool refuses_event() {
+    const rt::u32 row = events_.find_word(trace_->end_text);
+    if (row == rt::kNone) {
+      has_unnamed_event_ = true;
+      return events_.ports().size() != 0 || no_such_end();
+    }
+    const TraceState before_all, &last = trace_->states.empty() ? before_all : trace_->states.back();
+    if (rt::parse_time(trace_->end_instant) > core_.now() && !pass_time(last, trace_->end_instant)) return false;
+    const std::vector<rt::Cell> values(core_.events().ports()[row].width);
+    if (core_.events().deliver(row, values.data())) return no_such_end();
+    return core_.fault().code == rt::FaultCode::EventRefused ? agree() : fault(nullptr);
+  }
   bool agree() {
     ends_with_fault_ = true;
     return true;
@@ -195,21 +315,19 @@ class Replay {
     return false;
   }
   // To the instant of the choice, over those at which something changes.
-  bool pass_time(const TraceState& state) {
-    if (state.instant.empty())
-      return fail(fmt::format("state #{} of `{}` does not say when it is left", state.number, trace_path_));
-    const rt::i64 to = rt::parse_time(state.instant);
+  bool pass_time(const TraceState& state, const std::string& instant) {
+    const rt::i64 to = rt::parse_time(instant);
     if (to < 0)
-      return fail(fmt::format("state #{} of `{}` is left at `{}`, which is no instant", state.number, trace_path_,
-                              state.instant));
+      return fail(
+          fmt::format("state #{} of `{}` is left at `{}`, which is no instant", state.number, trace_path_, instant));
     if (to < core_.now())
-      return fail(fmt::format("state #{} of `{}` is left at {}, before it is reached", state.number, trace_path_,
-                              state.instant));
+      return fail(
+          fmt::format("state #{} of `{}` is left at {}, before it is reached", state.number, trace_path_, instant));
     while (core_.now() < to) {
       const rt::i64 next = std::min(to, core_.time().next_change());
       if (next > core_.time().wait_limit(ends_))
         return fail(fmt::format("state #{} of `{}` is left at {}, to which time may not pass in the model",
-                                state.number, trace_path_, state.instant));
+                                state.number, trace_path_, instant));
       if (!core_.time().advance(next)) return fault(&state);
     }
     return true;
@@ -240,11 +358,15 @@ class Replay {
   Compilation& compilation_;
   const std::string& trace_path_;
   rt::Core core_;
+  PublishedEvents events_;
   rt::Bip2Writer writer_;
   std::vector<rt::i64> ends_;
   std::uint64_t compared_ = 0, steps_ = 0;
   const PublishedTrace* trace_ = nullptr;
   bool ends_with_fault_ = false;
+  bool lists_event_ports_ = false, has_unnamed_event_ = false, is_late_ = false;
+  bool shows_values_ = true;          // of the event delivered last
+  std::uint64_t without_values_ = 0;  // events of which the trace does not show all values
 };
 
 int replay_recorded(Compilation& c, const ReplayArguments& arguments, Executor& executor) {
@@ -280,9 +402,8 @@ int command_replay(const ReplayArguments& arguments) {
   Executor executor;
   if (!compile(c, arguments.file, Stage::Image)) return report(c);
   if (!arguments.recorded_trace.empty()) return replay_recorded(c, arguments, executor);
-  if (const std::string port = system::first_event_port(*c.system); !port.empty()) {
-    c.diags.report(Diag::kB1900, c.root_range, "a comparison of traces with events, which they do not hold,")
-        .note(port);
+  if (const std::string port = system::first_event_with_object(*c.system); !port.empty()) {
+    c.diags.report(Diag::kB1900, c.root_range, "a comparison of traces with events that bring C++ objects").note(port);
     return report(c);
   }
   SourceMap traces;
@@ -302,6 +423,8 @@ int command_replay(const ReplayArguments& arguments) {
   if (agree) {
     std::printf("replay: %llu states and %llu steps agree%s\n", static_cast<unsigned long long>(replay.compared()),
                 static_cast<unsigned long long>(replay.steps()), replay.has_equal_end() ? ", and the end" : "");
+    if (const std::string left_out = replay.not_compared(); !left_out.empty())
+      std::printf("not compared: %s\n", left_out.c_str());
   }
   return report(c);
 }

@@ -171,10 +171,13 @@ class Reader {
         colon == std::string_view::npos ? std::string_view() : trimmed(line.substr(colon + 1));
     state.is_deadlock = rest.starts_with("deadlock");
     if (!state.entered.empty() && rt::parse_time(state.entered) < 0) return fail("line {} has no instant");
-    const bool is_list =
-        rest.find("interaction") != std::string_view::npos || rest.find("internal port") != std::string_view::npos;
+    const auto has = [&](std::string_view words) { return rest.find(words) != std::string_view::npos; };
+    const bool is_list = has("interaction") || has("internal port") || has("external port");
     // "limit reached", "error": nothing to compare there.
-    if (!state.is_deadlock && !is_list) return note_end(rest);
+    if (!state.is_deadlock && !is_list) {
+      trace_.end_instant = state.entered;
+      return note_end(rest);
+    }
     expected_ = is_list ? announced(rest) : 0;
     state.is_complete = expected_ == 0;
     if (state.is_deadlock && trace_.end == TraceEnd::None) {

@@ -44,7 +44,8 @@ struct PublishedTrace {
   std::vector<TraceState> states;
   TraceEnd end = TraceEnd::None;
   std::size_t end_line = 0;
-  std::string end_text;  // "invariant ROOT.a.i violated!"
+  std::string end_text;     // "invariant ROOT.a.i violated!"
+  std::string end_instant;  // "1s600ms", of the line that says of the last state how the run ended; empty: none does
 };
 
 /// Fails if neither a state nor an end is found or a line of a state, unless it is the text's last, cannot be read; the

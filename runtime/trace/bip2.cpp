@@ -59,6 +59,20 @@ void append_port_name(std::string& out, const Image& image, const Connector& con
   }
 }
 
+// Of a port for events: what the event that it takes brings.
+void append_event_values(std::string& out, const Core& core, u32 atom, u32 port) {
+  const Image& image = core.image();
+  const PortType& type = image.port_types[image.atom_types[image.atoms[atom].type].ports[port].type];
+  out += '(';
+  for (u32 i = 0; i < type.vars.size; ++i) {
+    out += type.vars[i].name;
+    out += '=';
+    append_value(out, image, type.vars[i].type, core.events().shown(atom, port, i));
+    out += ';';
+  }
+  out += ')';
+}
+
 void append_count(std::string& out, std::uint64_t count, const char* what) {
   append_number(out, count);
   out += ' ';
@@ -99,7 +113,11 @@ void Bip2Writer::append(std::string& out, Core& core, std::uint64_t k) {
 void Bip2Writer::append_body(std::string& out, Core& core, const Candidate& candidate) {
   const Image& image = core.image();
   append_candidate(out, core, candidate);
-  if (candidate.connector == kNone) return;
+  if (candidate.connector == kNone) {
+    if (core.is_timed() && core.events().is_event_port(candidate.atom, candidate.port))
+      append_event_values(out, core, candidate.atom, candidate.port);
+    return;
+  }
   out += ':';
   core.direct_participants(candidate, participants_);
   const Connector& connector = image.connectors[candidate.connector];
@@ -224,6 +242,12 @@ void Bip2Writer::fault(std::string& out, const Core& core) {
     case FaultCode::InvariantViolated: text = "invariant " + atom + '.' + fault.rule + " violated"; break;
     case FaultCode::PriorityCycle: text = "cycle in priorities of compound: " + fault.rule; break;
     case FaultCode::AtomPriorityCycle: text = "cycle in priorities of atom " + atom + ": " + fault.rule; break;
+    case FaultCode::EventRefused:
+      text = "unexpected event " + atom + '.' + image.atom_types[image.atoms[fault.atom].type].ports[fault.port].name;
+      break;
+    case FaultCode::LateStep:
+      text = "timing violation in " + (fault.connector != kNone ? image.connectors[fault.connector].path() : atom);
+      break;
     // Told by the line of the state.
     case FaultCode::TimeLock:
     case FaultCode::None:
@@ -233,8 +257,6 @@ void Bip2Writer::fault(std::string& out, const Core& core) {
     case FaultCode::TooManyInteractions:
     case FaultCode::Exception:
     case FaultCode::BadClock:
-    case FaultCode::LateStep:
-    case FaultCode::EventRefused:
     case FaultCode::SourceFailed:
     case FaultCode::ReplayDiffers:
     case FaultCode::BadDraw:
