@@ -144,7 +144,8 @@ std::string ffi_text(const CodeTable& code, const ConstNames& const_names, const
     line(head + "[[maybe_unused]] std::uint32_t site) try {");
     if (options.mark) line("#line 1 \"bip-prototype-" + std::to_string(k) + "\"");
     const std::string call = call_text(function, const_names, result);
-    if (options.names_crashes) line("  const bip::rt::CallNote bip_note(" + note_text(code, function, options) + ");");
+    if (options.names_crashes)
+      line("  const bip::rt::CallNote bip_note(" + note_text(code, function, options) + ", bip_context->site(site));");
     if (!function.has_result) line("  " + call + ";");
     else if (function.result == Type::String) line("  return bip_context->intern(" + call + ");");
     else if (is_ffi(function.result)) line("  return " + call + ";");
@@ -207,7 +208,7 @@ std::string shim_text(const System& system, const ConstNames& const_names) {
       if (is_ffi(type)) call += "bip::rt::object_in<" + names.type(type) + ">(*" + cell + "), ";
       else call += cell + (type == Type::Float ? "->f, " : type == Type::Bool ? "->i != 0, " : "->i, ");
     }
-    call += "0)";
+    call += "static_cast<std::uint32_t>(args[" + std::to_string(function.params.size()) + "]->i))";
     if (!function.has_result) line("    " + call + ";");
     else if (is_ffi(function.result))
       line("    bip::rt::object_in<" + names.type(function.result) + ">(*result) = " + call + ";");

@@ -142,8 +142,11 @@ rt::Cell Evaluator::call(ExprId id, const Expr& e) {
   rt::Cell result{};
   if (function.has_result && is_ffi(function.result))
     result = *lowered_.results.cell(id.value, lowered_.ffi_types[ffi_row(function.result)]);
+  const std::uint32_t site = lowered_.site_of_expr[id.value];
+  rt::Cell where = int_cell(static_cast<std::int32_t>(site));
+  variables.push_back(&where);
   if (lowered_.functions[e.index](&lowered_.ffi, &result, variables.data()) != 0) {
-    status_ = rt::fault_status(lowered_.site_of_expr[id.value], rt::FaultKind{});
+    status_ = rt::fault_status(site, rt::FaultKind{});
   }
   return result;
 }

@@ -144,8 +144,8 @@ class UnitBuilder {
     BIP_ASSERT(args.size() == function.params.size(), "{} arguments for `{}`", args.size(), function.name);
     llvm::Type* i64 = b_.getInt64Ty();
     llvm::Type* pointer = b_.getPtrTy();
-    llvm::Value* values = frame(i64, args.size() + 1);
-    llvm::Value* cells = frame(pointer, args.size());
+    llvm::Value* values = frame(i64, args.size() + 2);
+    llvm::Value* cells = frame(pointer, args.size() + 1);
     for (std::size_t k = 0; k < args.size(); ++k) {
       const Expr& arg = code_.exprs[args[k]];
       llvm::Value* cell = nullptr;
@@ -158,6 +158,9 @@ class UnitBuilder {
       }
       b_.CreateStore(cell, b_.CreateConstInBoundsGEP1_64(pointer, cells, k));
     }
+    llvm::Value* site = b_.CreateConstInBoundsGEP1_64(i64, values, args.size() + 1);
+    b_.CreateStore(b_.getInt64(sites_[id.value]), site);
+    b_.CreateStore(site, b_.CreateConstInBoundsGEP1_64(pointer, cells, args.size()));
     llvm::Value* result = values;
     if (function.has_result && is_ffi(function.result)) result = result_object(id, function.result);
     auto* type = llvm::FunctionType::get(i32_, {pointer, pointer, pointer}, false);

@@ -8,6 +8,7 @@ namespace bip::rt {
 
 FfiData::FfiData(const Image& image) {
   if (image.ffi != nullptr) image.ffi->attach(image.strings);
+  if (image.ffi != nullptr) image.ffi->name_sites(image.sites, image.files);
   if (image.ffi_types.size == 0) return;
   row_of_.assign(image.cell_count, kNone);
   for (const Atom& atom : image.atoms) add(image, image.atom_types[atom.type].variables, atom.first_cell);

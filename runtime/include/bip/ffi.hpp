@@ -39,6 +39,16 @@ class FfiContext {
     }
     next_ = std::max(next_, static_cast<std::int32_t>(texts_.size()));
   }
+  /// Takes over where the image's code calls C++; once, before anything is called.
+  void name_sites(Span<Site> sites, Span<const char*> files) {
+    if (!sites_.empty()) return;
+    for (const Site& site : sites) {
+      const bool is_known = site.loc.line != 0 && site.loc.file < files.size;
+      sites_.push_back(is_known ? files[site.loc.file] + (':' + std::to_string(site.loc.line)) : std::string());
+    }
+  }
+  /// "model.bip:14", where the call at this site is; empty if that is not known. Lives as long as this.
+  [[nodiscard]] const char* site(std::uint32_t row) const { return row < sites_.size() ? sites_[row].c_str() : ""; }
   [[nodiscard]] const char* text(std::int32_t row) const {
     const std::lock_guard guard(lock_);
     if (row < static_cast<std::int32_t>(texts_.size())) return texts_[static_cast<std::size_t>(row)].c_str();
@@ -114,6 +124,7 @@ class FfiContext {
   }
 
   bool is_attached_ = false;
+  std::vector<std::string> sites_;               // by row of Image::sites
   std::deque<std::string> texts_;                // of the image; never moves
   std::unordered_map<std::int32_t, Made> made_;  // at run time, by row; nodes never move
   std::int32_t next_ = 0;                        // the next row, if it is free
@@ -124,7 +135,7 @@ class FfiContext {
 };
 
 /// A C++ function behind an adapter: 0, or 1 after an exception. An FFI result is assigned to the object that
-/// `result` points to.
+/// `result` points to. Behind the arguments `args` has one cell more: the call's row of Image::sites, as an int.
 using FfiFunction = std::int32_t (*)(FfiContext* ffi, Cell* result, Cell* const* args);
 
 /// A string of a running model.

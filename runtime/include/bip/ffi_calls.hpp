@@ -15,17 +15,25 @@ namespace bip::rt {
 
 /// The C++ function that a thread is in, named when a signal ends the process. A literal, or null.
 inline thread_local std::atomic<const char*> called_now{nullptr};
+/// The line of the model that calls it. Of the thread's FfiContext, or null.
+inline thread_local std::atomic<const char*> called_at{nullptr};
 class CallNote {
  public:
-  explicit CallNote(const char* what) : before_(called_now.load(std::memory_order_relaxed)) {
+  CallNote(const char* what, const char* where)
+      : what_before_(called_now.load(std::memory_order_relaxed)),
+        where_before_(called_at.load(std::memory_order_relaxed)) {
     called_now.store(what, std::memory_order_relaxed);
+    called_at.store(where, std::memory_order_relaxed);
   }
   CallNote(const CallNote&) = delete;
   CallNote& operator=(const CallNote&) = delete;
-  ~CallNote() { called_now.store(before_, std::memory_order_relaxed); }
+  ~CallNote() {
+    called_now.store(what_before_, std::memory_order_relaxed);
+    called_at.store(where_before_, std::memory_order_relaxed);
+  }
 
  private:
-  const char* before_;
+  const char *what_before_, *where_before_;
 };
 
 /// The value of a clock, for an `int` parameter: towards 0, and no further than an `int` goes.
@@ -52,17 +60,17 @@ inline void handle(int signal) {
                      : signal == SIGBUS  ? "SIGBUS"
                      : signal == SIGABRT ? "SIGABRT (abort)"
                                          : "SIGILL";
-  if (const char* const what = called_now.load(std::memory_order_relaxed); what != nullptr) {
-    say("\nerror: signal ");
-    say(name);
-    say(" in the model's C++, ");
-    say(what);
-    say("\n");
+  const char* const what = called_now.load(std::memory_order_relaxed);
+  const char* where = called_at.load(std::memory_order_relaxed);
+  if (where == nullptr) where = "";
+  const char* const calls = *where == '\0' ? "" : ", called at ";
+  if (what != nullptr) {
+    for (const char* part : {"\nerror: signal ", name, " in the model's C++, ", what, calls, where, "\n"}) say(part);
   }
   if (void (*const stop)(const char*) = hook.exchange(nullptr); stop != nullptr) {
-    const char* const what = called_now.load(std::memory_order_relaxed);
     std::size_t size = 0;
-    for (const char* part : {"signal ", name, what == nullptr ? "" : " in ", what == nullptr ? "" : what}) {
+    for (const char* part :
+         {"signal ", name, what == nullptr ? "" : " in ", what == nullptr ? "" : what, calls, where}) {
       for (; *part != '\0' && size + 1 < sizeof reason; ++part) reason[size++] = *part;
     }
     stop(reason);
