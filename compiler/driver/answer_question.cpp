@@ -21,17 +21,29 @@ namespace {
 // Of the time, for runs before the proof.
 constexpr double kShareOfRuns = 8;
 
-// A deadlock or an error that a run meets, of a model whose C++ nothing else follows.
-std::optional<library::Verdict> first_runs(const library::VerifyRequest& request, Compilation& c,
-                                           const verify::Question& question) {
+// What random runs say, of a model whose C++ nothing else follows.
+struct RunsVerdict {
+  std::optional<library::Verdict> verdict;  // a deadlock or an error that a run meets
+  std::string note;
+};
+
+RunsVerdict first_runs(const library::VerifyRequest& request, Compilation& c, const verify::Question& question) {
   const bool asks_errors = question.what == verify::QuestionKind::NoErrors;
-  if (!asks_errors && question.what != verify::QuestionKind::DeadlockFreedom) return std::nullopt;
+  if (!asks_errors && question.what != verify::QuestionKind::DeadlockFreedom) return {};
   const double limit = request.wall_timeout > 0 ? std::min(request.timeout, request.wall_timeout) : request.timeout;
   const auto seconds = static_cast<unsigned>(limit / kShareOfRuns + 1);
-  const std::optional<std::string> run =
-      run_to_end(c, request.backend, asks_errors ? rt::End::Fault : rt::End::Deadlock, seconds);
-  if (!run) return std::nullopt;
-  return library::plain_verdict(question, kViolated, asks_errors ? "error" : "deadlock", *run);
+  const FirstRuns runs = make_first_runs(c, request.backend, asks_errors ? rt::End::Fault : rt::End::Deadlock, seconds);
+  RunsVerdict said;
+  if (asks_errors && !runs.found && !runs.crash.empty())
+    said.verdict = library::plain_verdict(question, kViolated, "error", "error: a run crashes: " + runs.crash + '\n');
+  else if (runs.found)
+    said.verdict = library::plain_verdict(question, kViolated,
+                                          asks_errors                 ? "error"
+                                          : is_time_lock(*runs.found) ? "time lock"
+                                                                      : "deadlock",
+                                          *runs.found);
+  if (!runs.crash.empty()) said.note = "note: a run crashes: " + runs.crash + '\n';
+  return said;
 }
 
 // One line on a terminal, rewritten at most ten times a second; nothing elsewhere.
@@ -73,13 +85,16 @@ class ProofProgressLine {
 library::Verdict answer_question(const library::VerifyRequest& request, Compilation& c,
                                  const verify::Question& question, const std::string& note) {
   if (std::optional<library::Verdict> fault = library::decide_initial_fault(c, question)) return *fault;
+  std::string notes = note;
   if (library::has_undetermined_values(*c.system) && !c.options.refuses_cpp) {
-    if (std::optional<library::Verdict> found = first_runs(request, c, question)) return *found;
+    RunsVerdict runs = first_runs(request, c, question);
+    if (runs.verdict) return *std::move(runs.verdict);
+    notes += runs.note;
   }
   const InterruptCancellation interrupt;
   ProofProgressLine progress;
   return library::decide(
-      request, c, question, note, interrupt.token(),
+      request, c, question, notes, interrupt.token(),
       [&](const char* phase, std::uint64_t count, const char* unit) { progress.show(phase, count, unit); });
 }
 

@@ -1,4 +1,5 @@
-// See first_runs.hpp. The child writes what it found to a file without a name that both processes have open.
+// See first_runs.hpp. The child writes what it found, and what its handler of signals says, to files without names that
+// both processes have open.
 #include "compiler/driver/first_runs.hpp"
 
 #include <fcntl.h>
@@ -7,8 +8,13 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
+#include <iterator>
 #include <memory>
+#include <string_view>
+
+#include <fmt/format.h>
 
 #include "compiler/pipeline/executor.hpp"
 
@@ -36,58 +42,86 @@ std::string text_of(std::FILE* file) {
   return text;
 }
 
-void detach_standard_streams() {
+// Of the child: the standard error goes to the file.
+void detach_standard_streams(std::FILE* said) {
   const int null = ::open("/dev/null", O_RDWR);
   if (null < 0) return;
-  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) (void)::dup2(null, stream);
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO}) (void)::dup2(null, stream);
+  (void)::dup2(::fileno(said), STDERR_FILENO);
 }
 
-// In the child.
+constexpr std::string_view kSeedLine = "bipc: first run with seed ", kCrashLine = "error: signal ";
+
+// What stands behind the last `head` in the text, to the end of its line.
+std::string last_line(const std::string& text, std::string_view head) {
+  const std::size_t at = text.rfind(head);
+  if (at == std::string::npos) return {};
+  const std::size_t begin = at + head.size();
+  return text.substr(begin, text.find('\n', begin) - begin);
+}
+
+// A signal of its own that ended the child; others come from outside, or say that it was out of time.
+std::string crash_text(int status, std::FILE* said) {
+  constexpr int kCrashes[] = {SIGSEGV, SIGFPE, SIGBUS, SIGABRT, SIGILL};
+  if (!WIFSIGNALED(status) ||
+      std::find(std::begin(kCrashes), std::end(kCrashes), WTERMSIG(status)) == std::end(kCrashes))
+    return {};
+  const std::string text = text_of(said);
+  const std::string told = last_line(text, kCrashLine);
+  return fmt::format("signal {}   (seed {})", told.empty() ? std::to_string(WTERMSIG(status)) : told,
+                     last_line(text, kSeedLine));
+}
+
+// In the child. A time lock is wanted as a deadlock is.
 void run_all(Compilation& c, Backend backend, rt::End end, unsigned seconds, std::FILE* found) {
   Executor executor(MachineCode::Fresh);
   if (!executor.prepare(c, backend, Optimisation::O0)) return;
   ::alarm(seconds);
   std::uint64_t fewest = kStepsOfRun + 1;
-  std::string best;
   for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {
     const File steps(std::tmpfile());
     if (steps == nullptr) return;
+    std::fprintf(stderr, "%s%llu\n", kSeedLine.data(), static_cast<unsigned long long>(seed));
     rt::RunOptions options;
     options.seed = seed;
     options.has_seed = true;
     options.limit = fewest - 1;
     const rt::RunResult result = rt::run(c.lowered->image, options, steps.get(), steps.get());
-    if (result.end != end || result.steps >= fewest) continue;
+    if (result.end != end && (result.end != rt::End::Fault || end != rt::End::Deadlock)) continue;
+    const std::string best = text_of(steps.get());
+    if (result.steps >= fewest || (result.end != end && !is_time_lock(best))) continue;
     fewest = result.steps;
-    best = text_of(steps.get());
-    if (fewest == 0) break;
+    std::rewind(found);
+    std::fwrite(best.data(), 1, best.size(), found);
+    std::fflush(found);
+    if (::ftruncate(::fileno(found), static_cast<off_t>(best.size())) != 0 || fewest == 0) break;
   }
-  std::fwrite(best.data(), 1, best.size(), found);
-  std::fflush(found);
 }
 
 }  // namespace
 
-std::optional<std::string> run_to_end(Compilation& c, Backend backend, rt::End end, unsigned seconds) {
-  const File found(std::tmpfile());
-  if (found == nullptr) return std::nullopt;
+bool is_time_lock(const std::string& run) { return run.find("error[R0020]") != std::string::npos; }
+
+FirstRuns make_first_runs(Compilation& c, Backend backend, rt::End wanted, unsigned seconds) {
+  const File found(std::tmpfile()), said(std::tmpfile());
+  if (found == nullptr || said == nullptr) return {};
   std::fflush(stdout);
   std::fflush(stderr);
   const pid_t child = ::fork();
-  if (child < 0) return std::nullopt;
+  if (child < 0) return {};
   if (child == 0) {
-    detach_standard_streams();
-    run_all(c, backend, end, seconds, found.get());
+    detach_standard_streams(said.get());
+    run_all(c, backend, wanted, seconds, found.get());
     // No destructor of the parent's objects runs twice.
     ::_exit(0);
   }
   int status = 0;
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) return std::nullopt;
-  std::string text = text_of(found.get());
-  if (text.empty()) return std::nullopt;
-  return text;
+  FirstRuns runs;
+  runs.crash = crash_text(status, said.get());
+  if (std::string text = text_of(found.get()); !text.empty()) runs.found = std::move(text);
+  return runs;
 }
 
 }  // namespace bip::driver

@@ -10,10 +10,16 @@
 
 namespace bip::driver {
 
-/// The shortest of a few random runs that end so (Deadlock, Fault), as `bipc run` prints it; nothing if none does
-/// within its steps, the model's C++ cannot be had, or it ends the process. The runs are made in a process of their
-/// own, for at most `seconds` after its C++ is compiled; what they write and read is dropped. Requires an image; the
-/// compilation is as before.
-[[nodiscard]] std::optional<std::string> run_to_end(Compilation& c, Backend backend, rt::End end, unsigned seconds);
+struct FirstRuns {
+  std::optional<std::string> found;  // the shortest run that ends as wanted, as `bipc run` prints it
+  std::string crash;  // "signal SIGSEGV … in the model's C++, `f()` …   (seed 3)", if a run ends the process so
+};
+/// Does a run, as `bipc run` prints it, end in a time lock?
+[[nodiscard]] bool is_time_lock(const std::string& run);
+/// Makes a few random runs; those wanted end in a deadlock (with time, or a time lock) or a fault. Finds nothing if no
+/// run does within its steps, or the model's C++ cannot be had. The runs are made in a process of their own, for at
+/// most `seconds` after its C++ is compiled; what they write and read is dropped. Requires an image; the compilation is
+/// as before.
+[[nodiscard]] FirstRuns make_first_runs(Compilation& c, Backend backend, rt::End wanted, unsigned seconds);
 
 }  // namespace bip::driver

@@ -29,9 +29,6 @@ namespace bip::library {
 
 namespace {
 
-// Processor time for the question about errors, which the user did not ask, in seconds.
-constexpr double kErrorSeconds = 0.5;
-
 // The note of a verdict that holds: whether a run can end in an error. The same engines decide it, within
 // kErrorSeconds.
 std::string error_remark(const Compilation& c, const verify::Question& question, const verify::Decision& decision,
@@ -232,6 +229,7 @@ Verdict decide(const VerifyRequest& request, Compilation& c, const verify::Quest
     said.text += relevance_text(said, broken_by->choices.size());
   }
   said.text += note;
+  if (decision.outcome == verify::Outcome::Holds && c.system->code.has_cpp()) said.text += kCppReturns;
   if (request.wants_certificate && decision.outcome == verify::Outcome::Holds)
     verdict.certificate = verify::certificate(portfolio, question, decision, *c.system, c.root_name);
   said.text += error_remark(c, question, decision, portfolio, limits);

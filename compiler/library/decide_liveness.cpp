@@ -194,6 +194,7 @@ Verdict decide_liveness(const VerifyRequest& request, Compilation& c, const veri
       break;
   }
   verdict.text += note;
+  if (decision.outcome == verify::Outcome::Holds && c.system->code.has_cpp()) verdict.text += kCppReturns;
   json["property"] = question.formula.text;
   if (!is_invariant) json["fairness"] = verify::name_of(request.fairness);
   if (decision.outcome == verify::Outcome::Holds) json["method"] = proof != nullptr ? "k-liveness" : "runs";

@@ -187,7 +187,7 @@ Verdict decide_response(const VerifyRequest& request, Compilation& c, const veri
     json["verdict"] = "holds";
     json["method"] = "exhaustive";
     text = fmt::format("holds: `{}`: true of all runs through {}\n", formula.text, size);
-    if (found.has_error) text += "note: this holds, but a run can end with an error: `--property errors` shows it\n";
+    text += error_note(image, found);
     if (found.has_standing_cycle)
       text += "note: steps can repeat for ever while time stands still (Zeno); such runs do not count\n";
     exit_code = kOk;

@@ -150,11 +150,38 @@ Verdict unknown_because_of_values(const System& system) {
   return verdict_of(json, "unknown: " + reason + '\n', kUnknown);
 }
 
+std::string error_note(const rt::Image& image, const rt::ZoneReport& found) {
+  if (!found.has_error) return {};
+  if (!found.are_paths_known) return kEndsInError;
+  rt::Core core(image);
+  (void)rt::follow_path(
+      core, rt::CounterexampleEnd::Error, found.error, [](std::uint64_t, std::uint64_t) {}, [] {});
+  return core.fault() ? error_note(core.fault().what) : kEndsInError;
+}
+
+// The note of a verdict that holds by parts, which say nothing of errors: whether a run can end in one. The zone graph
+// of the whole decides it, within kErrorSeconds.
+static std::string error_remark_of_zones(const Compilation& c, const VerifyRequest& request,
+                                         const verify::CancellationToken& token) {
+  if (!can_end_in_error(*c.system)) return {};
+  const verify::CancellationToken soon = token.within(kErrorSeconds);
+  const std::unique_ptr<lower::LoweredSystem> lowered = lower::lower(*c.system, c.root_name);
+  const interp::Interpreter interpreter(*lowered);
+  rt::ExploreOptions options;
+  options.bytes = request.megabytes * kMega;
+  options.is_stopped = [&soon] { return soon.is_over(); };
+  options.unread_cells = verify::find_unread_cells(*c.system, lowered->image, {});
+  const rt::ZoneReport found = rt::explore_zones(lowered->image, options);
+  if (found.has_error) return error_note(lowered->image, found);
+  return found.end == rt::ExploreEnd::Complete && found.inexact.empty() ? std::string() : kErrorsNotAsked;
+}
+
 // Returns the verdict of a proof by localization or by pairs.
-static Verdict verdict_of_parts(const verify::TimeProof& proof, const verify::Question& question, const System& system,
-                                const std::string& note, const std::string& stats, nlohmann::ordered_json json) {
+static Verdict verdict_of_parts(const verify::TimeProof& proof, const verify::Question& question,
+                                const std::string& remark, const std::string& note, const std::string& stats,
+                                nlohmann::ordered_json json) {
   std::string text = proof_text(proof, question);
-  if (can_end_in_error(system)) text += kErrorsNotAsked;
+  text += remark;
   text += note;
   json["verdict"] = question.what == verify::QuestionKind::State ? "holds" : "deadlock-free";
   json["method"] = "parts";
@@ -180,7 +207,8 @@ Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify:
     if (request.stats) stats = stats_text(proof);
     if (request.stats) json["parts"] = parts_json(proof);
     if (proof.is_proved && !proof.rows.empty()) {
-      Verdict verdict = verdict_of_parts(proof, question, *c.system, note, stats, std::move(json));
+      Verdict verdict = verdict_of_parts(proof, question, error_remark_of_zones(c, request, cancellation), note, stats,
+                                         std::move(json));
       verdict.certificate =
           verify::certificate_head(question, *c.system, c.root_name) + "method pairs\n" + proof.rows + "end\n";
       return verdict;
@@ -200,7 +228,9 @@ Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify:
       stats = stats_text(proof);
       json["parts"] = parts_json(proof);
     }
-    if (proof.is_proved) return verdict_of_parts(proof, question, *c.system, note, stats, std::move(json));
+    if (proof.is_proved)
+      return verdict_of_parts(proof, question, error_remark_of_zones(c, request, cancellation), note, stats,
+                              std::move(json));
   }
   Executor executor(MachineCode::Fresh);
   if (!executor.prepare(c, request.backend, Optimisation::Auto)) return {};
@@ -274,7 +304,7 @@ Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify:
     json["method"] = "exhaustive";
     text = asks_state ? fmt::format("holds: `{}`: true in {}\n", question.property.text, size)
                       : name + ": no " + (asks_errors ? "error" : "deadlock and no time lock") + " in " + size + '\n';
-    if (found.has_error) text += "note: this holds, but a run can end with an error: `--property errors` shows it\n";
+    text += error_note(image, found);
     exit_code = kOk;
   } else {
     const std::string reason =

@@ -11,6 +11,9 @@ namespace bip::library {
 
 /// Why a search of zones has no answer.
 [[nodiscard]] std::string limit_text(const rt::ZoneReport& found, const verify::CancellationToken& cancellation);
+/// The note of a verdict that holds: with which error a run can end, if the search has met one; else empty. The image
+/// has its code.
+[[nodiscard]] std::string error_note(const rt::Image& image, const rt::ZoneReport& found);
 [[nodiscard]] Verdict verdict_of(const nlohmann::ordered_json& json, std::string text, int exit_code);
 /// Why a certificate of a zone graph says less than it should: guards of connectors or priorities that can fault, for
 /// which of several faults, or of a fault and a false guard, comes first is not for a checker to know.

@@ -22,6 +22,8 @@ struct VerdictText {
 /// Evidence: after the verdict the invariants, equations and lemmas of the proof.
 enum class Explanation : std::uint8_t { None, Evidence };
 
+/// Processor time for the question about errors, which the user did not ask, in seconds.
+inline constexpr double kErrorSeconds = 0.5;
 /// What a verdict that holds says of errors that it was not about.
 inline constexpr const char* kErrorsNotAsked =
     "note: errors were not asked for: `--property errors` shows whether a run can end with one\n";
@@ -29,6 +31,9 @@ inline constexpr const char* kErrorsNotAsked =
 inline constexpr const char* kEndsInError =
     "note: this holds, but a run can end with an error: `--property errors` shows it\n";
 [[nodiscard]] std::string error_note(const std::string& fault);
+/// What a verdict that holds of a model with C++ says of this.
+inline constexpr const char* kCppReturns =
+    "note: the model's C++ is taken to return, with any value; a crash or an endless loop in it is not looked at\n";
 
 /// Says the verdict, with the counterexample's steps or the reason of an unknown. The image has its code if the
 /// decision is Violated.

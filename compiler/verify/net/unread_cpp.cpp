@@ -93,6 +93,31 @@ void for_each_code(System& system, const SeeExpr& expr, const SeeStmt& body) {
   for (std::size_t k = 0; k < system.priorities.size(); ++k) expr(system.priorities[PriorityId(k)].guard);
 }
 
+// Types of which there is no component or connector decide nothing, and what they call is none of the system's.
+void empty_unused_types(System& system) {
+  std::vector<std::uint8_t> is_used(system.atom_types.size());
+  for (const Atom& atom : system.atoms) is_used[atom.type.value] = 1;
+  for (std::size_t k = 0; k < system.atom_types.size(); ++k) {
+    if (is_used[k] != 0) continue;
+    AtomType& type = system.atom_types[AtomTypeId(k)];
+    type.initial_action = {};
+    type.initial_resume = {};
+    for (Transition& t : type.transitions) {
+      t.guard = {};
+      t.action = {};
+      t.when = {};
+      t.resume = {};
+    }
+    type.priorities.clear();
+    type.invariants.clear();
+  }
+  std::vector<std::uint8_t> is_bound(system.connector_types.size());
+  for (const Connector& connector : system.connectors) is_bound[connector.type.value] = 1;
+  for (std::size_t k = 0; k < system.connector_types.size(); ++k) {
+    if (is_bound[k] == 0) system.connector_types[ConnectorTypeId(k)].clauses.clear();
+  }
+}
+
 bool has_calls(System& system) {
   const CodeTable& code = system.code;
   bool result = false;
@@ -114,6 +139,7 @@ bool has_event_class(const System& system) {
 std::optional<System> without_unread_cpp(const System& system, const std::vector<DataRef>& asked) {
   if (system.code.functions.empty() || !system.code.ffi_types.empty() || has_event_class(system)) return std::nullopt;
   System result = system;
+  empty_unused_types(result);
   CallRemover remover(result.code);
   for_each_code(
       result, [](ExprId) {}, [&](StmtId& first) { remover.strip(first, {}); });
