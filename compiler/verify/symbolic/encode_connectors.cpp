@@ -236,7 +236,7 @@ Signal TransitionSystemBuilder::is_enabled(const Tree& tree, u32 root, const Lea
         !tree.is_below(root, row))
       continue;
     const u32 below = tree.nodes[row].children[0];
-    Result<std::vector<Leaves>> all = analysis::list_interactions(tree, below, kMaxInteractions);
+    Result<std::vector<Leaves>> all = analysis::list_interactions(tree, below, most_interactions());
     Leaves own;
     for (u32 leaf : leaves) {
       if (tree.is_below(below, leaf)) own.push_back(leaf);
@@ -316,9 +316,10 @@ void TransitionSystemBuilder::add_step(u32 interaction, const Tree& tree, const 
 void TransitionSystemBuilder::add_connector(u32 interaction, u32 connector) {
   const ConnectorId id(std::size_t{connector});
   const std::string name = system_.connectors[id].path;
-  Result<Tree> built = analysis::build_interaction_tree(system_, id, {.nodes = kMaxTree});
+  Result<Tree> built = analysis::build_interaction_tree(system_, id, {.nodes = most_nodes()});
   if (!built) {
-    transition_system_.unsupported = '`' + name + "` is too large";
+    transition_system_.unsupported =
+        '`' + name + "` has more than " + std::to_string(most_nodes()) + " ports and connectors (--memory allows more)";
     return;
   }
   const Tree& tree = *built;
@@ -329,10 +330,10 @@ void TransitionSystemBuilder::add_connector(u32 interaction, u32 connector) {
     add_step(interaction, tree, chosen, std::move(store), candidate);
     return;
   }
-  Result<std::vector<Leaves>> listed = analysis::list_interactions(tree, tree.uses[0].root, kMaxInteractions);
+  Result<std::vector<Leaves>> listed = analysis::list_interactions(tree, tree.uses[0].root, most_interactions());
   if (!listed) {
-    transition_system_.unsupported =
-        '`' + name + "` has more than " + std::to_string(kMaxInteractions) + " interactions with guards";
+    transition_system_.unsupported = '`' + name + "` has more than " + std::to_string(most_interactions()) +
+                                     " interactions with guards (--memory allows more)";
     return;
   }
   const std::vector<Leaves>& all = *listed;

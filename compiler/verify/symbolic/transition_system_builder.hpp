@@ -26,7 +26,10 @@ class TransitionSystemBuilder {
   TransitionSystem build();
 
  private:
-  static constexpr std::size_t kMaxInteractions = 512, kMaxTree = 50000;
+  /// Of one connector with guards, and nodes of the tree of one connector: they grow with the memory. Each two
+  /// interactions are compared, which at these numbers takes seconds.
+  [[nodiscard]] std::size_t most_interactions() const { return std::max<std::size_t>(512, megabytes_); }
+  [[nodiscard]] std::size_t most_nodes() const { return std::max<std::size_t>(50'000, megabytes_ * 1000); }
 
   /// The state of one atom.
   struct Local {
