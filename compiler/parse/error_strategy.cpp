@@ -202,10 +202,18 @@ void ReportingStrategy::reportError(antlr4::Parser* parser, const antlr4::Recogn
 // `extern function int Math.max(int, int)`, or `Math::max`.
 bool ReportingStrategy::names_class_of_function(antlr4::Parser* parser, const antlr4::Token* found) const {
   const antlr4::RuleContext* context = parser->getContext();
+  // Without a result the class is read as one.
+  while (context != nullptr &&
+         (context->getRuleIndex() == BipParser::RulePath || context->getRuleIndex() == BipParser::RulePathPart ||
+          context->getRuleIndex() == BipParser::RuleId || context->getRuleIndex() == BipParser::RuleTypeName))
+    context = static_cast<const antlr4::RuleContext*>(context->parent);
   const std::size_t index = found->getTokenIndex();
-  return context != nullptr && context->getRuleIndex() == BipParser::RuleExternFunction && index > 0 &&
-         parser->getTokenStream()->get(index - 1)->getType() == BipParser::ID &&
-         (found_phrase(found) == "`.`" || found_phrase(found) == "`:`");
+  antlr4::TokenStream* const input = parser->getTokenStream();
+  if (context == nullptr || context->getRuleIndex() != BipParser::RuleExternFunction || index < 2 ||
+      input->get(index - 1)->getType() != BipParser::ID)
+    return false;
+  if (found_phrase(found) == "`.`" || found_phrase(found) == "`:`") return true;
+  return found->getType() == BipParser::LPAREN && found_phrase(input->get(index - 2)) == "`.`";
 }
 
 // `port Signal up()`: the type alone could be a port's name, so no name is expected where one was meant.

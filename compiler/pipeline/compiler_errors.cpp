@@ -88,7 +88,10 @@ std::string first_error(const std::string& said) {
 
 DiagnosticBuilder missing_file(Compilation& c, const std::string& name) {
   auto problem = c.diags.report(Diag::kB5010, c.is_bsys() ? SourceRange{} : c.root_range, name);
-  problem.help("names are relative to the folder of the package's file, to its `ext-cpp`, or to a folder of -I");
+  const bool is_in_brackets = name.size() > 2 && name.front() == '<' && name.back() == '>';
+  if (is_in_brackets)
+    problem.help("write `" + name.substr(1, name.size() - 2) + "`: C++ looks it up as `" + name + "`, too");
+  else problem.help("names are relative to the folder of the package's file, to its `ext-cpp`, or to a folder of -I");
   return problem;
 }
 
