@@ -5,9 +5,20 @@ import subprocess
 import tempfile
 
 COMPILE_OPTIONS = ("--root", "-I")
-# Refused by name (B1900).
-WITHOUT_CERTIFICATE = ("a certificate for a model with time", "a certificate for a property of runs of a model with floats")
+# Documented reasons for which there is no certificate (B1900; compiler/docs/verification.md, compiler/docs/explain). All others are failures.
+WITHOUT_CERTIFICATE = ("whose zones are too many for --timeout and --memory", "guards of connectors or priorities that end in an error",
+                       "a certificate for a model with time and priorities below connectors",
+                       "a certificate for a model with time and data of a type other than", "`resume`, of a property with `can`",
+                       "a certificate for a property of runs of a model with floats", "a property of runs (`eventually`, `leads to` …) for a model with time")
+# Documented reasons for which certcheck cannot check one.
 NOT_CHECKABLE = ("the evidence is a search of all states", "C++ functions get references to variables")
+passed_over = []  # (arguments, reason) of proofs whose certificates were not checked, in the order in which they were met
+
+
+def print_passed_over():
+    """One line for each proof that has no certificate to be checked, with the reason."""
+    for arguments, reason in sorted(set(passed_over)):
+        print(f"no certificate checked: bipc verify {arguments}: {reason}", flush=True)
 
 
 def compile_arguments(arguments):
@@ -23,9 +34,15 @@ def compile_arguments(arguments):
     return kept
 
 
+def shown(arguments):
+    """The arguments as they are told, without the folders of the checkout."""
+    root = str(pathlib.Path(__file__).resolve().parent.parent) + "/"
+    return " ".join(argument.replace(root, "") for argument in arguments)
+
+
 def problem_of_certificate(bipc, certcheck, arguments, cwd=None, timeout=600):
-    """Asks once more with --certificate, and certcheck about that. None if it is accepted, cannot be checked for a documented reason, or there is none to be
-    had (the property does not hold, or is one without certificates); else what is wrong."""
+    """Asks once more with --certificate, and certcheck about that. None if it is accepted, the property does not hold, or there is no certificate that can be
+    checked for a documented reason (then the proof is in passed_over, too); else what is wrong."""
     if any(a in ("--certificate", "--help") for a in arguments):
         return None
     with tempfile.TemporaryDirectory(prefix="certificates-") as work:
@@ -39,7 +56,11 @@ def problem_of_certificate(bipc, certcheck, arguments, cwd=None, timeout=600):
             problems = [problem_of_certificate(bipc, certcheck, [*arguments, "--property", name], cwd, timeout) for name in names]
             return next((f"{name}: {problem}" for name, problem in zip(names, problems) if problem), None)
         # 3: it does not hold; 4: nothing is known.
-        if asked.returncode in (3, 4) or (asked.returncode == 1 and any(reason in asked.stderr for reason in WITHOUT_CERTIFICATE)):
+        if asked.returncode in (3, 4):
+            return None
+        refused = next((reason for reason in WITHOUT_CERTIFICATE if asked.returncode == 1 and reason in asked.stderr), None)
+        if refused:
+            passed_over.append((shown(arguments), refused))
             return None
         if asked.returncode != 0 or not certificate.exists():
             return f"no certificate, exit code {asked.returncode}: {(asked.stdout + asked.stderr).strip()[-500:]}"
@@ -50,7 +71,10 @@ def problem_of_certificate(bipc, certcheck, arguments, cwd=None, timeout=600):
             done = subprocess.run([certcheck, str(system), str(certificate)], **run)
         except subprocess.TimeoutExpired:
             return f"certcheck does not end within {timeout} s"
+    if done.returncode == 0:
+        return None
     # "not checkable" is an answer, of these certificates: only another search can check them.
-    if done.returncode == 0 or (done.returncode == 4 and any(reason in done.stdout for reason in NOT_CHECKABLE)):
+    if reason := next((reason for reason in NOT_CHECKABLE if done.returncode == 4 and reason in done.stdout), None):
+        passed_over.append((shown(arguments), reason))
         return None
     return f"the certificate is not accepted: {(done.stdout + done.stderr).strip()}"

@@ -261,6 +261,7 @@ def main():
             passed += max(checked - len(problems), 0)
             for problem in problems:
                 print("FAILED " + problem.replace("\n", "\n  "), flush=True)
+    certificates.print_passed_over()
     print(f"snippets: {passed} passed, {failed} failed")
     return 1 if failed else 0
 

@@ -9,7 +9,7 @@ arguments; several such lines give several runs. A model without a root of its o
 says how to run it: (--root 'Ring(1000)'). `// run: none` marks a package that others use.
 
 Verdicts: `// verify: free|deadlock|holds|violated|unknown [options]`, as many as one likes, say how `bipc verify` must answer. Every
-system in VERDICTS needs one. Where the answer is `free` or `holds`, certcheck must accept its certificate, except where there is none: for models with time, for C++. Python's library only.
+system in VERDICTS needs one. Where the answer is `free` or `holds`, certcheck must accept its certificate; proofs that have none that it can check are listed, with the reason. Python's library only.
 """
 import argparse
 import concurrent.futures
@@ -239,6 +239,7 @@ def main():
             failed += len(problems)
             for problem in problems:
                 print("FAILED " + problem.replace("\n", "\n  "), flush=True)
+    certificates.print_passed_over()
     print(f"models: {passed} passed, {failed} failed")
     return 1 if failed else 0
 
