@@ -81,7 +81,8 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
       ->check(CLI::Validator([](std::string& list) { return set_log_levels(list); }, ""))
       ->type_name("AREAS");
   command->add_flag("--json", a.json, "print the verdict as JSON");
-  command->add_flag("--stats", a.stats, "print the processor time and how much was reused from earlier proofs");
+  command->add_flag("--stats", a.stats,
+                    "print the engine that decided, the processor time and how much was reused from earlier proofs");
   add_choice(*command, "--backend", a.backend, kBackends, "jit|interp",
              "executor of guards, actions and transfers during a search (default: jit if it is built in)");
   command->add_flag_callback(

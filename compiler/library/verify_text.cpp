@@ -197,6 +197,7 @@ std::string verdict_json(const VerdictText& v, const verify::Question& question,
   }
   if (d.outcome == verify::Outcome::Unknown) json["reason"] = d.reason;
   if (stats != nullptr) {
+    if (stats->engine != nullptr) json["engine"] = stats->engine;
     json["cpu_seconds"] = stats->seconds;
     json["candidates"] = stats->candidates;
     if (const verify::ProofCache* cache = stats->cache) {
@@ -218,7 +219,8 @@ std::string verdict_json(const VerdictText& v, const verify::Question& question,
 }
 
 std::string stats_text(const VerifyStats& stats) {
-  std::string text = fmt::format("decided in {:.2f} s of the processor, after {}\n", stats.seconds,
+  const std::string engine = stats.engine == nullptr ? "not decided" : fmt::format("decided by {}", stats.engine);
+  std::string text = fmt::format("{} in {:.2f} s of the processor, after {}\n", engine, stats.seconds,
                                  count_of(stats.candidates, "candidate"));
   if (stats.cache == nullptr) return text + "proofs of earlier runs: not used\n";
   const verify::ReuseCounts& n = stats.cache->counts;

@@ -40,8 +40,10 @@ inline constexpr const char* kCppReturns =
 [[nodiscard]] VerdictText verdict_text(const Compilation& c, const verify::Question& question,
                                        const verify::Decision& d, const verify::Portfolio& portfolio,
                                        Explanation explanation);
-/// What `--stats` adds. `cache` null: proofs were neither reused nor stored.
+/// What `--stats` adds. `engine`: the name of the one with the verdict; null: none has one. `cache` null: proofs were
+/// neither reused nor stored.
 struct VerifyStats {
+  const char* engine = nullptr;
   double seconds = 0;  // of the processor
   std::uint64_t candidates = 0;
   const verify::ProofCache* cache = nullptr;
@@ -50,7 +52,7 @@ struct VerifyStats {
 [[nodiscard]] std::string verdict_json(const VerdictText& text, const verify::Question& question,
                                        const verify::Decision& d, const VerifyStats* stats,
                                        const std::string& run = {});
-/// Returns two lines: time and candidates, reuse of proofs.
+/// Returns two lines: the engine that decided, time and candidates; reuse of proofs.
 [[nodiscard]] std::string stats_text(const VerifyStats& stats);
 
 }  // namespace bip::library
