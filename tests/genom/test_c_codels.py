@@ -73,6 +73,7 @@ def refusals(level):
             ("track.weigh", {"marks": [1, 2, 3, 4, 5], "scale": None, "outline": {"_d": "CREEP", "width": 1}}, "`marks` has at most 4 elements"),
             ("track.weigh", {"marks": [], "scale": None, "outline": {"_d": "FLY"}}, "`outline._d` is one of CREEP, WALK, RUN"),
             ("track.weigh", {"marks": [], "scale": None, "outline": {"_d": "RUN", "width": 1}}, "`outline` has no member `width`"),
+            ("track.set_load", {"carried": {"_d": "WALK", "marks": [1, 2, 3, 4, 5]}}, "`carried.marks` has at most 4 elements"),
             ("track.remember", {"times": 256}, "`times` is a whole number from 0 to 255"),
             ("track.remember", {"loud": 1}, "`loud` is true or false"),
             ("track.gauges", {"name": "much too long", "value": 1}, "`name` is a text of at most 8 bytes"),
@@ -94,6 +95,10 @@ def values(level):
     check("an array", level.ask("track.set_gains", gains=[1, 2, 3, 4, 5, 0.25])[0] == "OK")
     check("they are in the IDS", (got := level.ask("track.get_drive")) == ("OK", {"drive": {"speed": 0.5, "limit": {"low": 0.1, "high": 3}, "gains": [1, 2, 3, 4, 5, 0.25]}}), got)
     check("union, optional and sequence", level.ask("track.weigh", marks=[1, 2, 0.5], scale=10, outline={"_d": "WALK", "corner": {"x": 3, "y": 4}}) == ("OK", {"sum": 47, "verdict": "slow of 3"}))
+    check("a bounded sequence of a union", level.ask("track.set_load", carried={"_d": "WALK", "marks": [1, 2]})[0] == "OK" and (got := level.ask("track.get_load")) == ("OK", {"carried": {"_d": "WALK", "marks": [1, 2]}}), got)
+    check("another member of it", level.ask("track.set_load", carried={"_d": "RUN", "way": [{"x": 1, "y": 2}]})[0] == "OK" and (got := level.ask("track.get_load")) == ("OK", {"carried": {"_d": "RUN", "way": [{"x": 1, "y": 2}]}}), got)
+    check("room in bounded sequences", (got := level.ask("track.reserve", length=3)) == ("OK", {"marks": [0, 1, 2], "packed": {"_d": "WALK", "marks": [0, 1, 2]}}), got)
+    check("not more than the bound", (got := level.ask("track.reserve", length=5)) == ("e_far", {"name": "::track::e_far", "detail": {"distance": 5, "what": "marks"}}), got)
     check("an optional that is absent", level.ask("track.weigh", marks=[1], scale=None, outline={"_d": "::track::CREEP", "width": -1}, pace="RUN") == ("OK", {"sum": 0, "verdict": "fast of 1"}))
     check("codels one after the other", level.ask("track.remember", text="a\u00e9 \"b\"", times=2, loud=True)[0] == "OK" and level.ask("track.get_note") == ("OK", {"note": "A\u00e9 \"B\"A\u00e9 \"B\""}), level.ask("track.get_note"))
     check("a multiple port", level.ask("track.gauges", name="left", value=1.5)[0] == "OK" and level.ask("track.gauges", name="left", value=2)[0] == "OK")

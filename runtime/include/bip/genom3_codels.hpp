@@ -18,7 +18,7 @@
 #include "bip/service_requests.hpp"
 
 // For codels in C, too.
-extern "C" __attribute__((used)) inline int genom_sequence_reserve_bytes(void* sequence, uint32_t length,
+extern "C" __attribute__((used)) inline int genom_sequence_reserve_bytes(void* sequence, uint32_t length, size_t own,
                                                                          size_t element) {
   struct Any {
     uint32_t _maximum, _length;
@@ -26,6 +26,11 @@ extern "C" __attribute__((used)) inline int genom_sequence_reserve_bytes(void* s
     void (*_release)(void*);
   };
   Any& any = *static_cast<Any*>(sequence);
+  if (own != 0) {
+    // Of a union whose discriminant was changed, nobody has set it.
+    any._maximum = static_cast<uint32_t>(own / element);
+    return length <= any._maximum ? 0 : -1;
+  }
   if (length <= any._maximum) return 0;
   void* const bigger = std::realloc(any._buffer, length * element);
   if (bigger == nullptr) return -1;

@@ -175,6 +175,11 @@ template <class T>
 concept Struct = requires(T& v) {
   genom_members(v, [](const char*, auto&) {});
 };
+/// A union of the C mapping: `genom_members` visits `_d`, then the member that it names.
+template <class T>
+concept Union = Struct<T> && requires(T& v) {
+  v._d, v._u;
+};
 template <class T>
 concept Enumeration = requires(T& v) {
   genom_enumerators(v);
@@ -327,6 +332,26 @@ void read_number(const Json& json, T& v, const std::string& where) {
   v = value;
 }
 
+template <class T>
+void from_json(const Json& json, T& v, const std::string& where);
+
+/// Makes the member of a union that `json` has the current one, empty, unless it is already: the bytes of another one
+/// are no value of it.
+template <Union T>
+void choose_member(const Json& json, T& v, const std::string& where) {
+  const Json* const given = json.kind == Json::Kind::Object ? json.find("_d")
+                            : json.items.empty()            ? nullptr
+                                                            : &json.items[0];
+  if (given == nullptr) return;
+  auto chosen = v._d;
+  from_json(*given, chosen, where + "._d");
+  if (chosen == v._d) return;
+  release(v);
+  std::memset(static_cast<void*>(&v._u), 0, sizeof v._u);
+  v._d = chosen;
+  set_bounds(v);
+}
+
 /// `v` is a value that may be written over; members that JSON does not have keep what is there.
 template <class T>
 void from_json(const Json& json, T& v, const std::string& where) {
@@ -398,6 +423,7 @@ void from_json(const Json& json, T& v, const std::string& where) {
     if (v._present) from_json(json, v._value, where);
   } else if constexpr (Struct<T> || CxxStruct<T>) {
     if (json.kind != Json::Kind::Object && json.kind != Json::Kind::Array) refuse(where, "is an object");
+    if constexpr (Union<T>) choose_member(json, v, where);
     std::size_t known = 0, k = 0;
     visit_members(v, [&](const char* name, auto& member) {
       const Json* const given = json.kind == Json::Kind::Object ? json.find(name)

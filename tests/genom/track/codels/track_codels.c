@@ -84,6 +84,18 @@ trackWeigh(const geometry_marks *marks, const optional_double *scale, const trac
   return genom_ok;
 }
 
+/* A bounded sequence has room for its bound, also one of a union. */
+genom_event
+trackReserve(uint32_t length, geometry_marks *marks, track_load *packed, const genom_context self)
+{
+  packed->_d = track_WALK;
+  if (genom_sequence_reserve(marks, length) || genom_sequence_reserve(&packed->_u.marks, length))
+    return far_from(length, "marks", self);
+  marks->_length = packed->_u.marks._length = length;
+  while (length--) marks->_buffer[length] = packed->_u.marks._buffer[length] = length;
+  return genom_ok;
+}
+
 genom_event
 trackRemember(const char *text, uint8_t times, bool loud, char **note, const genom_context self)
 {
