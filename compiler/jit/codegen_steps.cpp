@@ -308,8 +308,9 @@ class StepBuilder {
       zero(op, 1, t);
       is_on = b_.CreateAnd(is_on, b_.CreateICmpNE(call(op, 1, t), constant(0)));
     }
-    Value* was_on =
-        b_.CreateICmpNE(b_.CreateLoad(i32_, cell(position_, interaction)), constant(rt::kAbsentInteraction));
+    // The sign says it: one comparison of two signs is all that is left of both conditions, where a comparison with
+    // kAbsentInteraction would need it in a register.
+    Value* was_on = b_.CreateICmpSGE(b_.CreateLoad(i32_, cell(position_, interaction)), constant(0));
     llvm::BasicBlock* change = new_block("change");
     llvm::BasicBlock* enter = new_block("enter");
     llvm::BasicBlock* leave = new_block("leave");
@@ -331,7 +332,7 @@ class StepBuilder {
     Value* count = b_.CreateLoad(i32_, count_);
     Value* position = b_.CreateLoad(i32_, cell(position_, interaction));
     Value* off = b_.CreateAShr(b_.CreateLoad(i32_, cell(values_, interaction)), 31);
-    Value* was = b_.CreateSExt(b_.CreateICmpNE(position, constant(rt::kAbsentInteraction)), i32_);
+    Value* was = b_.CreateNot(b_.CreateAShr(position, 31));
     Value* leaves = b_.CreateAnd(was, off);
     b_.CreateStore(interaction, cell(members_, count));
     Value* end = b_.CreateAdd(count, leaves);

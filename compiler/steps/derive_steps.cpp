@@ -5,6 +5,7 @@
 #include "compiler/steps/derive_steps.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <map>
 
 #include "compiler/steps/check_steps.hpp"
@@ -195,7 +196,8 @@ void derive_steps(lower::LoweredSystem& lowered, Columns columns) {
   // Objects of C++ types are no data of ours.
   if (lowered.image.ffi != nullptr || lowered.system->code.has_draws()) return;
   Deriver deriver(lowered);
-  if (!deriver.link_priorities()) return;
+  // Generated code tells by the sign of a position whether an interaction is in the list.
+  if (deriver.interactions() > static_cast<u32>(INT32_MAX) || !deriver.link_priorities()) return;
   lower::Steps steps;
   std::map<std::vector<u32>, u32> known;
   std::vector<Runs> runs;
