@@ -34,7 +34,7 @@ int format_one(const FmtArguments& arguments, const std::string& path) {
     confirm_stable(text);
     differs = c.sources.text(c.file) != text;
     if (arguments.check) {
-      if (differs) std::printf("%s is not in house style: `bipc fmt -i` would change it\n", path.c_str());
+      if (differs) print_words(path + " is not in house style: `bipc fmt -i` would change it");
     } else if (!arguments.in_place) {
       std::fwrite(text.data(), 1, text.size(), stdout);
     } else if (differs) {

@@ -61,7 +61,7 @@ void migrate_spellings(Compilation& c, const MigrateArguments& arguments) {
   } else if (!arguments.in_place) {
     std::fwrite(text.data(), 1, text.size(), stdout);
   } else if (!edits.empty() && write_text(c, c.path, text)) {
-    std::printf("%s: %zu spelling%s replaced\n", c.path.c_str(), edits.size(), edits.size() == 1 ? "" : "s");
+    print_words(fmt::format("{}: {} spelling{} replaced", c.path, edits.size(), edits.size() == 1 ? "" : "s"));
   }
 }
 
@@ -81,10 +81,10 @@ void migrate_model(Compilation& c, const MigrateArguments& arguments) {
   if (arguments.in_place && c.diags.has_errors()) return;
   if (!write_cpp_files(c, *migration) || !write_text(c, output, migration->text)) return;
   if (!arguments.in_place) return;
-  std::printf("%s: written in BIP2", c.path.c_str());
+  std::string line = c.path + ": written in BIP2";
   if (!migration->source.empty())
-    std::printf(", its C code in %s and %s", migration->header_path.c_str(), migration->source_path.c_str());
-  std::printf("\n");
+    line += fmt::format(", its C code in {} and {}", migration->header_path, migration->source_path);
+  print_words(line);
 }
 
 int migrate_one(const MigrateArguments& arguments, const std::string& path) {

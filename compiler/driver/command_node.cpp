@@ -47,8 +47,8 @@ int command_deploy(const DeployArguments& arguments) {
   if (const int code = report(c); code != 0) return code;
   if (!written) return end_unusable(written.error());
   for (std::size_t node = 0; node < placement.nodes.size(); ++node)
-    std::printf("%s/%s: at %s%s\n", arguments.output.c_str(), placement.nodes[node].c_str(),
-                placement.addresses[node].c_str(), node == 0 ? ", begins the run" : "");
+    print_words(fmt::format("{}/{}: at {}{}", arguments.output, placement.nodes[node], placement.addresses[node],
+                            node == 0 ? ", begins the run" : ""));
   return kOk;
 }
 

@@ -69,8 +69,8 @@ void write_package(Compilation& c, const ros2::Interfaces& interfaces, const Pac
     const Result<bool> written = write_file(path.string(), text);
     if (!written) return void(c.diags.report(Diag::kB5004, {}, path.string(), written.error()));
   }
-  std::printf("%s: package %s, %zu actions, %zu messages\n", folder.c_str(), interfaces.package.c_str(),
-              interfaces.actions.size(), interfaces.own.size());
+  print_words(fmt::format("{}: package {}, {} actions, {} messages", folder, interfaces.package,
+                          interfaces.actions.size(), interfaces.own.size()));
 }
 
 // As ROS 2 says it, else 0.
@@ -84,9 +84,9 @@ bool domain_of(std::int64_t given, std::uint32_t& domain) {
 }
 
 void print_event(const std::string& line) {
-  std::FILE* const to = line.starts_with("warning") ? stderr : stdout;
-  std::fprintf(to, "%s\n", line.c_str());
-  std::fflush(to);
+  if (line.starts_with("warning")) return print_error_words(line);
+  print_words(line);
+  std::fflush(stdout);
 }
 
 // Signals end the bridge: a descriptor that can be read then; negative: none. Before there are threads, which would

@@ -137,7 +137,7 @@ int command_view(const ViewArguments& arguments) {
   }
   // Standard output is the page then.
   if (output != "-")
-    std::printf("%s: %s; a browser opens it\n", output.c_str(), rt::counted(session.position(), "step").c_str());
+    print_words(fmt::format("{}: {}; a browser opens it", output, rt::counted(session.position(), "step")));
   return kOk;
 }
 

@@ -8,6 +8,7 @@
 #include "compiler/base/read_file.hpp"
 #include "compiler/base/write_file.hpp"
 #include "compiler/driver/check_outputs.hpp"
+#include "compiler/driver/report.hpp"
 #include "compiler/genom/names.hpp"
 #include "compiler/pipeline/host_compiler.hpp"
 #include "compiler/syntax/print.hpp"
@@ -32,7 +33,7 @@ void write_skeleton(Compilation& c, const GenomArguments& a, const genom::Transl
        {std::pair("_codels.hpp", &result.codel_header), std::pair("_codels.cpp", &result.codel_source)}) {
     const std::string path = (folder / (package + suffix)).string();
     if (text == &result.codel_source && fs::exists(path, ignored)) {
-      std::printf("%s is there already and stays as it is\n", path.c_str());
+      print_words(path + " is there already and stays as it is");
     } else {
       write(c, path, *text);
     }

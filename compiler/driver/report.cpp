@@ -63,15 +63,21 @@ bool wants_color(ColorChoice choice, int file_descriptor) {
   return ::isatty(file_descriptor) == 1;
 }
 
-void print_error_words(std::string_view text) {
+static std::string printable_lines(std::string_view text) {
   std::string out;
   while (!text.empty()) {
     const std::size_t end = std::min(text.find('\n'), text.size());
     out += diag::printable(text.substr(0, end)) + '\n';
     text.remove_prefix(std::min(end + 1, text.size()));
   }
-  print_error_text(out);
+  return out;
 }
+
+void print_words(std::string_view text) {
+  const std::string lines = printable_lines(text);
+  std::fwrite(lines.data(), 1, lines.size(), stdout);
+}
+void print_error_words(std::string_view text) { print_error_text(printable_lines(text)); }
 
 int usage_error(const std::string& problem, const std::string& help) {
   print_error_words("bipc: " + problem + (help.empty() ? "" : "\n  = help: " + help));

@@ -14,6 +14,8 @@ namespace bip::driver {
 
 /// Writes to standard error, as it is.
 void print_error_text(const std::string& text);
+/// The same as print_error_words(), to standard output.
+void print_words(std::string_view text);
 /// Writes lines to standard error that hold words of the command line or of files: control characters, which could
 /// drive the reader's terminal, are shown as U+FFFD. Ends the last line.
 void print_error_words(std::string_view text);

@@ -23,6 +23,7 @@
 #include "bip/result.hpp"
 #include "compiler/serve/access.hpp"
 #include "compiler/serve/protocol.hpp"
+#include "runtime/core/text.hpp"
 
 namespace bip::serve {
 
@@ -99,7 +100,7 @@ class Server {
     if (!options_.socket_path.empty()) {
       const std::string problem = open_local();
       if (!problem.empty()) return Failure{"cannot listen at `" + options_.socket_path + "`: " + problem};
-      std::fprintf(stderr, "bipc: listening at %s\n", options_.socket_path.c_str());
+      std::fprintf(stderr, "bipc: listening at %s\n", rt::printable(options_.socket_path).c_str());
       accept(*local_);
     }
     if (options_.uses_tcp) {
