@@ -156,6 +156,7 @@ def groups(options):
                          # Not built without Z3.
                          *([Job("timed zones", lambda: run_script("timed zones", [str(BUILD / "bip-timed-certificates"), "--count", "150"]), 60)]
                            if (BUILD / "bip-timed-certificates").exists() else []),
+                         script("certificate table", "tests/verify/test_certificate_table.py", weight=5),
                          script("sizes", "tests/verify/test_sizes.py", weight=10))),
         ("differential", needs("bip-gen", script("differential", "tests/differential/test_differential.sh", str(options.systems), str(options.first), *(["--without-emitted"] if options.without_emitted else []), weight=150),
                                script("engines", "tests/differential/test_engines.sh", "100", weight=40))),
