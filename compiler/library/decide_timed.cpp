@@ -34,6 +34,8 @@ namespace {
 
 // Of the time: the rest is the whole zone graph's.
 constexpr double kShareOfParts = 3;
+// Memory for the question about errors, which the user did not ask: zones of hundreds of clocks are megabytes each.
+constexpr std::uint64_t kErrorMegabytes = 256;
 
 void refuse(Compilation& c, const std::string& what) {
   c.diags.report(Diag::kB1900, c.root_range, what).note(system::first_timed(*c.system));
@@ -168,7 +170,7 @@ static std::string error_remark_of_zones(const Compilation& c, const VerifyReque
   const std::unique_ptr<lower::LoweredSystem> lowered = lower::lower(*c.system, c.root_name);
   const interp::Interpreter interpreter(*lowered);
   rt::ExploreOptions options;
-  options.bytes = request.megabytes * kMega;
+  options.bytes = std::min(request.megabytes, kErrorMegabytes) * kMega;
   options.is_stopped = [&soon] { return soon.is_over(); };
   options.unread_cells = verify::find_unread_cells(*c.system, lowered->image, {});
   const rt::ZoneReport found = rt::explore_zones(lowered->image, options);
