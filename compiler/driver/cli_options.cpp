@@ -227,9 +227,10 @@ void add_serve(CLI::App& app, ServeArguments& a) {
       ->check(is_real(1e-6, 1e6))
       ->type_name("F");
   add_real_time_priority(*command, a.real_time_priority);
-  add_duration(*command, "--stall-after", a.stall_after,
-               "when no step has returned for TIME, or steps begin TIME too late, print a warning and call the safe-stop "
-               "function, if there is one (default: 1s if the model's C++ has one, else 0: never)");
+  add_duration(
+      *command, "--stall-after", a.stall_after,
+      "when no step has returned for TIME, or steps begin TIME too late, print a warning and call the safe-stop "
+      "function, if there is one (default: 1s if the model's C++ has one, else 0: never)");
   command
       ->add_option("--safe-stop", a.safe_stop,
                    "the C function of the model's C++ that stops the robot, `extern \"C\" void NAME(const char* why)` "
