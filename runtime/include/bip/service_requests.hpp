@@ -132,6 +132,8 @@ inline std::string request_word(const char* text, int k) {
 /// Is it a request for one of `services` (read_services()), with a value for each parameter?
 inline bool request_known(const char* text, const char* services) {
   const RequestText request = read_request(text);
+  // What an executive says that wants nothing, in each tick.
+  if (request.service.empty()) return false;
   for (const ServiceText& service : read_services(services)) {
     if (service.name == request.service) return service.problem_of(request).empty();
   }
