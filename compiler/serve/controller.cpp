@@ -32,11 +32,14 @@ void Controller::halt() {
 
 void Controller::start() {
   BIP_ASSERT(!thread_.joinable(), "the controller runs already");
-  system_.on_step([this](const Step& step) {
-    if (on_step) on_step(step, system_.now());
-    requests_.note_step(step);
-    watchdog_.note_step(step);
-  });
+  system_.on_step(
+      [this](const Step& step) {
+        if (on_step) on_step(step, system_.now());
+        requests_.note_step(step);
+        watchdog_.note_step(step);
+      },
+      [this](const std::string& port) { return requests_.hears(port); });
+  name_all_steps(false);
   thread_ = std::thread([this] { run(); });
   watchdog_.start();
 }

@@ -245,6 +245,7 @@ class Server {
   // On the engine's thread: a step that no client watches costs no line.
   void note(const Step& step, std::int64_t now) {
     now_.store(now, std::memory_order_relaxed);
+    if (step.interaction.empty()) return;  // nobody followed when it began
     std::vector<std::uint64_t> receivers, breakers;
     {
       const std::lock_guard<std::mutex> hold(watched_lock_);
@@ -270,6 +271,13 @@ class Server {
       notes_.fetch_sub(1);
       broadcast(&to, line);
     });
+  }
+
+  // With watched_lock_ held: steps have names while a client follows them.
+  void name_steps() {
+    controller_.name_all_steps(std::any_of(watched_.begin(), watched_.end(), [](const auto& row) {
+      return row.second.told.is_on || row.second.breaks.is_on;
+    }));
   }
 
   // Any thread: to who asked, and to who wants to hear of all requests.
@@ -447,11 +455,13 @@ class Server {
       clients_.at(number)->hears_requests = subscription.hears_requests;
       const std::lock_guard<std::mutex> hold(watched_lock_);
       watched_[number].told = subscription;
+      name_steps();
     };
     reply.break_at = [this, number](const Subscription& steps) {
       clients_.at(number)->has_breakpoint = steps.is_on;
       const std::lock_guard<std::mutex> hold(watched_lock_);
       watched_[number].breaks = steps;
+      name_steps();
     };
     // After the answers to all requests that the engine has before this one.
     reply.shut_down = [this] { controller_.ask([this](Controller&) { net::post(io_, [this] { begin_end(); }); }); };
@@ -479,6 +489,7 @@ class Server {
     {
       const std::lock_guard<std::mutex> hold(watched_lock_);
       watched_.erase(number);
+      name_steps();
     }
     client.is_subscribed = false;
     client.is_closing = true;

@@ -310,6 +310,10 @@ void Requests::forget() {
   }
 }
 
+bool Requests::hears(const std::string& port) const {
+  return !mailboxes_.empty() && (ports_.contains(port) || port.ends_with(kReply));
+}
+
 void Requests::note_step(const Step& step) {
   if (mailboxes_.empty()) return;
   {

@@ -80,6 +80,8 @@ class Requests {
 
   // ---- the engine's thread
   void note_step(const Step& step);
+  /// Must note_step() hear of the steps of this port? Any thread, after the constructor.
+  [[nodiscard]] bool hears(const std::string& port) const;
   /// The model was set back: what waits here waits on, nothing is known of the others.
   void forget();
 

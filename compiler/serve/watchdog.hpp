@@ -64,6 +64,8 @@ class Watchdog {
   void end() { begun_.store(0, std::memory_order_relaxed); }
   /// After a step.
   void note_step(const Step& step);
+  /// Does it tell of steps by their names?
+  [[nodiscard]] bool names_steps() const { return options_.late != 0; }
 
  private:
   void watch();

@@ -1,5 +1,6 @@
 // The embedding API: a Core and a Scheduler in one object. See bip/bip.hpp.
 #include <algorithm>
+#include <atomic>
 #include <cstdlib>
 #include <cstring>
 #include <utility>
@@ -101,23 +102,45 @@ struct Execution::Impl {
     rt::append_value(text, core.image(), type, cell);
     return text;
   }
+  // Does somebody need the names of a step of these participants?
+  [[nodiscard]] bool has_names() const {
+    if (needed.empty() || names_all.load(std::memory_order_relaxed)) return true;
+    return std::any_of(participants.begin(), participants.end(),
+                       [&](const rt::Participant& p) { return needed[first_port[p.atom] + p.port]; });
+  }
+  // Ports and values, of `participants`.
+  void name(Step& step, const rt::Candidate& candidate) const {
+    rt::append_candidate(step.interaction, core, candidate);
+    for (const rt::Participant& p : participants) {
+      const rt::Port& port = core.tables().atom_type(p.atom).ports[p.port];
+      step.ports.push_back(path_of(p));
+      const rt::PortType& type = core.image().port_types[port.type];
+      for (rt::u32 i = 0; i < port.variables.size; ++i) {
+        step.values.push_back({static_cast<std::uint32_t>(step.ports.size() - 1), type.vars[i].name,
+                               value_of(type.vars[i].type, core.events().shown(p.atom, p.port, i))});
+      }
+    }
+  }
+  void set_needs(const std::function<bool(const std::string&)>& needs) {
+    needed.clear();
+    first_port.clear();
+    if (!needs) return;
+    for (rt::u32 atom = 0; atom < core.image().atoms.size; ++atom) {
+      first_port.push_back(needed.size());
+      for (rt::u32 port = 0; port < core.tables().atom_type(atom).ports.size; ++port) {
+        const rt::Participant p{.atom = atom, .port = port};
+        needed.push_back(needs(path_of(p)));
+      }
+    }
+  }
   Outcome take(rt::EnabledSet::Position at) {
     BIP_ASSERT(core.enabled().has(at) && outcome != Outcome::Fault, "interaction {} is no candidate", at.interaction);
     Step step;
     if (callback) {
       const rt::Candidate candidate = core.candidate(at);
       step.number = steps;
-      rt::append_candidate(step.interaction, core, candidate);
       core.participants(candidate, participants);
-      for (const rt::Participant& p : participants) {
-        const rt::Port& port = core.tables().atom_type(p.atom).ports[p.port];
-        step.ports.push_back(path_of(p));
-        const rt::PortType& type = core.image().port_types[port.type];
-        for (rt::u32 i = 0; i < port.variables.size; ++i) {
-          step.values.push_back({static_cast<std::uint32_t>(step.ports.size() - 1), type.vars[i].name,
-                                 value_of(type.vars[i].type, core.events().shown(p.atom, p.port, i))});
-        }
-      }
+      if (has_names()) name(step, candidate);
     }
     if (trace) {
       trace->format->step(trace->out.text, core, at, steps, core.enabled().number(at));
@@ -177,6 +200,10 @@ struct Execution::Impl {
   std::unique_ptr<TraceFile> trace;
   Outcome outcome = Outcome::Stepped;
   std::function<void(const Step&)> callback;
+  // By port of atom: who is called needs the names of its steps. Empty: all are needed.
+  std::vector<bool> needed;
+  std::vector<std::size_t> first_port;  // by atom
+  std::atomic<bool> names_all{false};
   std::vector<rt::u32> by_path;
   std::vector<rt::Participant> participants;
 };
@@ -285,7 +312,13 @@ Outcome Execution::fire(std::uint64_t k) {
   return impl_->take(impl_->core.position(k));
 }
 
-void Execution::on_step(std::function<void(const Step&)> callback) { impl_->callback = std::move(callback); }
+void Execution::on_step(std::function<void(const Step&)> callback) { on_step(std::move(callback), {}); }
+void Execution::on_step(std::function<void(const Step&)> callback,
+                        const std::function<bool(const std::string& port)>& needs) {
+  impl_->callback = std::move(callback);
+  impl_->set_needs(needs);
+}
+void Execution::name_all_steps(bool on) { impl_->names_all.store(on, std::memory_order_relaxed); }
 
 bool Execution::trace(const std::string& path, rt::TraceFormat format) {
   const rt::TraceFormatRow& row = rt::row_of(format);

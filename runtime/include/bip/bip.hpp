@@ -112,6 +112,12 @@ class Execution {
 
   /// Sets a function that is called after each step, on the thread that steps. An empty function removes it.
   void on_step(std::function<void(const Step&)> callback);
+  /// The same for who needs few steps: `needs` is asked once for each port of the model, by its path. Of a step in
+  /// which none of the ports takes part for which it returned true the Step has its number only, which saves making
+  /// names.
+  void on_step(std::function<void(const Step&)> callback, const std::function<bool(const std::string& port)>& needs);
+  /// Gives all further steps their names, whatever `needs` said. May be called from any thread.
+  void name_all_steps(bool on);
 
   /// Writes a trace of all further steps to a file, as --trace does: Json, Mcap or Perfetto. Returns false if the file
   /// cannot be opened.

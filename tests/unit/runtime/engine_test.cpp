@@ -460,6 +460,36 @@ TEST_CASE("the command line of an emitted program") {
   CHECK(main_of({"model", "--policy"}) == 2);
 }
 
+TEST_CASE("embedding: names of the steps that are needed") {
+  ImageBuilder b;
+  build_pairs(b, 4);
+  std::vector<bip::Step> all, few;
+  bip::Execution whole(b.image(), {.seed = 3}), part(b.image(), {.seed = 3});
+  whole.on_step([&](const bip::Step& step) { all.push_back(step); });
+  REQUIRE(whole.run(60) == 60);
+  const std::string needed = all[0].ports[0];
+  part.on_step([&](const bip::Step& step) { few.push_back(step); },
+               [&](const std::string& port) { return port == needed; });
+  CHECK(part.run(40) == 40);
+  part.name_all_steps(true);
+  CHECK(part.run(20) == 20);
+  REQUIRE(few.size() == 60);
+  std::size_t without = 0;
+  for (std::size_t k = 0; k < 60; ++k) {
+    CHECK(few[k].number == k);
+    const bool is_needed = std::find(all[k].ports.begin(), all[k].ports.end(), needed) != all[k].ports.end();
+    if (k >= 40 || is_needed) {
+      CHECK(few[k].interaction == all[k].interaction);
+      CHECK(few[k].ports == all[k].ports);
+      CHECK(few[k].values.size() == all[k].values.size());
+    } else {
+      CHECK((few[k].interaction.empty() && few[k].ports.empty() && few[k].values.empty()));
+      ++without;
+    }
+  }
+  CHECK(without > 0);
+}
+
 TEST_CASE("embedding: step, read, snapshot, callback") {
   ImageBuilder b;
   build_pairs(b, 4);
