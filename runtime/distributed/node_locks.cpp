@@ -376,12 +376,9 @@ bool Node::recall(u32 interaction, bool is_own) {
       return true;
     }
   }
-  // It begins next, whatever is said.
-  if (std::any_of(ready_.begin(), ready_.end(), is_it)) {
-    tell(NodeEvent::Kind::Hurried, kNone, interaction);
-    return true;
-  }
-  if (!has_atoms || passed_to_[interaction] == kNone || is_recalled_[interaction] != 0) return false;
+  // One that is ready begins next, whatever is said.
+  const bool is_ready = std::any_of(ready_.begin(), ready_.end(), is_it);
+  if (!has_atoms || is_ready || passed_to_[interaction] == kNone || is_recalled_[interaction] != 0) return false;
   is_recalled_[interaction] = 1;
   own_recalls_[interaction] = static_cast<std::uint8_t>(own_recalls_[interaction] + (is_own ? 1 : 0));
   tell(NodeEvent::Kind::Recalled, kNone, interaction);
@@ -391,7 +388,10 @@ bool Node::recall(u32 interaction, bool is_own) {
 }
 
 void Node::take(const Recall& said) {
-  if (!recall(said.interaction, said.is_own)) tell(NodeEvent::Kind::Ignored, kNone, said.interaction);
+  if (recall(said.interaction, said.is_own)) return;
+  const bool is_ready =
+      std::any_of(ready_.begin(), ready_.end(), [&](const Lock& lock) { return lock.interaction == said.interaction; });
+  tell(is_ready ? NodeEvent::Kind::Hurried : NodeEvent::Kind::Ignored, kNone, said.interaction);
 }
 
 // The atom may be able to take part in what is parked at it.

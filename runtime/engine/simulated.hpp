@@ -23,8 +23,8 @@ namespace bip::rt {
 struct SimulatedResult {
   End end = End::Limit;
   u64 steps = 0;
-  u64 border_steps = 0;                    // of them, those of more than one node
-  u64 offers = 0, begins = 0;              // messages
+  u64 border_steps = 0;                                 // of them, those of more than one node
+  u64 offers = 0, begins = 0;                           // messages
   u64 locks = 0, releases = 0, wakes = 0, recalls = 0;  // the same, of split sets
   [[nodiscard]] u64 messages() const { return offers + begins + locks + releases + wakes + recalls; }
   NetworkCounts network;
