@@ -12,7 +12,7 @@ namespace bip::rt {
 
 namespace {
 
-enum class Tag : std::uint8_t { Offer, Begin, Stop, Control, Lock, Release, Wake, Recall };
+enum class Tag : std::uint8_t { Offer, Begin, Stop, Control, Lock, Release, Wake };
 
 }  // namespace
 
@@ -109,7 +109,7 @@ bool Codec::read(std::string_view bytes, u32 from, u32 self, Frame& frame) const
   if (frame.stamp >> 56 != 0) return false;
   frame.messages.reserve(count);
   for (u64 i = 0; i < count && reader.is_sound(); ++i) {
-    switch (static_cast<Tag>(reader.row(u64{static_cast<u64>(Tag::Recall)} + 1))) {
+    switch (static_cast<Tag>(reader.row(u64{static_cast<u64>(Tag::Wake)} + 1))) {
       case Tag::Offer: read(reader, from, std::get<Offer>(frame.messages.emplace_back(Offer{}))); break;
       case Tag::Begin: read(reader, self, std::get<Begin>(frame.messages.emplace_back(Begin{}))); break;
       case Tag::Stop: frame.messages.emplace_back(Stop{reader.number()}); break;
@@ -117,7 +117,6 @@ bool Codec::read(std::string_view bytes, u32 from, u32 self, Frame& frame) const
       case Tag::Lock: read(reader, from, self, std::get<Lock>(frame.messages.emplace_back(Lock{}))); break;
       case Tag::Release: read(reader, self, std::get<Release>(frame.messages.emplace_back(Release{}))); break;
       case Tag::Wake: read(reader, self, std::get<Wake>(frame.messages.emplace_back(Wake{}))); break;
-      case Tag::Recall: read(reader, from, self, std::get<Recall>(frame.messages.emplace_back(Recall{}))); break;
     }
   }
   return reader.is_sound() && reader.is_at_end();
@@ -270,7 +269,6 @@ void Codec::read(ByteReader& reader, u32 self, Begin& begin) const {
 
 void Codec::write(ByteWriter& writer, const Lock& lock) const {
   writer.number(lock.interaction);
-  writer.number(lock.is_patient ? 1 : 0);
   writer.number(lock.own);
   writer.number(lock.held.size());
   for (const Offer& offer : lock.held) write(writer, offer);
@@ -287,7 +285,6 @@ u32 Codec::read_split(ByteReader& reader) const {
 // the order of nodes.
 void Codec::read(ByteReader& reader, u32 from, u32 self, Lock& lock) const {
   lock.interaction = read_split(reader);
-  lock.is_patient = reader.row(2) != 0;
   const u64 own = reader.number(), count = reader.count();
   if (!reader.is_sound()) return;
   const Span<u32> locks = distribution_.locks[lock.interaction], needs = distribution_.needs[lock.interaction];
@@ -312,17 +309,16 @@ void Codec::read(ByteReader& reader, u32 from, u32 self, Lock& lock) const {
 
 void Codec::write(ByteWriter& writer, const Release& release) {
   writer.number(release.interaction);
-  writer.number((release.is_refused ? 1u : 0u) + (release.is_watched ? 2u : 0u) + (release.is_recalled ? 4u : 0u));
+  writer.number((release.is_refused ? 1u : 0u) + (release.is_watched ? 2u : 0u));
   writer.number(release.atoms.size());
   for (const u32 atom : release.atoms) writer.number(atom);
 }
 
 void Codec::read(ByteReader& reader, u32 self, Release& release) const {
   release.interaction = read_split(reader);
-  const u32 flags = reader.row(8);
+  const u32 flags = reader.row(4);
   release.is_refused = (flags & 1) != 0;
   release.is_watched = (flags & 2) != 0;
-  release.is_recalled = (flags & 4) != 0;
   const u64 count = reader.count();
   if (!reader.is_sound()) return;
   const Span<u32> needs = distribution_.needs[release.interaction];
@@ -341,22 +337,6 @@ void Codec::write(ByteWriter& writer, const Wake& wake) { writer.number(wake.int
 void Codec::read(ByteReader& reader, u32 self, Wake& wake) const {
   wake.interaction = read_split(reader);
   if (reader.is_sound() && distribution_.coordinator_of[wake.interaction] != self) reader.refuse();
-}
-
-void Codec::write(ByteWriter& writer, const Recall& recall) {
-  writer.number(recall.interaction);
-  writer.number(recall.is_own ? 1 : 0);
-}
-
-// It goes the way of the LOCK.
-void Codec::read(ByteReader& reader, u32 from, u32 self, Recall& recall) const {
-  recall.interaction = read_split(reader);
-  recall.is_own = reader.row(2) != 0;
-  if (!reader.is_sound()) return;
-  const Span<u32> locks = distribution_.locks[recall.interaction];
-  const bool is_next =
-      std::any_of(locks.begin(), locks.end(), [&](u32 atom) { return distribution_.home(atom) == self; });
-  if (!is_next || from >= self || from < distribution_.coordinator_of[recall.interaction]) reader.refuse();
 }
 
 void Codec::write(ByteWriter& writer, const Stop& stop) { writer.number(stop.step); }

@@ -74,7 +74,6 @@ class Codec {
   void write(ByteWriter& writer, const Lock& lock) const;
   static void write(ByteWriter& writer, const Release& release);
   static void write(ByteWriter& writer, const Wake& wake);
-  static void write(ByteWriter& writer, const Recall& recall);
   void read(ByteReader& reader, u32 from, Offer& offer) const;
   void write(ByteWriter& writer, const Moment& moment) const;
   void read(ByteReader& reader, Moment& moment) const;
@@ -83,7 +82,6 @@ class Codec {
   void read(ByteReader& reader, u32 from, u32 self, Lock& lock) const;
   void read(ByteReader& reader, u32 self, Release& release) const;
   void read(ByteReader& reader, u32 self, Wake& wake) const;
-  void read(ByteReader& reader, u32 from, u32 self, Recall& recall) const;
   [[nodiscard]] u32 read_split(ByteReader& reader) const;
   void read(ByteReader& reader, u32 self, Begin& begin) const;
   static void read(ByteReader& reader, Control& control);

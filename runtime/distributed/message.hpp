@@ -11,7 +11,7 @@
 namespace bip::rt {
 
 /// Of frames and greetings: programs of other versions do not understand each other.
-inline constexpr u64 kProtocol = 5;
+inline constexpr u64 kProtocol = 4;
 
 /// The instant of models with time, and its number among the steps: smaller than those of the steps that are taken
 /// there, larger than those before. Who hears of it passes to it.
@@ -48,15 +48,6 @@ struct Lock {
   u32 interaction = 0;
   u32 own = 0;  // of what it holds: so many were offered to the coordinator, which gets them back
   std::vector<Offer> held;
-  bool is_patient = false;   // so far nothing else wants what it holds: it may be parked at what it waits for
-  bool is_recalled = false;  // by Recall::is_own; this node alone knows
-};
-/// From a home to the next one of an attempt: another attempt waits for what this one locked. It is not parked any
-/// more.
-struct Recall {
-  u32 interaction = 0;
-  bool is_own =
-      false;  // of the coordinator, which tries again when its own atoms are back: what refuses is not watched
 };
 /// From the node at which an attempt ended: these atoms, at home there or given by that coordinator, are offered there
 /// again.
@@ -65,7 +56,6 @@ struct Release {
   bool is_refused = false;  // the interaction was not possible
   bool is_watched = false;  // all that it needs was there: it may be possible when one of these atoms has changed
   std::vector<u32> atoms;
-  bool is_recalled = false;  // by Recall::is_own
 };
 /// From a home to a coordinator: an atom for which the interaction was refused has changed.
 struct Wake {
@@ -112,7 +102,7 @@ struct Control {
   std::vector<std::string> texts;
 };
 inline constexpr Control::Kind kLastControl = Control::Kind::Finished;
-using Message = std::variant<Offer, Begin, Stop, Control, Lock, Release, Wake, Recall>;
+using Message = std::variant<Offer, Begin, Stop, Control, Lock, Release, Wake>;
 
 struct Outgoing {
   u32 to = 0;

@@ -10,9 +10,9 @@
 // Split sets (node_locks.cpp): an atom that several coordinators can take stays offered in the core of its home. To
 // offer it in another core is to lock it: an attempt to begin an interaction takes what its coordinator has, goes from
 // home to home in their order with the offers of all that it holds, waits at an atom that is at work or locked, and is
-// refused at one that cannot take part, or parked there for as long as nothing else wants what it holds. At the last
-// home all that the interaction needs is offered in one core, which decides about it as about any other, and begins it
-// or gives everything back. What was refused is tried again when an atom that it was refused for has changed.
+// refused at one that cannot take part. At the last home all that the interaction needs is offered in one core, which
+// decides about it as about any other, and begins it or gives everything back. What was refused is tried again when
+// an atom that it was refused for has changed.
 //
 // Models with time: all nodes pass from one instant to the next, which the caller computes when all of them rest and
 // no message is on its way (engine/node_time.hpp). An atom's home has its clocks. An offer says until when it holds;
@@ -32,35 +32,27 @@
 namespace bip::rt {
 
 struct NodeCounts {
-  u64 offers = 0, begins = 0;                           // messages sent
-  u64 locks = 0, releases = 0, wakes = 0, recalls = 0;  // of split sets
-  u64 stale = 0;                                        // messages that came again
-  u64 refused = 0;                                      // what no sound peer says in the state of this node
+  u64 offers = 0, begins = 0;              // messages sent
+  u64 locks = 0, releases = 0, wakes = 0;  // of split sets
+  u64 stale = 0;                           // messages that came again
+  u64 refused = 0;                         // what no sound peer says in the state of this node
 };
 
 /// What happens to an atom, as models/protocol/offer_begin.bip tells it, and to an attempt to lock atoms for an
 /// interaction, as models/protocol/lock_chain.bip does.
 struct NodeEvent {
   enum class Kind : std::uint8_t {
-    Begun,           // its coordinator begins a step with it
-    Taken,           // its home takes the step
-    Rested,          // it is at rest again, at `place`
-    Offered,         // its home offers it
-    Received,        // its coordinator has the offer
-    Locked,          // an attempt takes it along
-    Arrived,         // a LOCK has come to another home; of no atom
-    Refused,         // it cannot take part, and the attempt ends
-    Parked,          // it cannot take part, and the attempt waits until it can
-    Resumed,         // it can, and the attempt that was parked at it goes on
-    Recalled,        // another attempt waits for it, which is locked, and its home sends RECALL
-    Hurried,         // RECALL has come to an attempt that is not parked: it will not be; of no atom
-    Ended,           // RECALL has come to an attempt that was parked, and ended it; of no atom
-    HurriedWatched,  // the same of RECALLs after which the atom
-    EndedWatched,    // that it was refused for, or parked at, is watched
-    Ignored,         // RECALL has come when no attempt was there any more; of no atom
-    Released,        // it is offered again as it was before the attempt
-    Woken,           // it has changed, and its home sends WAKE
-    Heard            // the coordinator has the WAKE; of no atom
+    Begun,     // its coordinator begins a step with it
+    Taken,     // its home takes the step
+    Rested,    // it is at rest again, at `place`
+    Offered,   // its home offers it
+    Received,  // its coordinator has the offer
+    Locked,    // an attempt takes it along
+    Arrived,   // a LOCK has come to another home; of no atom
+    Refused,   // it cannot take part, and the attempt ends
+    Released,  // it is offered again as it was before the attempt
+    Woken,     // it has changed, and its home sends WAKE
+    Heard      // the coordinator has the WAKE; of no atom
   };
   Kind kind = Kind::Begun;
   u32 atom = kNone;
@@ -94,9 +86,6 @@ class Node {
   [[nodiscard]] const Core& core() const { return core_; }
   /// To the initial state, which all nodes know. False: a fault.
   bool start(const State& state);
-  /// From now on attempts are refused where they could be parked: a parked one would keep what it has locked if the
-  /// node at which it is were lost.
-  void never_park() { may_park_ = false; }
 
   /// Calls `observer` with each event from now on; for tests.
   void observe(NodeObserver observer) { observer_ = std::move(observer); }
@@ -110,8 +99,8 @@ class Node {
   /// The interaction of a split set that must begin next, as all that it needs is locked here: the caller chooses one
   /// of its candidates. kNone: there is none.
   [[nodiscard]] u32 locked_interaction() const { return ready_.empty() ? kNone : ready_.front().interaction; }
-  /// Interactions of split sets that may be worth an attempt, or to go on with.
-  [[nodiscard]] std::size_t try_count() const { return tries_.size() + resumed_.size(); }
+  /// Interactions of split sets that may be worth an attempt.
+  [[nodiscard]] std::size_t try_count() const { return tries_.size(); }
   /// Attempts one of them, if what it needs here is offered here.
   void try_lock(std::size_t k);
   /// Lets time pass to an instant that the whole system agreed on, or learns that it is there already.
@@ -144,9 +133,6 @@ class Node {
     for (const std::deque<Lock>& locks : waiting_) {
       for (const Lock& lock : locks) visit_cells(lock, take);
     }
-    for (const std::deque<Lock>& locks : parked_) {
-      for (const Lock& lock : locks) visit_cells(lock, take);
-    }
     for (const Lock& lock : ready_) visit_cells(lock, take);
   }
 
@@ -158,7 +144,6 @@ class Node {
   void take(const Lock& lock);
   void take(const Release& release);
   void take(const Wake& wake);
-  void take(const Recall& recall);
   void land_evaluated();
   void come_to_rest(u32 atom);
   void change(u32 atom);
@@ -167,7 +152,7 @@ class Node {
 
   // ---- locks: node_locks.cpp
   enum class Where : std::uint8_t { Away, Here, Working, Locked };
-  enum class Blocked : std::uint8_t { No, ByAtom, ByAll, ByRecall };
+  enum class Blocked : std::uint8_t { No, ByAtom, ByAll };
   struct Watcher {
     u32 interaction = 0;
     u64 n = 0;
@@ -191,12 +176,9 @@ class Node {
   void drop(const Lock& lock);
   void go_on(Lock lock, u32 served);
   void hold_all(Lock lock);
-  void refuse(const Lock& lock, bool is_watched, bool is_recalled = false);
-  void resume(u32 atom);
-  bool recall(u32 interaction, bool is_own);
-  [[nodiscard]] bool is_wanted(u32 atom, u32 interaction);
+  void refuse(const Lock& lock, bool is_watched);
   void end_attempt();
-  void release(const Lock& lock, const std::vector<u32>& atoms, Release how);  // its atoms do not matter
+  void release(const Lock& lock, const std::vector<u32>& atoms, bool is_refused, bool is_watched);
   void watch(u32 atom, u32 interaction);
   void wake_watchers(u32 atom);
   void serve();
@@ -230,22 +212,12 @@ class Node {
   std::vector<Where> where_;
   std::vector<std::uint8_t> is_in_core_;  // offered in this core
   std::vector<std::deque<Lock>> waiting_;
-  std::vector<std::deque<Lock>> parked_;  // the same, of those that wait until it can take part
   std::vector<std::vector<Watcher>> watchers_;
   Csr tries_of_;
-  Csr wanted_by_;  // by atom: all interactions coordinated here, of split sets, that need it
   // By interaction coordinated here: why it is not tried; was an atom that it needs heard of since it was tried last?
   std::vector<Blocked> blocked_;
   std::vector<std::uint8_t> is_awake_, is_listed_;
   std::vector<u32> tries_;
-  // Atoms at home here at which parked attempts may go on; of each whether the next ones wait for a turn.
-  std::vector<u32> resumed_;
-  std::vector<std::uint8_t> resumes_later_;
-  // By interaction: the node to which its attempt went on from here last; not 0 if it needs no RECALL (any more); of
-  // those coordinated here how often in a row their own coordinator recalled them.
-  std::vector<u32> passed_to_;
-  std::vector<std::uint8_t> is_recalled_, own_recalls_;
-  bool may_park_ = true;
   std::vector<AtomOffer> lent_;  // by atom that an attempt took along from here
   // By atom from elsewhere: the interaction whose attempt has it, or kNone; by atom at home here that is locked: the
   // interaction.

@@ -3,25 +3,11 @@
 // Deadlock-free: an attempt waits only for an atom that is at work, which ends, or that another attempt has locked; and
 // of the atoms at their homes it locks those of earlier nodes first, at a node those of smaller numbers. What its
 // coordinator holds besides, no other attempt waits for. An attempt that has all begins.
-//
-// Parked attempts wait until an atom can take part, perhaps for ever. An attempt is patient, and may be parked, if
-// nothing else could take what it holds when it was locked: no other interaction that is coordinated there, and no
-// attempt that waits, is parked or was refused there. An attempt that comes later waits at the atom, and RECALL follows
-// the patient one from home to home, which then begins or is refused. So whatever is parked when nothing moves any more
-// keeps nothing from being possible.
-//
-// Fair: attempts are served at an atom in the order in which they come, before anything else takes it. Parked ones come
-// after these; every other time they are drawn among what else the node may do.
-//
-// Nothing is forgotten: an attempt is refused if the interaction is not possible, at an atom or, if all are there, in
-// this state of all of them. It can become possible only by a change of that atom, or of one of them, and each of their
-// nodes then tells the coordinator (Wake), or is it. One that its coordinator recalled is tried again when an atom of
-// that node is offered there again, for two times in a row, and is like any other one that was refused after that.
-//
-// The messages end when no step is possible. Without a change there is no attempt but after a RECALL of the
-// coordinator, and each of these is for an attempt with an earlier coordinator, as LOCK only goes to later nodes: by
-// induction over the coordinators each makes finitely many attempts without a step.
-//
+// Fair: attempts are served at an atom in the order in which they come, before anything else takes it.
+// Nothing is forgotten: an attempt is refused only if the interaction is not possible, at an atom or, if all are there,
+// in this state of all of them. It can become possible only by a change of that atom, or of one of them, and each of
+// their nodes then tells the coordinator (Wake), or is it. No change, no attempt: so the messages end when no step is
+// possible.
 // The cost of an attempt is that of its atoms' ports in each core that it visits.
 #include <algorithm>
 
@@ -29,10 +15,6 @@
 #include "runtime/distributed/node.hpp"
 
 namespace bip::rt {
-
-// So many times in a row an attempt is tried again when its own atoms are back, and parked and recalled. Then it waits
-// for a change of what it was parked at, which may never come. Measured: more do not save messages.
-static constexpr std::uint8_t kMostOwnRecalls = 2;
 
 // -- Tables --
 
@@ -42,8 +24,6 @@ void Node::link_locks() {
   is_in_core_.assign(atoms, 0);
   if (!has_split()) return;
   waiting_.resize(atoms);
-  parked_.resize(atoms);
-  resumes_later_.assign(atoms, 0);
   watchers_.resize(atoms);
   taken_by_.assign(atoms, kNone);
   lent_.resize(atoms);
@@ -51,20 +31,15 @@ void Node::link_locks() {
   blocked_.assign(interactions, Blocked::No);
   is_awake_.assign(interactions, 0);
   is_listed_.assign(interactions, 0);
-  passed_to_.assign(interactions, kNone);
-  is_recalled_.assign(interactions, 0);
-  own_recalls_.assign(interactions, 0);
-  std::vector<Csr::Pair> tries, wanted;
+  std::vector<Csr::Pair> tries;
   for (u32 interaction = 0; interaction < interactions; ++interaction) {
     const Span<u32> locks = distribution_.locks[interaction];
     const auto is_elsewhere = [this](u32 atom) { return distribution_.home(atom) != self_; };
-    if (distribution_.coordinator_of[interaction] != self_) continue;
-    for (const u32 atom : distribution_.needs[interaction]) wanted.push_back({atom, interaction});
-    if (std::none_of(locks.begin(), locks.end(), is_elsewhere)) continue;
+    if (distribution_.coordinator_of[interaction] != self_ || std::none_of(locks.begin(), locks.end(), is_elsewhere))
+      continue;
     for (const u32 atom : distribution_.needs[interaction]) tries.push_back({atom, interaction});
   }
   tries_of_ = Csr::build(atoms, tries);
-  wanted_by_ = Csr::build(atoms, wanted);
 }
 
 void Node::start_locks() {
@@ -121,7 +96,6 @@ void Node::note_change(u32 atom) {
 
 // An attempt begun here has moved what it took along; its homes do not tell what was refused here for those atoms.
 void Node::note_success(u32 interaction) {
-  own_recalls_[interaction] = 0;
   const auto attempt = attempted_.find(interaction);
   if (attempt == attempted_.end()) return;
   for (const u32 atom : attempt->second) {
@@ -149,12 +123,6 @@ bool Node::may_try(u32 interaction) {
 }
 
 void Node::try_lock(std::size_t k) {
-  if (k >= tries_.size()) {
-    const u32 atom = resumed_[k - tries_.size()];
-    resumed_.erase(resumed_.begin() + static_cast<std::ptrdiff_t>(k - tries_.size()));
-    resume(atom);
-    return serve();
-  }
   const u32 interaction = tries_[k];
   tries_[k] = tries_.back();
   tries_.pop_back();
@@ -162,7 +130,7 @@ void Node::try_lock(std::size_t k) {
   is_listed_[interaction] = 0;
   if (blocked_[interaction] != Blocked::No || !may_try(interaction)) return;
   is_awake_[interaction] = 0;
-  Lock lock{interaction, 0, {}, may_park_};
+  Lock lock{interaction, 0, {}};
   std::vector<u32> from_elsewhere;
   for (const u32 atom : distribution_.needs[interaction]) {
     if (where_[atom] != Where::Here) continue;
@@ -181,22 +149,8 @@ void Node::try_lock(std::size_t k) {
 
 // -- Attempts on their way --
 
-// Could anything but the interaction take the atom, which is offered here, as it is?
-bool Node::is_wanted(u32 atom, u32 interaction) {
-  if (distribution_.home(atom) == self_) {
-    if (!waiting_[atom].empty() || !parked_[atom].empty()) return true;
-    if (std::any_of(watchers_[atom].begin(), watchers_[atom].end(),
-                    [&](const Watcher& watcher) { return watcher.interaction != interaction; }))
-      return true;
-  }
-  const Span<u32> others = wanted_by_[atom];
-  return std::any_of(others.begin(), others.end(),
-                     [&](u32 other) { return other != interaction && fits(other, atom); });
-}
-
 // The atom, which is offered here, goes with the attempt. Settle follows.
 void Node::lend(u32 atom, Lock& lock) {
-  lock.is_patient = lock.is_patient && !is_wanted(atom, lock.interaction);
   const Tables& tables = core_.tables();
   const LinkedType& type = tables.types[tables.atoms[atom].type];
   PartialSteps& partial = core_.partial();
@@ -246,8 +200,7 @@ bool Node::is_waiting(u32 interaction) const {
   const auto is_it = [interaction](const Lock& lock) { return lock.interaction == interaction; };
   const Span<u32> locks = distribution_.locks[interaction];
   return std::any_of(ready_.begin(), ready_.end(), is_it) || std::any_of(locks.begin(), locks.end(), [&](u32 atom) {
-           return std::any_of(waiting_[atom].begin(), waiting_[atom].end(), is_it) ||
-                  std::any_of(parked_[atom].begin(), parked_[atom].end(), is_it);
+           return std::any_of(waiting_[atom].begin(), waiting_[atom].end(), is_it);
          });
 }
 
@@ -284,9 +237,6 @@ void Node::go_on(Lock lock, u32 served) {
         std::any_of(lock.held.begin(), lock.held.end(), [&](const Offer& at) { return at.atom == atom; }))
       continue;
     if (home != self_) {
-      passed_to_[lock.interaction] = home;
-      // An impatient one comes to an end by itself.
-      is_recalled_[lock.interaction] = lock.is_patient ? 0 : 1;
       outbox_.push_back({home, std::move(lock)});
       ++counts_.locks;
       return;
@@ -294,22 +244,12 @@ void Node::go_on(Lock lock, u32 served) {
     const bool is_at_rest = where_[atom] == Where::Here || where_[atom] == Where::Away;
     if (!is_at_rest || (atom != served && !waiting_[atom].empty())) {
       waiting_[atom].push_back(std::move(lock));
-      if (where_[atom] == Where::Locked) {
-        const u32 holder = taken_by_[atom];
-        const bool is_own = distribution_.coordinator_of[holder] == self_ && own_recalls_[holder] < kMostOwnRecalls;
-        (void)recall(holder, is_own);
-      }
       return;
     }
     if (where_[atom] == Where::Away || !fits(lock.interaction, atom)) {
-      if (lock.is_patient) {
-        tell(NodeEvent::Kind::Parked, atom, lock.interaction);
-        parked_[atom].push_back(std::move(lock));
-        return;
-      }
       tell(NodeEvent::Kind::Refused, atom, lock.interaction);
-      if (!lock.is_recalled) watch(atom, lock.interaction);
-      return refuse(lock, false, lock.is_recalled);
+      watch(atom, lock.interaction);
+      return refuse(lock, false);
     }
     std::erase_if(watchers_[atom], [&](const Watcher& at) { return at.interaction == lock.interaction; });
     lend(atom, lock);
@@ -348,65 +288,10 @@ void Node::hold_all(Lock lock) {
 }
 
 // The attempt ends here, without a step.
-void Node::refuse(const Lock& lock, bool is_watched, bool is_recalled) {
+void Node::refuse(const Lock& lock, bool is_watched) {
   std::vector<u32> atoms;
   for (const Offer& offer : lock.held) atoms.push_back(offer.atom);
-  release(lock, atoms, {lock.interaction, true, is_watched, {}, is_recalled});
-}
-
-// Another attempt waits for what this one has locked. False: it has ended, or this was said before.
-bool Node::recall(u32 interaction, bool is_own) {
-  const auto is_it = [interaction](const Lock& lock) { return lock.interaction == interaction; };
-  bool has_atoms = false;
-  for (const u32 atom : distribution_.locks[interaction]) {
-    if (distribution_.home(atom) != self_) continue;
-    has_atoms = has_atoms || (where_[atom] == Where::Locked && taken_by_[atom] == interaction);
-    if (const auto at = std::find_if(parked_[atom].begin(), parked_[atom].end(), is_it); at != parked_[atom].end()) {
-      const Lock lock = std::move(*at);
-      parked_[atom].erase(at);
-      tell(is_own ? NodeEvent::Kind::Ended : NodeEvent::Kind::EndedWatched, kNone, interaction);
-      if (!is_own) watch(atom, interaction);
-      refuse(lock, false, is_own);
-      return true;
-    }
-    if (const auto at = std::find_if(waiting_[atom].begin(), waiting_[atom].end(), is_it); at != waiting_[atom].end()) {
-      tell(is_own ? NodeEvent::Kind::Hurried : NodeEvent::Kind::HurriedWatched, kNone, interaction);
-      at->is_patient = false;
-      at->is_recalled = at->is_recalled || is_own;
-      return true;
-    }
-  }
-  // One that is ready begins next, whatever is said.
-  const bool is_ready = std::any_of(ready_.begin(), ready_.end(), is_it);
-  if (!has_atoms || is_ready || passed_to_[interaction] == kNone || is_recalled_[interaction] != 0) return false;
-  is_recalled_[interaction] = 1;
-  own_recalls_[interaction] = static_cast<std::uint8_t>(own_recalls_[interaction] + (is_own ? 1 : 0));
-  tell(NodeEvent::Kind::Recalled, kNone, interaction);
-  outbox_.push_back({passed_to_[interaction], Recall{interaction, is_own}});
-  ++counts_.recalls;
-  return true;
-}
-
-void Node::take(const Recall& said) {
-  if (recall(said.interaction, said.is_own)) return;
-  const bool is_ready =
-      std::any_of(ready_.begin(), ready_.end(), [&](const Lock& lock) { return lock.interaction == said.interaction; });
-  tell(is_ready ? NodeEvent::Kind::Hurried : NodeEvent::Kind::Ignored, kNone, said.interaction);
-}
-
-// The atom may be able to take part in what is parked at it.
-void Node::resume(u32 atom) {
-  for (std::size_t k = parked_[atom].size(); k != 0 && where_[atom] == Where::Here && !parked_[atom].empty(); --k) {
-    Lock lock = std::move(parked_[atom].front());
-    parked_[atom].pop_front();
-    if (!fits(lock.interaction, atom)) {
-      parked_[atom].push_back(std::move(lock));
-      continue;
-    }
-    resumes_later_[atom] = 1;
-    tell(NodeEvent::Kind::Resumed, atom, lock.interaction);
-    go_on(std::move(lock), atom);
-  }
+  release(lock, atoms, true, is_watched);
 }
 
 // A step with the first of those that are ready has begun: what did not take part goes back.
@@ -420,15 +305,15 @@ void Node::end_attempt() {
     const Where rest = distribution_.home(offer.atom) == self_ ? Where::Locked : Where::Here;
     if (where_[offer.atom] == rest) atoms.push_back(offer.atom);
   }
-  release(lock, atoms, {lock.interaction, false, false, {}});
+  release(lock, atoms, false, false);
 }
 
-// Gives back to each node what it gave, and says how the attempt ended.
-void Node::release(const Lock& lock, const std::vector<u32>& atoms, Release how) {
+// Gives back to each node what it gave.
+void Node::release(const Lock& lock, const std::vector<u32>& atoms, bool is_refused, bool is_watched) {
   const u32 coordinator = distribution_.coordinator_of[lock.interaction];
   std::map<u32, Release> releases;  // by node
   // Its coordinator hears of the end, by the BEGIN of an atom at home there or by this.
-  const bool has_begun = !how.is_refused && std::any_of(begun_.begin(), begun_.end(), [&](const Work& work) {
+  const bool has_begun = !is_refused && std::any_of(begun_.begin(), begun_.end(), [&](const Work& work) {
     return distribution_.home(work.atom) == coordinator;
   });
   if (!has_begun) releases[coordinator];
@@ -447,8 +332,9 @@ void Node::release(const Lock& lock, const std::vector<u32>& atoms, Release how)
   }
   if (is_unsettled && !core_.partial().settle()) stop();
   for (auto& [to, release] : releases) {
-    how.atoms = std::move(release.atoms);
-    release = how;
+    release.interaction = lock.interaction;
+    release.is_refused = is_refused;
+    release.is_watched = is_watched;
     if (to == self_) {
       take_back(release);
       continue;
@@ -490,11 +376,7 @@ void Node::take_back(const Release& release) {
     note_success(interaction);
   } else {
     attempted_.erase(interaction);
-    if (is_awake_[interaction] == 0) {
-      blocked_[interaction] = release.is_recalled  ? Blocked::ByRecall
-                              : release.is_watched ? Blocked::ByAll
-                                                   : Blocked::ByAtom;
-    }
+    if (is_awake_[interaction] == 0) blocked_[interaction] = release.is_watched ? Blocked::ByAll : Blocked::ByAtom;
   }
   for (const u32 atom : release.atoms) {
     if (distribution_.home(atom) != self_) list_tries(atom);
@@ -546,16 +428,7 @@ void Node::serve() {
       go_on(std::move(lock), atom);
     }
     if (where_[atom] != Where::Here) continue;
-    if (!parked_[atom].empty() && resumes_later_[atom] == 0) resume(atom);
-    if (where_[atom] != Where::Here) continue;
-    if (!parked_[atom].empty() && std::find(resumed_.begin(), resumed_.end(), atom) == resumed_.end()) {
-      resumes_later_[atom] = 0;
-      resumed_.push_back(atom);
-    }
     wake_watchers(atom);
-    for (const u32 interaction : tries_of_[atom]) {
-      if (blocked_[interaction] == Blocked::ByRecall) blocked_[interaction] = Blocked::No;
-    }
     list_tries(atom);
   }
 }

@@ -335,7 +335,6 @@ class Launcher {
         result_.locks += number(9);
         result_.releases += number(10);
         result_.wakes += number(11);
-        result_.recalls += number(12);
         return;
       case Control::Kind::Credit:
       case Control::Kind::Recall:

@@ -57,9 +57,7 @@ NodeProcess::NodeProcess(const NodeSetup& setup, Fabric& fabric)
       is_remote_(setup.options.deployment != nullptr && setup.self != 0),
       sent_(launcher_, 0),
       received_(launcher_, 0),
-      quiet_(node_.core().is_timed() ? 0 : kQuiet) {
-  if (setup.options.on_loss == OnLoss::GoOn) node_.never_park();
-}
+      quiet_(node_.core().is_timed() ? 0 : kQuiet) {}
 
 bool NodeProcess::run(const State& initial) {
   initial_ = &initial;
@@ -425,7 +423,7 @@ void NodeProcess::say_last_state() {
   const StationCounts& station = station_.counts();
   say(Control::Kind::Finished, {steps_, border_steps_, counts.offers, counts.begins, station.frames, station.again,
                                 station.bytes, station.refused + counts.refused + fabric_.counts().refused,
-                                cpu_microseconds(), counts.locks, counts.releases, counts.wakes, counts.recalls});
+                                cpu_microseconds(), counts.locks, counts.releases, counts.wakes});
   is_finished_ = true;
 }
 

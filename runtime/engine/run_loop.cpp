@@ -453,9 +453,8 @@ void RunLoop::print_node_statistics() {
                border == 0 ? 0.0 : static_cast<double>(messages) / static_cast<double>(border),
                number(distributed_.offers), number(distributed_.begins));
   if (distributed_.locks != 0) {
-    std::fprintf(files_.err, "of split conflict sets: %llu locks, %llu releases, %llu wakes, %llu recalls\n",
-                 number(distributed_.locks), number(distributed_.releases), number(distributed_.wakes),
-                 number(distributed_.recalls));
+    std::fprintf(files_.err, "of split conflict sets: %llu locks, %llu releases, %llu wakes\n",
+                 number(distributed_.locks), number(distributed_.releases), number(distributed_.wakes));
   }
   const NetworkCounts& network = distributed_.network;
   if (options_.engine == Engine::Distributed) {

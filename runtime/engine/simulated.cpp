@@ -55,7 +55,6 @@ class SimulatedRun {
       for (u32 peer = 0; peer < nodes; ++peer) seat.links.emplace_back(node, peer);
       seat.again_until.assign(nodes, 0);
       seat.node->observe(observer);
-      if (options.on_loss == OnLoss::GoOn) seat.node->never_park();
     }
   }
 
@@ -86,7 +85,6 @@ class SimulatedRun {
       result.locks += seat.node->counts().locks;
       result.releases += seat.node->counts().releases;
       result.wakes += seat.node->counts().wakes;
-      result.recalls += seat.node->counts().recalls;
     }
     result.network = network_.counts();
     result.time = network_.now();

@@ -23,10 +23,10 @@ namespace bip::rt {
 struct SimulatedResult {
   End end = End::Limit;
   u64 steps = 0;
-  u64 border_steps = 0;                                 // of them, those of more than one node
-  u64 offers = 0, begins = 0;                           // messages
-  u64 locks = 0, releases = 0, wakes = 0, recalls = 0;  // the same, of split sets
-  [[nodiscard]] u64 messages() const { return offers + begins + locks + releases + wakes + recalls; }
+  u64 border_steps = 0;                    // of them, those of more than one node
+  u64 offers = 0, begins = 0;              // messages
+  u64 locks = 0, releases = 0, wakes = 0;  // the same, of split sets
+  [[nodiscard]] u64 messages() const { return offers + begins + locks + releases + wakes; }
   NetworkCounts network;
   i64 time = 0;            // ns of the simulation
   std::string lost_nodes;  // of the run that ended because nodes were lost: their story, several lines; empty: none

@@ -343,13 +343,6 @@ TEST_CASE("frames come back as they were, and odd bytes are refused") {
   CHECK(reads(Wake{0}, 2, 0));
   CHECK_FALSE(reads(Wake{0}, 2, 1));
   CHECK_FALSE(reads(Wake{4}, 2, 0));
-  // RECALL goes the way of the LOCK.
-  CHECK(reads(Recall{0, true}, 0, 2));
-  CHECK_FALSE(reads(Recall{0, true}, 2, 0));
-  CHECK_FALSE(reads(Recall{0, true}, 0, 3));
-  CHECK_FALSE(reads(Recall{4, false}, 0, 2));
-  CHECK(reads(Release{0, true, false, {0}, true}, 2, 0));
-  CHECK(reads(Lock{0, 1, {client}, true}, 0, 2));
 
   // Any bytes: read without a fault, and what is read can be written.
   std::size_t taken = 0;
