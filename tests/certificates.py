@@ -5,11 +5,11 @@ import subprocess
 import tempfile
 
 COMPILE_OPTIONS = ("--root", "-I")
-# Documented reasons for which there is no certificate (B1900; compiler/docs/verification.md, compiler/docs/explain). All others are failures.
+# Documented reasons for which there is no certificate (B1900; compiler/docs/verification.md, compiler/diag/explain). All others are failures.
 WITHOUT_CERTIFICATE = ("whose zones are too many for --timeout and --memory", "guards of connectors or priorities that end in an error",
                        "a certificate for a model with time and priorities below connectors",
                        "a certificate for a model with time and data of a type other than", "`resume`, of a property with `can`",
-                       "a certificate for a property of runs of a model with floats", "a property of runs (`eventually`, `leads to` …) for a model with time")
+                       "a certificate for a property of runs of a model with floats", "a certificate for a property of runs without a limit for a model with time")
 # Documented reasons for which certcheck cannot check one.
 NOT_CHECKABLE = ("the evidence is a search of all states", "C++ functions get references to variables")
 passed_over = []  # (arguments, reason) of proofs whose certificates were not checked, in the order in which they were met

@@ -82,7 +82,8 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
       ->type_name("AREAS");
   command->add_flag("--json", a.json, "print the verdict as JSON");
   command->add_flag("--stats", a.stats,
-                    "print the engine that decided, the processor time and how much was reused from earlier proofs");
+                    "print the processor time and how much was reused from earlier proofs; without time, and but for "
+                    "properties of runs, also the engine that decided");
   add_choice(*command, "--backend", a.backend, kBackends, "jit|interp",
              "executor of guards, actions and transfers during a search (default: jit if it is built in)");
   command->add_flag_callback(
@@ -95,7 +96,8 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
       "A property of runs has always, never, eventually, next before and leads to, until, unless, implies between its "
       "parts,\npreviously, once, historically and since for what has been, and happens connector, happens a.port for "
       "the "
-      "step that is taken.\nWith time: E leads to F within 50 ms, eventually F within 2 s.\n"
+      "step that is taken.\nWith time: eventually F, always eventually F, E leads to F; and E leads to F within 50 ms, "
+      "eventually F within 2 s.\n"
       "Exit code: 0 the property holds, 3 it is violated (a run is printed), 4 unknown. Ctrl-C prints what is known "
       "and ends with 4.\n"
       "Example:\n  bipc verify --root 'Table(1000)' --certificate table.cert model.bip\n"

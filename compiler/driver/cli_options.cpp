@@ -237,7 +237,7 @@ void add_serve(CLI::App& app, ServeArguments& a) {
                    "(default: safe_stop, if there is one)")
       ->type_name("NAME");
   add_duration(*command, "--late-after", a.late_after,
-               "tell of each instant whose steps begin so much later than they are due (default: 0: never)");
+               "print a warning for each instant whose steps begin more than this late (default: 0: never)");
   add_duration(
       *command, "--silent-after", a.silent_after,
       "call the safe-stop function when clients that have posted events or asked for services send nothing for "

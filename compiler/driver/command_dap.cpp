@@ -129,7 +129,8 @@ int command_dap() {
     print_error_words(fmt::format("error: cannot read standard input: {}", std::strerror(read_error)));
     return kOutputLost;
   }
-  if (!server.is_finished()) print_error_words("error: standard input has ended before a request `disconnect`");
+  if (!server.is_finished() && signal_during_program() == 0)
+    print_error_words("error: standard input has ended before a request `disconnect`");
   return server.is_finished() ? kOk : kModelErrors;
 }
 

@@ -151,8 +151,8 @@ class Replay {
     const auto add = [&text](const std::string& what) { text += (text.empty() ? "" : "; ") + what; };
     if (lists_event_ports_) add("the instants at which ports wait for events");
     if (without_values_ != 0)
-      add(fmt::format("values of {} event{} that the trace does not show, taken as 0", without_values_,
-                      without_values_ == 1 ? "" : "s"));
+      add(fmt::format("values of {} event{} that the trace does not show, taken as 0, false or an empty text",
+                      without_values_, without_values_ == 1 ? "" : "s"));
     if (is_late_) add("the timing violation at the end");
     if (has_unnamed_event_) add("the event that nothing takes, which the trace does not name");
     return text;
@@ -224,7 +224,9 @@ class Replay {
     if (agree(without, known)) return events.empty() || offers_events(state, events);
     const rt::State before = core_.snapshot();
     for (const std::string& event : events) {
-      if (!deliver(state, event)) return false;
+      // A list may leave out the values that the choice shows.
+      const bool is_chosen = events_.find(state.chosen) == events_.find(event);
+      if (!deliver(state, is_chosen ? state.chosen : event)) return false;
     }
     if (!events.empty() && agree(theirs, without_values(our_future(core_, writer_)))) return true;
     return core_.restore(before) ? differ(state, without, known) : fault(&state);
@@ -262,7 +264,6 @@ class Replay {
   bool deliver(const TraceState& state, const std::string& line) {
     const Result<PublishedEvent> event = events_.read(without_intervals(line));
     if (!event) return fail(fmt::format("state #{} of `{}`: {}", state.number, trace_path_, event.error()));
-    shows_values_ = (*event).shows_values;
     std::vector<rt::Cell> cells;
     events_.ports().to_cells((*event).row, (*event).values, cells);
     return core_.events().deliver((*event).row, cells.data()) || fault(&state);
@@ -271,7 +272,8 @@ class Replay {
   bool take_event(const TraceState& state) {
     const rt::u32 row = events_.find(state.chosen);
     if (core_.events().waiting(row) == 0 && !deliver(state, state.chosen)) return false;
-    without_values_ += shows_values_ ? 0 : 1;
+    const Result<PublishedEvent> event = events_.read(without_intervals(state.chosen));
+    without_values_ += event && (*event).shows_values ? 0 : 1;
     const rt::EventPortRow& port = core_.events().ports()[row];
     std::vector<rt::Participant> participants;
     for (std::uint64_t k = 0; k < core_.candidate_count(); ++k) {
@@ -365,7 +367,6 @@ class Replay {
   const PublishedTrace* trace_ = nullptr;
   bool ends_with_fault_ = false;
   bool lists_event_ports_ = false, has_unnamed_event_ = false, is_late_ = false;
-  bool shows_values_ = true;          // of the event delivered last
   std::uint64_t without_values_ = 0;  // events of which the trace does not show all values
 };
 

@@ -124,8 +124,11 @@ bool note_written(Compilation& c, const fs::path& path, const Result<bool>& writ
   return static_cast<bool>(written);
 }
 
-// Only the owner reads it, from its first byte on.
+// Only the owner reads it, from its first byte on. What is no regular file, a link to another place above all, gives
+// way.
 Result<bool> replace_secret(const fs::path& path, const std::string& text) {
+  std::error_code error;
+  if (!fs::is_regular_file(fs::symlink_status(path, error))) fs::remove(path, error);
   Result<NewFile> file = NewFile::create(path, Readers::OwnerAlone);
   if (!file) return Failure{file.error()};
   if (Result<bool> written = file->write(text); !written) return written;
@@ -259,6 +262,12 @@ Result<bool> write_deployment(Compilation& c, const rt::Placement& placement, co
     const fs::path folder = top / name;
     std::error_code error;
     fs::create_directories(folder, error);
+    const std::string about = fmt::format(
+        "# Made by `bipc deploy`. Only senders with one of these keys are heard; where the nodes are says {}.\nnode "
+        "{}\n",
+        kPlacementFile, name);
+    // First: it says that the folder is ours, also if what follows cannot be written.
+    if (!error && !write_text_file(c, folder / kNodeFile, about + known)) return false;
     fs::remove_all(folder / kCppFolder, error);
     fs::create_directories(folder, error);
     if (error) return note_written(c, folder, Failure{error.message()});
@@ -267,10 +276,6 @@ Result<bool> write_deployment(Compilation& c, const rt::Placement& placement, co
       if (const Result<bool> moved = move_cpp(c.system->code.cpp, folder); !moved) return moved;
       model = system::print(*c.system);
     }
-    const std::string about = fmt::format(
-        "# Made by `bipc deploy`. Only senders with one of these keys are heard; where the nodes are says {}.\nnode "
-        "{}\n",
-        kPlacementFile, name);
     const std::string& address = placement.addresses[node];
     const std::string readme =
         fmt::format(kReadme, name, kWhereInstalled, nodes, BIPC_VERSION,
@@ -280,7 +285,6 @@ Result<bool> write_deployment(Compilation& c, const rt::Placement& placement, co
     const bool is_written = write_text_file(c, folder / kModelFile, model) &&
                             write_text_file(c, folder / kPlacementFile, place) &&
                             write_text_file(c, folder / kMovesFile, print_next_moves(placement.next_moves)) &&
-                            write_text_file(c, folder / kNodeFile, about + known) &&
                             write_secret(c, folder / kKeyFile, keys[node].secret + '\n') &&
                             (node != 0 || write_secret(c, folder / kLauncherKeyFile, keys[nodes].secret + '\n')) &&
                             write_program(c, folder / "start", fmt::format(kStart, name)) &&

@@ -18,8 +18,8 @@ struct FirstRuns {
 [[nodiscard]] bool is_time_lock(const std::string& run);
 /// Makes a few random runs; those wanted end in a deadlock (with time, or a time lock) or a fault. Finds nothing if no
 /// run does within its steps, or the model's C++ cannot be had. The runs are made in a process of their own, for at
-/// most `seconds` after its C++ is compiled; what they write and read is dropped. Requires an image; the compilation is
-/// as before.
+/// most `seconds` after its C++ is compiled; what they write and read is dropped, but for the last of the standard
+/// error if one crashes. Requires an image; the compilation is as before.
 [[nodiscard]] FirstRuns make_first_runs(Compilation& c, Backend backend, rt::End wanted, unsigned seconds);
 
 }  // namespace bip::driver

@@ -138,10 +138,11 @@ std::string remove_unread_cpp(const VerifyRequest& request, Compilation& c, cons
   if (!c.system->code.has_cpp() || request.wants_certificate) return {};
   std::optional<System> simple = verify::without_unread_cpp(*c.system, data);
   if (!simple) return {};
+  const bool calls = verify::calls_cpp(*c.system);
   c.lowered.reset();
   c.system = std::make_unique<System>(std::move(*simple));
   c.lowered = lower::lower(*c.system, c.root_name);
-  return "note: the model's C++ is taken to return; nothing that it computes decides about a state\n";
+  return calls ? "note: the model's C++ is taken to return; nothing that it computes decides about a state\n" : "";
 }
 
 Verdict plain_verdict(const verify::Question& question, int exit_code, const std::string& name,

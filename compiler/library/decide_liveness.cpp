@@ -141,8 +141,7 @@ Verdict decide_liveness(const VerifyRequest& request, Compilation& c, const veri
     return refuse(
         request, c, question,
         {"this property of runs for a model with time", what,
-         "`eventually E`, `always eventually E` and `E leads to F` have answers, also `within 50 ms`; E and F "
-         "without words of time"});
+         "`eventually E`, `always eventually E` and `E leads to F` have answers, E and F without words of time"});
   Verdict verdict;
   Executor executor(MachineCode::Fresh);
   const bool has_graph = !has_undetermined_values(*c.system);

@@ -24,7 +24,7 @@ struct ArcGraph {
   const std::vector<ZoneArc>& arcs;
   std::vector<u32> first;  // by node, and the end
   std::vector<u32> component;
-  u32 count = 0;
+  std::vector<std::vector<u32>> members;  // by component
 
   ArcGraph(const std::vector<ZoneArc>& all, std::size_t nodes) : arcs(all), first(nodes + 1, 0), component(nodes, 0) {
     BIP_ASSERT(std::is_sorted(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.from < b.from; }),
@@ -39,9 +39,9 @@ struct ArcGraph {
   u32 enter(u32 node) { return first[node]; }
   u32 next(u32 node, u32& arc) { return arc < first[node + 1] ? arcs[arc++].to : kNoSuccessor; }
   void reach(u32, u32) {}
-  void close(const u32* members, std::size_t size) {
-    for (std::size_t k = 0; k < size; ++k) component[members[k]] = count;
-    ++count;
+  void close(const u32* nodes, std::size_t size) {
+    for (std::size_t k = 0; k < size; ++k) component[nodes[k]] = static_cast<u32>(members.size());
+    members.emplace_back(nodes, nodes + size);
   }
 
   [[nodiscard]] bool is_on_cycle(const ZoneArc& arc) const { return component[arc.from] == component[arc.to]; }
@@ -115,7 +115,7 @@ void ZoneSearch::find_lasso() {
   report_.has_standing_cycle = false;
   const ArcGraph graph(arcs_, nodes_.size());
   // By component: has it a later step; does an action that may return never do so?
-  std::vector<std::uint8_t> has_later(graph.count, 0), is_refused(graph.count, 0);
+  std::vector<std::uint8_t> has_later(graph.members.size(), 0), is_refused(graph.members.size(), 0);
   for (const ZoneArc& arc : arcs_) {
     if (graph.is_on_cycle(arc) && arc.is_later) has_later[graph.component[arc.from]] = 1;
   }
@@ -126,15 +126,19 @@ void ZoneSearch::find_lasso() {
     if (!arcs_[arc].is_later || is_refused[component] != 0) continue;
     std::vector<u32> walk{arc};
     for (u32 atom = 0; atom < image_.atoms.size && is_refused[component] == 0; ++atom) {
-      const auto returns = [&](const ZoneArc& other) {
-        return graph.component[other.from] == component && !may_go_on(other.from, atom);
-      };
-      if (std::any_of(walk.begin(), walk.end(), [&](u32 taken) { return returns(arcs_[taken]); })) continue;
-      const auto found = std::find_if(arcs_.begin(), arcs_.end(), returns);
-      if (found == arcs_.end()) is_refused[component] = 1;
-      else graph.append_path(walk, arcs_[walk.back()].to, found->from);
+      const auto returns = [&](u32 node) { return !may_go_on(node, atom); };
+      if (std::any_of(walk.begin(), walk.end(), [&](u32 taken) { return returns(arcs_[taken].from); })) continue;
+      const std::vector<u32>& nodes = graph.members[component];
+      const auto found = std::find_if(nodes.begin(), nodes.end(), returns);
+      if (found == nodes.end()) is_refused[component] = 1;
+      else graph.append_path(walk, arcs_[walk.back()].to, *found);
     }
-    if (is_refused[component] != 0) continue;
+    if (is_refused[component] != 0) {
+      if (!options_.is_stopped || !options_.is_stopped()) continue;
+      // Other cycles were not looked at.
+      report_.end = ExploreEnd::Stopped;
+      return;
+    }
     graph.append_path(walk, arcs_[walk.back()].to, start);
     match_ = {};
     match_.node = start;

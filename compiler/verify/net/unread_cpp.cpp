@@ -136,6 +136,12 @@ bool has_event_class(const System& system) {
 
 }  // namespace
 
+bool calls_cpp(const System& system) {
+  System used = system;
+  empty_unused_types(used);
+  return has_calls(used);
+}
+
 std::optional<System> without_unread_cpp(const System& system, const std::vector<DataRef>& asked) {
   if (system.code.functions.empty() || !system.code.ffi_types.empty() || has_event_class(system)) return std::nullopt;
   System result = system;

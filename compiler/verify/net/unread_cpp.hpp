@@ -12,6 +12,8 @@
 
 namespace bip::verify {
 
+/// Do components or connectors call C++, and not only types that nothing is of?
+[[nodiscard]] bool calls_cpp(const System& system);
 /// The system without calls of C++; nothing if it has none, or if what C++ computes decides about states. `asked`: data
 /// that is read elsewhere.
 [[nodiscard]] std::optional<System> without_unread_cpp(const System& system, const std::vector<DataRef>& asked);

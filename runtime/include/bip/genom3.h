@@ -26,7 +26,7 @@ struct genom_context_if {
 };
 
 /* Room for `length` elements, the new ones zero; -1 if there is none. `_length` stays. A `sequence<T, n>` has its
- * elements in an array of `own` bytes, and no other room; 0: it has memory of the heap. */
+ * elements in an array of `own` bytes, and no other room; they stay as they are. 0: it has memory of the heap. */
 int genom_sequence_reserve_bytes(void* sequence, uint32_t length, size_t own, size_t element);
 #define genom_sequence_reserve(sequence, length) \
   genom_sequence_reserve_bytes((sequence), (length), GENOM_OWN_BYTES(sequence), sizeof(*(sequence)->_buffer))
