@@ -3,8 +3,8 @@
 
 namespace bip {
 
-/// While an object lives, SIGINT, SIGTERM and SIGHUP end the process only when the last such object is gone, if they
-/// would end it at once: signals that are ignored or have a handler of somebody else are left alone. Any thread.
+/// While an object lives, SIGINT, SIGTERM and SIGHUP do not end the process at once, but when the last object is
+/// destroyed. A signal that is ignored or that has another handler is not changed. Objects may live in any thread.
 class DelayedSignals {
  public:
   DelayedSignals();

@@ -214,7 +214,7 @@ class Resolver {
     if (flavour_ == Flavour::Verification) narrow(state, line);
   }
 
-  // Beside its task run codels of activities, and of GenoM 3's tasks: of others somebody waits for the answer.
+  // Codels of activities and of GenoM 3's tasks run beside their task. A caller waits for the answer of all others.
   void codel_async(SideLine& line) {
     std::int64_t budget = 0;
     if (!line.words.empty() && !read_budget(line, budget)) return;
@@ -226,7 +226,7 @@ class Resolver {
     });
   }
 
-  // Somebody waits for it.
+  // A caller waits for the answer.
   void codel_takes(SideLine& line) {
     std::int64_t budget = 0;
     if (!read_budget(line, budget)) return;

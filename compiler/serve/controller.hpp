@@ -48,7 +48,8 @@ class Controller {
   /// For services of robot modules; its own functions say from which thread.
   [[nodiscard]] Requests& requests() { return requests_; }
   void ask(Command command);
-  /// Somebody follows the steps: on_step hears their names. Else it does of steps with requests or replies only.
+  /// A client follows the steps: on_step gets the names of all steps. Else it gets those of steps with requests or
+  /// replies only.
   void name_all_steps(bool on) { system_.name_all_steps(on || watchdog_.names_steps()); }
   /// Calls the safe-stop function, if there is one.
   void stop_robot(std::string why) { watchdog_.stop_robot(std::move(why)); }

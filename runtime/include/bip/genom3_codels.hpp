@@ -27,7 +27,7 @@ extern "C" __attribute__((used)) inline int genom_sequence_reserve_bytes(void* s
   };
   Any& any = *static_cast<Any*>(sequence);
   if (own != 0) {
-    // Of a union whose discriminant was changed, nobody has set it.
+    // Not set yet if the sequence is in a union whose discriminant was changed.
     any._maximum = static_cast<uint32_t>(own / element);
     return length <= any._maximum ? 0 : -1;
   }
