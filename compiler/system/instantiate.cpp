@@ -345,6 +345,7 @@ std::optional<System> instantiate(Model& model, const std::string& root_type,
     if (v) params.push_back(*v);
   }
   if (diags.has_errors()) return std::nullopt;
+  if (unfold.is_too_large(*root)) return std::nullopt;
   unfold.out.files = model.files;
   unfold.compound(*root, std::move(params), "ROOT", {}, type.loc, 0);
   if (diags.has_errors()) return std::nullopt;

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "compiler/system/instantiate.hpp"
+#include "compiler/system/system.hpp"
 
 namespace bip::system {
 
@@ -42,6 +43,26 @@ struct Instance {
   std::vector<PendingPriority> priorities;
 };
 
+/// Instances of a compound with all of its parts, itself included. Counts stop at 2^40.
+struct InstanceCount {
+  std::uint64_t atoms = 0;
+  std::uint64_t compounds = 0;
+};
+
+/// Lower bounds of the instances of compound types: what loops and arrays declare whose sizes depend on parameters is
+/// not counted. Each type is counted once.
+class LeastCounts {
+ public:
+  explicit LeastCounts(const Model& model) : model_(model), known_(model.compound_types.size()) {}
+  InstanceCount of(CompoundTypeId type);
+  /// `count` and what `item` of a compound of this type declares.
+  InstanceCount with(InstanceCount count, CompoundTypeId type, const CompoundItem& item);
+
+ private:
+  const Model& model_;
+  std::vector<std::optional<InstanceCount>> known_;  // by type
+};
+
 /// Limits the diagnostics: a loop may repeat one without end.
 inline constexpr std::size_t kEnoughErrors = 50;
 
@@ -73,6 +94,10 @@ struct Instantiator {
     return is_beyond(limits.instances, count, what, at);
   }
   bool is_beyond(std::size_t limit, std::size_t count, const char* what, SourceRange at);
+
+  // count_instances.cpp
+  /// Whether the root has more instances than the limit (reported); loops are not looked at.
+  bool is_too_large(CompoundTypeId root);
 
   // resolve_bindings.cpp
   enum class ElementKind : std::uint8_t { Component, Connector };

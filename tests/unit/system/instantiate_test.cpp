@@ -76,6 +76,18 @@ TEST_CASE("what only instances show is said") {
   CHECK(shape("compound type R() component A a[2000001](0) end") == "B4006");
 }
 
+TEST_CASE("compounds that double are counted before they are made") {
+  std::string chain = "compound type C0() component A a(0), b[0](1) end\n";
+  for (int i = 1; i < 64; ++i) {
+    const std::string inner = "C" + std::to_string(i - 1);
+    chain += "compound type C" + std::to_string(i) + "() component " + inner + (i % 2 == 0 ? " c(), d()" : " c[2]()") +
+             " end\n";
+  }
+  CHECK(shape(chain, "C20()") == "B4006");
+  CHECK(shape(chain, "C63()") == "B4006");
+  CHECK(shape(chain, "C1()") == "ROOT.c[0].a: A(0)\nROOT.c[1].a: A(0)\n");
+}
+
 TEST_CASE("an array without elements") {
   REQUIRE(shape("compound type R(int n) component A a[n](0), b(1) for i in 0..n { connector One k[i](a[i].p) } end",
                 "R(0)") == "ROOT.b: A(1)\n");
