@@ -5,6 +5,7 @@
 
 Needs python3; check_cli_docs needs a built bipc ($BIPC or build/bipc).
 """
+import json
 import os
 import pathlib
 import re
@@ -343,6 +344,25 @@ def check_no_paths_of_a_machine():
                if p.is_file() and p.suffix not in (".svg", ".png", ".pyc") and p != pathlib.Path(__file__).resolve()]
     return [f"{relative(p)}:{n}: {line.strip()[:80]}" for p in tracked
             for n, line in enumerate(p.read_text(encoding="utf-8", errors="replace").splitlines(), 1) if pattern.search(line)]
+
+
+def check_editor_starts_only_programs_of_the_user():
+    """A workspace that one opens chooses no program: settings that name one are of the machine, what runs a model asks for trust."""
+    package = json.loads((ROOT / "tools/vscode/package.json").read_text(encoding="utf-8"))
+    settings = package["contributes"]["configuration"]["properties"]
+    bad = [f"{name}: its scope is not `machine`" for name, setting in settings.items()
+           if name.endswith(".path") and setting.get("scope") != "machine"]
+    if not any(name.endswith(".path") for name in settings):
+        bad.append("no setting names a program: this check looks at nothing")
+    if package["capabilities"]["untrustedWorkspaces"]["supported"] is not True:
+        bad.append("workspaces that are not trusted are not supported")
+    # Only `explain`, the language server and functions that begin with modelOf, which asks for trust, start a program.
+    source = (ROOT / "tools/vscode/src/extension.js").read_text(encoding="utf-8")
+    for function in re.split(r"^(?=(?:async )?function )", source, flags=re.M)[1:]:
+        name = re.match(r"(?:async )?function (\w+)", function)[1]
+        if re.search(r"\b(?:spawn|execFile|executeTask|startDebugging)\(", function.split("{", 1)[1]) and "modelOf(" not in function and name != "explainPage":
+            bad.append(f"extension.js: {name} starts a program without asking for trust")
+    return bad
 
 
 def check_builds_show_progress():

@@ -3,7 +3,6 @@
 "use strict";
 const { execFile, spawn } = require("child_process");
 const fs = require("fs");
-const os = require("os");
 const path = require("path");
 const vscode = require("vscode");
 const { CodeLensRequest, LanguageClient, TransportKind } = require("vscode-languageclient/node");
@@ -115,11 +114,10 @@ async function showDiagram(context) {
   if (!model) return;
   const pane = vscode.window.createWebviewPanel("bip.diagram", path.basename(model), vscode.ViewColumn.Beside, { enableScripts: true, retainContextWhenHidden: true });
   const draw = () => {
-    const file = path.join(os.tmpdir(), `bip-${process.pid}-${Date.now()}.html`);
-    execFile(bipc(), ["graph", "--diagnostics=short", ...folders(), "-o", file, model], (error, _, problems) => {
+    const words = ["graph", "--diagnostics=short", ...folders(), "--format", "html", "-o", "-", model];
+    execFile(bipc(), words, { maxBuffer: 1 << 28 }, (error, page, problems) => {
       if (error) return vscode.window.showErrorMessage("BIP: " + problems.split("\n")[0]);
-      pane.webview.html = fs.readFileSync(file, "utf8");
-      fs.unlinkSync(file);
+      pane.webview.html = page;
     });
   };
   const saved = vscode.workspace.onDidSaveTextDocument((document) => document.uri.fsPath === model && draw());
