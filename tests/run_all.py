@@ -118,7 +118,7 @@ def groups(options):
     os.environ["BUILD"] = str(BUILD)
     return [
         ("unit", list(unit_jobs())),
-        ("golden", [script("golden", "tests/golden/test_golden.py", weight=45)]),
+        ("golden", [script("golden", "tests/golden/test_golden.py", "--every", str(options.goldens_every), weight=45)]),
         ("snippets", [script("snippets", "tests/meta/test_snippets.py", weight=10)]),
         ("book", [script("book", "tests/book/test_book.py", weight=8)]),
         ("meta", [script("meta", "tests/meta/test_meta.py", weight=5), script("help_examples", "tests/meta/test_help_examples.py", weight=10)]),
@@ -170,6 +170,7 @@ def main():
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("--systems", type=int, default=200, help="random systems of the group differential")
     arguments.add_argument("--nets", type=int, default=300, help="random systems of the prover's test; 2000 is what test_verify.sh itself takes")
+    arguments.add_argument("--goldens-every", type=int, default=1, metavar="N", help="of N golden files only one")
     arguments.add_argument("--first", type=int, default=2001, help="seed of the first random system")
     arguments.add_argument("--without-emitted", action="store_true", help="random systems are not also run as emitted C++")
     arguments.add_argument("groups", nargs="*")

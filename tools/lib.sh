@@ -1,6 +1,8 @@
 # Shared by the scripts beside it: where things are, the lock, the build. Sourced, not run.
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
 build_dir=${BIPC_BUILD_DIR:-$root/build}
+# Build directories of one checkout share what ccache keeps, as far as their options agree.
+export CCACHE_BASEDIR=${CCACHE_BASEDIR:-$root}
 
 # Two builds at once would tread on each other's files: the second one waits.
 with_lock() {

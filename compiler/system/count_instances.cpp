@@ -53,10 +53,10 @@ bool Instantiator::is_too_large(CompoundTypeId root) {
   InstanceCount count{.atoms = 0, .compounds = 1};
   for (const CompoundItem& item : model.compound_types[root].items) {
     count = least.with(count, root, item);
+    const SourceRange at = item.index.is_valid() ? item.syntax->index->range : item.range;
     // too_many asks whether there is room for one more.
-    if (too_many(count.compounds - 1, "compounds", item.range) ||
-        (count.atoms > 0 && too_many(count.atoms - 1, "atoms", item.range)))
-      return true;
+    if (too_many(count.compounds - 1, "compounds", at)) return true;
+    if (count.atoms > 0 && too_many(count.atoms - 1, "atoms", at)) return true;
   }
   return false;
 }

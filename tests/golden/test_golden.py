@@ -169,13 +169,14 @@ def main():
     parser = argparse.ArgumentParser(description="Runs the golden files.")
     parser.add_argument("--update", action="store_true", help="rewrite the expected sections")
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--every", type=int, default=1, metavar="N", help="of N files, in the order of their names, only the first")
     parser.add_argument("what", nargs="*", help="files, folders or parts of names")
     arguments = parser.parse_args()
     bipc = os.environ.get("BIPC") or str(pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build") / "bipc")
     if not shutil.which(bipc):
         sys.exit(f"golden: no program at {bipc} (build it with tools/build, or set BIPC)")
     bipc = os.path.abspath(bipc)
-    goldens = chosen(arguments.what)
+    goldens = chosen(arguments.what)[::arguments.every]
     if not pathlib.Path(bipc).with_name("certcheck").exists() and \
             any("certcheck " in g.read_text(encoding="utf-8", errors="replace") for g in goldens):
         sys.exit(f"golden: no certcheck beside {bipc} (ninja -C BUILD certcheck)")
