@@ -141,7 +141,7 @@ def groups(options):
         ("traces", [script("traces", "tests/traces/test_traces.py", weight=3), script("record", "tests/traces/test_record.py", alone=True)]),
         ("debuggers", [script("debuggers", "tests/debuggers/test_debuggers.py", alone=True)]),
         # A sanitized build cannot be installed.
-        *([("package", [script("package", "tests/package/test_package.py", weight=25)])] if not is_sanitized() else []),
+        *([("package", [script("package", "tests/package/test_package.py", weight=25), *needs("bipc-runner", script("runner", "tests/package/test_runner.py", weight=5))])] if not is_sanitized() else []),
         ("python", [script("python", "tests/python/test_python.py", alone=True), script("notebooks", "tests/python/test_notebooks.py", alone=True)]),
         ("fuzz", needs("bip-fuzz", script("fuzz", "tests/fuzz/test_fuzz.py", weight=140))),
         ("graph", [script("graph", "tests/graph/test_pictures.py", weight=5)]),

@@ -50,9 +50,31 @@ show_progress() {
   [[ ! $open ]] || printf '\r\033[K'
 }
 
+# Is the build folder one of build_runner, without the rest?
+has_runner_only() { grep -qs '^BIPC_RUNNER_ONLY:BOOL=ON' "$build_dir/CMakeCache.txt"; }
+
+# build_runner: builds the part of bipc that runs models, as build/bipc, where there is no bipc yet: half of the packages and half of
+# the time of the whole, of which all that is compiled is a part. A failure leaves no build/bipc.
+build_runner() {
+  "$root/tools/setup" --runner 9>&-
+  configure_options+=(-DBIPC_RUNNER_ONLY=ON)
+  configure_and_build bipc_runner
+  if ! cmp -s "$build_dir/bipc-runner" "$build_dir/bipc"; then
+    cp "$build_dir/bipc-runner" "$build_dir/bipc.new"
+    mv "$build_dir/bipc.new" "$build_dir/bipc"
+  fi
+}
+
 # configure_and_build [target...]: quiet if all is up to date, ninja's progress while there is work.
 configure_and_build() {
   local log=$build_dir/configure.log
+  if has_runner_only && [[ $* != bipc_runner ]]; then
+    # With the options that it has, so that nothing compiles again.
+    if ! cmake -DBIPC_RUNNER_ONLY=OFF "$build_dir" >"$log" 2>&1 9>&-; then
+      cat "$log" >&2
+      return 1
+    fi
+  fi
   # Also if the tests were left out for want of packages that are there now.
   if [[ ! -f $build_dir/build.ninja ]] || { grep -q 'tests are left out' "$log" 2>/dev/null && dpkg-query -W catch2 >/dev/null 2>&1; }; then
     echo "configuring $build_dir" >&2

@@ -166,7 +166,7 @@ int end_by_signal(int code) {
 
 }  // namespace
 
-int run_command_line(int argc, char** argv, const char* commit) {
+int run_command_line(int argc, char** argv, const BuildFacts& built) {
   CLI::App app{"bipc: compiler and runtime for BIP models", "bipc"};
   app.require_subcommand(0, 1);
   app.set_help_flag("-h,--help", "print this help");
@@ -176,7 +176,8 @@ int run_command_line(int argc, char** argv, const char* commit) {
       "input.");
   const std::string_view first = argc > 1 ? argv[1] : "";
   Arguments arguments;
-  arguments.version.commit = commit;
+  arguments.version.commit = built.commit;
+  arguments.version.llvm_version = built.llvm_version;
   add_commands(app, arguments, first);
   hide_rare_options(app);
   for (CLI::App* command : app.get_subcommands(nullptr)) {

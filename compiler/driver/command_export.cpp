@@ -26,6 +26,7 @@
 #include "compiler/verify/property/property.hpp"
 #include "compiler/verify/symbolic/aiger.hpp"
 #include "compiler/verify/symbolic/mode_signals.hpp"
+#include "compiler/verify/symbolic/property_signal.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::driver {

@@ -12,9 +12,6 @@
 #ifndef BIPC_VERSION
 #define BIPC_VERSION "unknown"
 #endif
-#ifndef BIPC_LLVM_VERSION
-#define BIPC_LLVM_VERSION ""
-#endif
 
 namespace bip::driver {
 namespace {
@@ -24,7 +21,7 @@ nlohmann::ordered_json text_or_null(const std::string& text) {
   return text.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(text);
 }
 
-std::string as_json(const std::string& commit) {
+std::string as_json(const VersionArguments& built) {
   const RuntimeLocation runtime = find_runtime();
   const std::string plugin = find_jit_plugin();
   const bool has_jit = static_cast<bool>(load_jit());
@@ -34,8 +31,8 @@ std::string as_json(const std::string& commit) {
   back_ends.push_back("c++");
   const nlohmann::ordered_json json{{"format", "bipc-version"},
                                     {"version", BIPC_VERSION},
-                                    {"commit", text_or_null(commit)},
-                                    {"llvm", text_or_null(has_jit ? BIPC_LLVM_VERSION : "")},
+                                    {"commit", text_or_null(built.commit)},
+                                    {"llvm", text_or_null(has_jit ? built.llvm_version : "")},
                                     {"back_ends", std::move(back_ends)},
                                     {"paths",
                                      {{"program", text_or_null(program_file().string())},
@@ -50,7 +47,7 @@ std::string as_json(const std::string& commit) {
 
 int command_version(const VersionArguments& arguments) {
   switch (arguments.format) {
-    case VersionFormat::Json: std::fputs(as_json(arguments.commit).c_str(), stdout); return kOk;
+    case VersionFormat::Json: std::fputs(as_json(arguments).c_str(), stdout); return kOk;
     case VersionFormat::Text: break;
   }
   std::printf("bipc %s\n", BIPC_VERSION);

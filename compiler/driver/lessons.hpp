@@ -14,7 +14,7 @@
 #include <string_view>
 #include <vector>
 
-#include "compiler/verify/liveness/fairness.hpp"
+#include "compiler/verify/property/fairness.hpp"
 
 namespace bip::driver {
 

@@ -271,7 +271,7 @@ struct PublishedArguments {
 enum class VersionFormat : std::uint8_t { Text, Json };
 struct VersionArguments {
   VersionFormat format = VersionFormat::Text;
-  std::string commit;
+  std::string commit, llvm_version;
 };
 
 enum class Shell : std::uint8_t { Bash, Zsh, Fish };

@@ -8,13 +8,13 @@
 #include <fmt/format.h>
 
 #include "compiler/base/content_cache.hpp"
+#include "compiler/library/initial_fault.hpp"
 #include "compiler/library/small_instances.hpp"
 #include "compiler/library/verify_text.hpp"
 #include "compiler/pipeline/cache_folder.hpp"
 #include "compiler/pipeline/error_sources.hpp"
 #include "compiler/pipeline/executor.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
-#include "compiler/pipeline/initial_fault.hpp"
 #include "compiler/pipeline/machine.hpp"
 #include "compiler/system/system.hpp"
 #include "compiler/system/uses_time.hpp"

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "compiler/pipeline/options.hpp"
-#include "compiler/verify/liveness/fairness.hpp"
+#include "compiler/verify/property/fairness.hpp"
 
 namespace bip::library {
 

@@ -5,6 +5,7 @@
 #include "compiler/system/bsys.hpp"
 #include "compiler/verify/liveness/automaton.hpp"
 #include "compiler/verify/property/property.hpp"
+#include "compiler/verify/symbolic/property_signal.hpp"
 #include "tests/fuzz/targets.hpp"
 
 namespace bip::fuzz {

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "compiler/verify/liveness/fairness.hpp"
+#include "compiler/verify/property/fairness.hpp"
 #include "compiler/verify/liveness/product.hpp"
 #include "compiler/verify/solver/cancellation.hpp"
 

@@ -14,7 +14,7 @@
 #include <string>
 
 #include "compiler/system/system_ids.hpp"
-#include "compiler/verify/liveness/fairness.hpp"
+#include "compiler/verify/property/fairness.hpp"
 #include "compiler/verify/portfolio/question.hpp"
 #include "compiler/verify/property/formula.hpp"
 #include "compiler/verify/solver/cancellation.hpp"

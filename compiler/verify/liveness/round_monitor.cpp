@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "compiler/verify/net/net.hpp"
+#include "compiler/verify/symbolic/property_signal.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {

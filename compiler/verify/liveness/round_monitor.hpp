@@ -22,7 +22,7 @@
 #include <vector>
 
 #include "compiler/verify/liveness/automaton.hpp"
-#include "compiler/verify/liveness/fairness.hpp"
+#include "compiler/verify/property/fairness.hpp"
 #include "compiler/verify/symbolic/transition_system.hpp"
 #include "runtime/core/link/tables.hpp"
 

@@ -2,6 +2,7 @@
 #include "compiler/verify/portfolio/bad_states.hpp"
 
 #include "compiler/verify/invariants/affine_bounds.hpp"
+#include "compiler/verify/symbolic/property_signal.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {

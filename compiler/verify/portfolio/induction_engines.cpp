@@ -9,6 +9,7 @@
 #include "compiler/verify/symbolic/cnf.hpp"
 #include "compiler/verify/symbolic/localized_ic3.hpp"
 #include "compiler/verify/symbolic/mode_signals.hpp"
+#include "compiler/verify/symbolic/property_signal.hpp"
 #include "compiler/verify/symbolic/replay_steps.hpp"
 #include "runtime/include/bip/assert.hpp"
 

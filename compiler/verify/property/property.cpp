@@ -1,4 +1,4 @@
-// Evaluates a property in a state of the core, encodes it as a circuit, and prints it for certificates.
+// Evaluates a property in a state of the core, and prints it for certificates.
 #include "compiler/system/system.hpp"
 #include "compiler/verify/property/expression.hpp"
 
@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "compiler/model/fold.hpp"
-#include "compiler/verify/symbolic/symbolic_code.hpp"
 #include "runtime/core/text.hpp"
 #include "runtime/include/bip/assert.hpp"
 
@@ -52,32 +51,6 @@ Number evaluate(const Property& property, std::uint32_t row, const rt::Core& cor
   if (!floats) return of(fold_int(node.op, i32(a), i32(b)));
   if (is_comparison(node.op)) return of(fold_comparison(node.op, a.f, b.f) ? 1 : 0);
   return Number{0, fold_float(node.op, a.f, b.f)};
-}
-
-Word signal_of(const Property& property, std::uint32_t row, TransitionSystem& m, const rt::Image& image,
-               const std::vector<std::uint32_t>& port_base) {
-  const PropertyNode& node = property.nodes[row];
-  Aig& c = m.aig;
-  switch (node.kind) {
-    case PropertyKind::Constant: return node.type == Type::Float ? Word{} : word_of(node.int_value);
-    case PropertyKind::At: return word_of_bool(m.marks[node.owner][node.row]);
-    case PropertyKind::Data: return m.words[image.atoms[node.owner].first_cell + node.row];
-    case PropertyKind::CanConnector: return word_of_bool(m.connector_can[node.owner]);
-    case PropertyKind::CanPort: return word_of_bool(m.port_is_on[port_base[node.owner] + node.row]);
-    case PropertyKind::HappensConnector:
-    case PropertyKind::HappensPort:
-    case PropertyKind::Temporal: BIP_UNREACHABLE("a property of runs");
-    case PropertyKind::Operator: break;
-  }
-  const Word a = signal_of(property, node.a, m, image, port_base);
-  const Word b = is_unary(node) ? a : signal_of(property, node.b, m, image, port_base);
-  // Floats are not followed: any value.
-  if (a.empty() || b.empty()) return node.type == Type::Bool ? word_of_bool(c.make_input()) : Word{};
-  if (is_division(node.op)) {
-    const Division division = divide(c, a, b);
-    return node.op == Op::Div ? division.quotient : division.remainder;
-  }
-  return is_unary(node) ? apply(c, node.op, a) : apply(c, node.op, a, b);
 }
 
 // Not to be mistaken for an int: "2.0".
@@ -149,24 +122,6 @@ std::string value_text(const Property& expression, const rt::Core& core) {
 
 bool is_broken(const Property& property, const rt::Core& core) {
   return (evaluate(property, property.root, core).i != 0) == property.is_never;
-}
-
-Signal violating_signal(const Property& property, TransitionSystem& machine, const rt::Image& image) {
-  std::vector<std::uint32_t> port_base;
-  std::uint32_t next = 0;
-  for (const rt::Atom& atom : image.atoms) {
-    port_base.push_back(next);
-    next += image.atom_types[atom.type].ports.size;
-  }
-  BIP_ASSERT(property.nodes[property.root].type == Type::Bool, "a property of type {}",
-             property.nodes[property.root].type);
-  const Signal holds = signal_of(property, property.root, machine, image, port_base)[0];
-  return property.is_never ? holds : negated(holds);
-}
-
-Signal broken_signal(const Property& property, TransitionSystem& machine, const rt::Image& image) {
-  // A state in which the run ends with a fault is none.
-  return machine.aig.make_and(negated(machine.state_fault), violating_signal(property, machine, image));
 }
 
 namespace {

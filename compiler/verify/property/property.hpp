@@ -14,7 +14,6 @@
 
 #include "compiler/base/result.hpp"
 #include "compiler/system/system_ids.hpp"
-#include "compiler/verify/symbolic/transition_system.hpp"
 #include "runtime/core/core.hpp"
 
 namespace bip::verify {
@@ -81,11 +80,6 @@ struct Property {
 [[nodiscard]] bool is_broken(const Property& property, const rt::Core& core);
 /// Does the property fail itself in the core's stable state: a division by 0, or of the least int by -1?
 [[nodiscard]] bool has_fault(const Property& property, const rt::Core& core);
-/// Adds the states that violate the property to the circuit and returns their signal. Floats are not followed: a
-/// comparison of them is a free input, so the signal over-approximates.
-[[nodiscard]] Signal broken_signal(const Property& property, TransitionSystem& machine, const rt::Image& image);
-/// The same with states in which the run ends with a fault, so that it depends on the property's atoms only.
-[[nodiscard]] Signal violating_signal(const Property& property, TransitionSystem& machine, const rt::Image& image);
 /// Returns the rows of the atoms that the property is about, each once, ascending.
 [[nodiscard]] std::vector<std::uint32_t> atoms_of(const Property& property);
 /// Does the property ask what can be done (`can`)? With time that changes within a location.

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "compiler/verify/liveness/automaton.hpp"
-#include "compiler/verify/liveness/fairness.hpp"
+#include "compiler/verify/property/fairness.hpp"
 
 namespace bip::verify {
 

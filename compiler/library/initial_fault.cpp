@@ -1,5 +1,5 @@
 // See initial_fault.hpp. Small and seen once: the interpreter, whatever back end the model has.
-#include "compiler/pipeline/initial_fault.hpp"
+#include "compiler/library/initial_fault.hpp"
 
 #include <memory>
 
@@ -11,14 +11,14 @@
 #include "compiler/system/uses_time.hpp"
 #include "compiler/verify/portfolio/search_bad_state.hpp"
 
-namespace bip::pipeline {
+namespace bip::library {
 
 std::string initial_fault(const System& system) {
   BIP_ASSERT(system.code.functions.empty(), "{} functions of C++", system.code.functions.size());
-  if (!system::is_timed(system) && !can_end_in_error(system)) return {};
+  if (!system::is_timed(system) && !pipeline::can_end_in_error(system)) return {};
   const std::unique_ptr<lower::LoweredSystem> lowered = lower::lower(system, "initial");
   const interp::Interpreter interpreter(*lowered);
   return verify::fault_of(lowered->image, {});
 }
 
-}  // namespace bip::pipeline
+}  // namespace bip::library

@@ -5,10 +5,10 @@
 
 #include "compiler/system/system_ids.hpp"
 
-namespace bip::pipeline {
+namespace bip::library {
 
 /// The error of the initialization, in one line; empty: there is none. Requires a system without C++. Cost: a pass over
 /// the code; the system is lowered and initialized only if something in it may fail.
 [[nodiscard]] std::string initial_fault(const System& system);
 
-}  // namespace bip::pipeline
+}  // namespace bip::library

@@ -1,5 +1,5 @@
 // See fairness.hpp.
-#include "compiler/verify/liveness/fairness.hpp"
+#include "compiler/verify/property/fairness.hpp"
 
 #include <algorithm>
 
