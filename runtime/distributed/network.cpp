@@ -67,6 +67,11 @@ void Network::await_again(u32 node, u32 peer) {
         {NetworkEvent::Kind::Again, node, peer, {}});
 }
 
+void Network::await_end_of_parking(u32 node, u32 peer, u64 number) {
+  enter(kParked * std::max(faults_.slowness_of(node), faults_.slowness_of(peer)),
+        {NetworkEvent::Kind::Parked, node, peer, {}, number});
+}
+
 void Network::tell_instant(u32 nodes) {
   i64 asked = now_;
   const auto reach = [&](u32 node, i64 from) {

@@ -18,12 +18,14 @@ struct NetworkEvent {
     Turn,     // `node` does what is next
     Again,    // `node` looks whether its frames to `peer` have come
     Instant,  // `node` hears that time passes
+    Parked,   // an attempt that waits at `node` has waited long enough
     Crash,    // `node` is gone
     Loss      // the others learn that `node` is gone
   };
   Kind kind = Kind::Turn;
   u32 node = 0, peer = 0;
   Frame frame;
+  u64 number = 0;  // Parked: Node::Parking
 };
 
 struct NetworkCounts {
@@ -32,10 +34,11 @@ struct NetworkCounts {
 
 class Network {
  public:
-  static constexpr i64 kLeastDelay = 500000, kMoreDelay = 1000000;  // ns, of a frame
-  static constexpr i64 kLeastTurn = 20000, kMoreTurn = 60000;       // of what a node does in one go
-  static constexpr i64 kAgain = 50000000;                           // until a frame is sent again
-  static constexpr i64 kNoticed = 50000000;                         // until a crash is known
+  static constexpr i64 kLeastDelay = 500000, kMoreDelay = 1000000;    // ns, of a frame
+  static constexpr i64 kLeastTurn = 20000, kMoreTurn = 60000;         // of what a node does in one go
+  static constexpr i64 kAgain = 50000000;                             // until a frame is sent again
+  static constexpr i64 kParked = 3 * (kLeastDelay + kMoreDelay / 2);  // what the messages of a refusal take
+  static constexpr i64 kNoticed = 50000000;                           // until a crash is known
 
   Network(const NetworkFaults& faults, u64 seed);
 
@@ -47,6 +50,8 @@ class Network {
   /// The node's next turn, when it has done what takes its time.
   void await_turn(u32 node);
   void await_again(u32 node, u32 peer);
+  /// The end of the parking of that number at the node, of an attempt that comes from the peer.
+  void await_end_of_parking(u32 node, u32 peer, u64 number);
   /// Sends the next instant of a model with time to all nodes; each receives it after a delay of its own. The sender
   /// computes it beside the first node, from answers of the others, so a cut delays it for the nodes behind the cut.
   void tell_instant(u32 nodes);

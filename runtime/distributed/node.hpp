@@ -9,10 +9,11 @@
 //
 // Split sets (node_locks.cpp): an atom that several coordinators can take stays offered in the core of its home. To
 // offer it in another core is to lock it: an attempt to begin an interaction takes what its coordinator has, goes from
-// home to home in their order with the offers of all that it holds, waits at an atom that is at work or locked, and is
-// refused at one that cannot take part. At the last home all that the interaction needs is offered in one core, which
-// decides about it as about any other, and begins it or gives everything back. What was refused is tried again when
-// an atom that it was refused for has changed.
+// home to home in their order with the offers of all that it holds, and waits at an atom that is at work or locked. At
+// one that cannot take part it is parked: it goes on when the atom can, and is refused when the caller says so
+// (end_parking). At the last home all that the interaction needs is offered in one core, which decides about it as
+// about any other, and begins it or gives everything back. What was refused is tried again when an atom that it was
+// refused for has changed.
 //
 // Models with time: all nodes pass from one instant to the next, which the caller computes when all of them rest and
 // no message is on its way (engine/node_time.hpp). An atom's home has its clocks. An offer says until when it holds;
@@ -49,6 +50,8 @@ struct NodeEvent {
     Received,  // its coordinator has the offer
     Locked,    // an attempt takes it along
     Arrived,   // a LOCK has come to another home; of no atom
+    Parked,    // it cannot take part, and the attempt waits
+    GivenUp,   // the attempt was parked at it, and ends
     Refused,   // it cannot take part, and the attempt ends
     Released,  // it is offered again as it was before the attempt
     Woken,     // it has changed, and its home sends WAKE
@@ -103,6 +106,18 @@ class Node {
   [[nodiscard]] std::size_t try_count() const { return tries_.size(); }
   /// Attempts one of them, if what it needs here is offered here.
   void try_lock(std::size_t k);
+  /// An attempt that waits at an atom at home here which cannot take part in it. Its number is never used again.
+  struct Parking {
+    u64 number = 0;
+    u32 interaction = 0;
+  };
+  /// Those that began to wait; the reader empties it, and ends each after some time with end_parking. What a refusal
+  /// costs is a good time: nothing but time and messages depends on it.
+  [[nodiscard]] std::vector<Parking>& new_parkings() { return new_parkings_; }
+  /// Does an attempt wait so? Then the node does not rest: that attempt will go on or be refused.
+  [[nodiscard]] bool has_parked() const { return !parked_at_.empty(); }
+  /// Refuses the attempt, unless it has gone on.
+  void end_parking(u64 number);
   /// Lets time pass to an instant that the whole system agreed on, or learns that it is there already.
   void pass_to(Moment moment);
   /// Actions that wait to be run.
@@ -133,6 +148,9 @@ class Node {
     for (const std::deque<Lock>& locks : waiting_) {
       for (const Lock& lock : locks) visit_cells(lock, take);
     }
+    for (const std::deque<ParkedLock>& parked : parked_) {
+      for (const ParkedLock& at : parked) visit_cells(at.lock, take);
+    }
     for (const Lock& lock : ready_) visit_cells(lock, take);
   }
 
@@ -157,6 +175,10 @@ class Node {
     u32 interaction = 0;
     u64 n = 0;
   };
+  struct ParkedLock {
+    u64 number = 0;
+    Lock lock;
+  };
   void link_locks();
   void start_locks();
   [[nodiscard]] bool has_split() const { return !distribution_.locks.items.empty(); }
@@ -174,12 +196,15 @@ class Node {
   [[nodiscard]] bool is_waiting(u32 interaction) const;
   [[nodiscard]] bool may_hold(const Lock& lock) const;
   void drop(const Lock& lock);
+  void park(u32 atom, Lock lock);
+  [[nodiscard]] Lock take_parked(u32 atom, std::size_t k);
+  void serve_parked(u32 atom);
   void go_on(Lock lock, u32 served);
   void hold_all(Lock lock);
   void refuse(const Lock& lock, bool is_watched);
   void end_attempt();
   void release(const Lock& lock, const std::vector<u32>& atoms, bool is_refused, bool is_watched);
-  void watch(u32 atom, u32 interaction);
+  void watch(u32 atom, u32 interaction, u64 n);
   void wake_watchers(u32 atom);
   void serve();
   void note_history(u32 atom, const LinkedTransition& transition, u32 interaction);
@@ -207,11 +232,13 @@ class Node {
   NodeCounts counts_;
   Moment moment_;
   NodeObserver observer_;
-  // Locks. By atom: where it is, as far as this node knows; of those at home here: attempts that wait for it, and
-  // interactions that were refused for it; interactions coordinated here that need locks elsewhere and the atom.
+  // Locks. By atom: where it is, as far as this node knows; of those at home here: attempts that wait for it, attempts
+  // that are parked at it, and interactions that were refused for it; interactions coordinated here that need locks
+  // elsewhere and the atom.
   std::vector<Where> where_;
   std::vector<std::uint8_t> is_in_core_;  // offered in this core
   std::vector<std::deque<Lock>> waiting_;
+  std::vector<std::deque<ParkedLock>> parked_;
   std::vector<std::vector<Watcher>> watchers_;
   Csr tries_of_;
   // By interaction coordinated here: why it is not tried; was an atom that it needs heard of since it was tried last?
@@ -225,6 +252,9 @@ class Node {
   std::map<u32, std::vector<u32>> attempted_;  // by interaction that is being attempted: those atoms
   std::deque<Lock> ready_;                     // attempts of which all is locked here
   std::deque<u32> served_;                     // atoms at home here that may be given to who waits
+  std::map<u64, u32> parked_at_;               // by number of an attempt that is parked here: the atom
+  std::vector<Parking> new_parkings_;
+  u64 parkings_ = 0;
   bool is_stopped_ = false;
 };
 

@@ -1,13 +1,17 @@
 // The locks of split sets: see node.hpp, and split_sets.hpp for who coordinates and who locks what.
 //
-// Deadlock-free: an attempt waits only for an atom that is at work, which ends, or that another attempt has locked; and
-// of the atoms at their homes it locks those of earlier nodes first, at a node those of smaller numbers. What its
-// coordinator holds besides, no other attempt waits for. An attempt that has all begins.
-// Fair: attempts are served at an atom in the order in which they come, before anything else takes it.
+// Deadlock-free: an attempt waits only for an atom that is at work, which ends, that another attempt has locked, or at
+// which it is parked, which the caller ends; and of the atoms at their homes it locks those of earlier nodes first, at
+// a node those of smaller numbers. What its coordinator holds besides, no other attempt waits for. An attempt that has
+// all begins. Fair: attempts are served at an atom in the order in which they come, before anything else takes it.
 // Nothing is forgotten: an attempt is refused only if the interaction is not possible, at an atom or, if all are there,
 // in this state of all of them. It can become possible only by a change of that atom, or of one of them, and each of
 // their nodes then tells the coordinator (Wake), or is it. No change, no attempt: so the messages end when no step is
 // possible.
+// Cheap: a refusal costs LOCK, RELEASE and WAKE. An attempt that waits for about as long as these take before it is
+// refused costs at most twice what it would cost if the future were known, in the time for which it has others wait
+// (Karlin, Li, Manasse, Owicki, "Empirical studies of competitive spinning for a shared-memory multiprocessor", SOSP
+// 1991, section 2); most go on before.
 // The cost of an attempt is that of its atoms' ports in each core that it visits.
 #include <algorithm>
 
@@ -24,6 +28,7 @@ void Node::link_locks() {
   is_in_core_.assign(atoms, 0);
   if (!has_split()) return;
   waiting_.resize(atoms);
+  parked_.resize(atoms);
   watchers_.resize(atoms);
   taken_by_.assign(atoms, kNone);
   lent_.resize(atoms);
@@ -200,7 +205,9 @@ bool Node::is_waiting(u32 interaction) const {
   const auto is_it = [interaction](const Lock& lock) { return lock.interaction == interaction; };
   const Span<u32> locks = distribution_.locks[interaction];
   return std::any_of(ready_.begin(), ready_.end(), is_it) || std::any_of(locks.begin(), locks.end(), [&](u32 atom) {
-           return std::any_of(waiting_[atom].begin(), waiting_[atom].end(), is_it);
+           return std::any_of(waiting_[atom].begin(), waiting_[atom].end(), is_it) ||
+                  std::any_of(parked_[atom].begin(), parked_[atom].end(),
+                              [&](const ParkedLock& at) { return is_it(at.lock); });
          });
 }
 
@@ -247,8 +254,10 @@ void Node::go_on(Lock lock, u32 served) {
       return;
     }
     if (where_[atom] == Where::Away || !fits(lock.interaction, atom)) {
+      // At its coordinator a refusal costs no message: what it has is offered here.
+      if (distribution_.coordinator_of[lock.interaction] != self_) return park(atom, std::move(lock));
       tell(NodeEvent::Kind::Refused, atom, lock.interaction);
-      watch(atom, lock.interaction);
+      watch(atom, lock.interaction, n_[atom]);
       return refuse(lock, false);
     }
     std::erase_if(watchers_[atom], [&](const Watcher& at) { return at.interaction == lock.interaction; });
@@ -256,6 +265,46 @@ void Node::go_on(Lock lock, u32 served) {
     if (!core_.partial().settle()) stop();
   }
   hold_all(std::move(lock));
+}
+
+// The atom, at home here and at rest, cannot take part.
+void Node::park(u32 atom, Lock lock) {
+  tell(NodeEvent::Kind::Parked, atom, lock.interaction);
+  const u64 number = ++parkings_;
+  new_parkings_.push_back({number, lock.interaction});
+  parked_at_[number] = atom;
+  parked_[atom].push_back({number, std::move(lock)});
+}
+
+Lock Node::take_parked(u32 atom, std::size_t k) {
+  const auto at = parked_[atom].begin() + static_cast<std::ptrdiff_t>(k);
+  Lock lock = std::move(at->lock);
+  parked_at_.erase(at->number);
+  parked_[atom].erase(at);
+  return lock;
+}
+
+// Gives the atom, which is at rest, to the first of those parked at it in which it can take part.
+void Node::serve_parked(u32 atom) {
+  for (std::size_t k = 0; where_[atom] == Where::Here && k < parked_[atom].size();) {
+    if (fits(parked_[atom][k].lock.interaction, atom)) go_on(take_parked(atom, k), atom);
+    else ++k;
+  }
+}
+
+void Node::end_parking(u64 number) {
+  const auto at = parked_at_.find(number);
+  if (at == parked_at_.end()) return;
+  const u32 atom = at->second;
+  const auto one = std::find_if(parked_[atom].begin(), parked_[atom].end(),
+                                [number](const ParkedLock& parked) { return parked.number == number; });
+  BIP_ASSERT(one != parked_[atom].end(), "no attempt {} is parked at atom {}", number, atom);
+  const Lock lock = take_parked(atom, static_cast<std::size_t>(one - parked_[atom].begin()));
+  tell(NodeEvent::Kind::GivenUp, atom, lock.interaction);
+  // Of an atom at work, which is counted as taking part for the next time already, the state to come is not known.
+  watch(atom, lock.interaction, where_[atom] == Where::Working ? n_[atom] - 1 : n_[atom]);
+  refuse(lock, false);
+  serve();
 }
 
 // All that the interaction needs is offered here. Faults that show now are those of the step that was the last of all.
@@ -368,7 +417,7 @@ void Node::take_back(const Release& release) {
     where_[atom] = Where::Here;
     taken_by_[atom] = kNone;
     if (!is_home) continue;
-    if (release.is_watched) watch(atom, interaction);
+    if (release.is_watched) watch(atom, interaction, n_[atom]);
     served_.push_back(atom);
   }
   if (!is_coordinator) return;
@@ -385,14 +434,15 @@ void Node::take_back(const Release& release) {
 
 // -- Refused interactions --
 
-void Node::watch(u32 atom, u32 interaction) {
+// WAKE when the atom can take part, and has changed since it took part for the n-th time.
+void Node::watch(u32 atom, u32 interaction, u64 n) {
   BIP_ASSERT(distribution_.home(atom) == self_, "atom {} is watched where it is not at home", atom);
   for (Watcher& watcher : watchers_[atom]) {
     if (watcher.interaction != interaction) continue;
-    watcher.n = n_[atom];
+    watcher.n = n;
     return;
   }
-  watchers_[atom].push_back({interaction, n_[atom]});
+  watchers_[atom].push_back({interaction, n});
 }
 
 // The atom is offered at home.
@@ -421,6 +471,7 @@ void Node::serve() {
   while (!served_.empty()) {
     const u32 atom = served_.front();
     served_.pop_front();
+    serve_parked(atom);
     const auto is_at_rest = [&] { return where_[atom] == Where::Here || where_[atom] == Where::Away; };
     while (is_at_rest() && !waiting_[atom].empty()) {
       Lock lock = std::move(waiting_[atom].front());

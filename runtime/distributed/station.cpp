@@ -31,6 +31,7 @@ void Station::take(const Arrival& arrival, i64 now, std::vector<Heard>& heard) {
   if (end.link.confirmed() != confirmed) {
     end.again_after = kAgainAfter;
     end.again_at = end.link.unconfirmed().empty() ? 0 : now + end.again_after;
+    measure(end, frame_.number != 0, now);
   }
   if (end.link.owes_answer()) {
     ++end.unanswered;
@@ -38,6 +39,15 @@ void Station::take(const Arrival& arrival, i64 now, std::vector<Heard>& heard) {
   }
   // What was said before the peer was there is lost.
   if (is_first) send_again(end, now);
+}
+
+// Takes the round trip of the frame that is measured, if that was confirmed.
+void Station::measure(End& end, bool has_messages, i64 now) {
+  constexpr i64 kWeight = 8;
+  if (end.measured == 0 || end.link.confirmed() < end.measured) return;
+  const i64 taken = std::max<i64>(now - end.measured_at, 1);
+  if (has_messages) end.round_trip += end.round_trip == 0 ? taken : (taken - end.round_trip) / kWeight;
+  end.measured = 0;
 }
 
 void Station::send_frame(End& end, Frame& frame) {
@@ -59,6 +69,10 @@ void Station::send(i64 now) {
     do {
       if (!end.link.next_frame(out_)) break;
       if (out_.number != 0 && end.again_at == 0) end.again_at = now + end.again_after;
+      if (out_.number != 0 && end.measured == 0) {
+        end.measured = out_.number;
+        end.measured_at = now;
+      }
       send_frame(end, out_);
     } while (end.link.has_unsaid());
   }
@@ -71,6 +85,7 @@ void Station::greet(u32 peer) {
 
 void Station::send_again(End& end, i64 now) {
   if (end.link.unconfirmed().empty()) return;
+  end.measured = 0;
   for (std::size_t k = 0; k < end.link.unconfirmed().size(); ++k) {
     Frame frame = end.link.again(k);
     ++counts_.again;

@@ -49,6 +49,10 @@ class Station {
   [[nodiscard]] i64 due() const;
   /// When something came from the peer last; 0: never.
   [[nodiscard]] i64 last_heard(u32 peer) const { return ends_[peer].last_heard; }
+  /// ns from a frame to the peer until a frame that was sent after it came, smoothed (Jacobson, "Congestion avoidance
+  /// and control", SIGCOMM 1988, section 2); 0: not measured yet. Of frames that are sent again nothing is taken (Karn,
+  /// Partridge, SIGCOMM 1987), nor of answers without messages, which are late on purpose.
+  [[nodiscard]] i64 round_trip(u32 peer) const { return ends_[peer].round_trip; }
   void close(u32 peer);
   /// Calls `take` with each row of variables of the messages that its links keep.
   template <class Take>
@@ -72,7 +76,11 @@ class Station {
     u64 unanswered = 0;  // frames
     i64 again_at = 0;    // 0: everything is confirmed
     i64 again_after = kAgainAfter;
+    u64 measured = 0;  // number of the frame whose answer is awaited; 0: none
+    i64 measured_at = 0;
+    i64 round_trip = 0;
   };
+  static void measure(End& end, bool has_messages, i64 now);
   void send_frame(End& end, Frame& frame);
   void send_again(End& end, i64 now);
 

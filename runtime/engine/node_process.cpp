@@ -20,8 +20,9 @@ constexpr i64 kLastWords = 2000000000;       // ns to wait for the launcher to h
 constexpr i64 kLook = 1000000000;            // ns between looks whether the launcher is there
 constexpr int kGoodbyes = 4, kGoodbye = 50;  // ms
 constexpr i64 kLonger = 2000000000;          // ns that the launcher, which waits for all, is waited for longer
-constexpr std::size_t kMostBegun = 256;      // steps before what is ready is sent
-constexpr std::size_t kMostUnsaid = 100000;  // messages to the launcher: then nothing begins
+constexpr i64 kLeastParked = 1000000, kMostParked = 1000000000;  // ns for which an attempt waits before it is refused
+constexpr std::size_t kMostBegun = 256;                          // steps before what is ready is sent
+constexpr std::size_t kMostUnsaid = 100000;                      // messages to the launcher: then nothing begins
 
 // Cuts the number that is not known yet out of the text; returns 1 + its place, or 0.
 u64 cut_number(std::string& text) {
@@ -87,6 +88,7 @@ bool NodeProcess::run(const State& initial) {
       else station_.take(arrival, now, heard_);
     }
     for (const Heard& heard : heard_) take(heard);
+    end_parkings(now);
     has_work = has_worked();
     release_held();
     if (wants_collection(setup_.image)) free_strings();
@@ -134,7 +136,9 @@ bool NodeProcess::must_leave(i64 now) {
 
 i64 NodeProcess::next_due(bool has_work) const {
   if (has_work) return 0;
-  return idle_since_ == 0 ? station_.due() : std::min(station_.due(), idle_since_ + quiet_);
+  i64 due = station_.due();
+  if (!parked_.empty()) due = std::min(due, parked_.top().first);
+  return idle_since_ == 0 ? due : std::min(due, idle_since_ + quiet_);
 }
 
 void NodeProcess::say(Control::Kind kind, std::vector<u64> numbers, std::vector<std::string> texts) {
@@ -223,6 +227,18 @@ void NodeProcess::give_back() {
   const u64 given = is_idle_ && !wants_ ? credit_ : credit_ / 2;
   credit_ -= given;
   say(Control::Kind::Return, {given});
+}
+
+// An attempt waits for as long as the three messages of its refusal take: one and a half times the way to its
+// coordinator and back.
+void NodeProcess::end_parkings(i64 now) {
+  for (const Node::Parking& parking : node_.new_parkings()) {
+    const u32 coordinator = setup_.distribution.coordinator_of[parking.interaction];
+    const i64 parked = std::clamp(station_.round_trip(coordinator) * 3 / 2, kLeastParked, kMostParked);
+    parked_.push({now + parked, parking.number});
+  }
+  node_.new_parkings().clear();
+  for (; !parked_.empty() && parked_.top().first <= now; parked_.pop()) node_.end_parking(parked_.top().second);
 }
 
 // Begins what may begin, then runs what is to be run. False: there was nothing.
@@ -363,6 +379,11 @@ u64 NodeProcess::sum_of_open(const std::vector<u64>& counts) {
 
 // Of a node that rests for a while: what the launcher must know to tell the end of the run.
 void NodeProcess::report(i64 now) {
+  if (node_.has_parked()) {
+    is_idle_ = false;
+    idle_since_ = 0;
+    return;
+  }
   if (is_idle_) {
     if (idle_since_ == 0 || now - idle_since_ < quiet_) return;
     idle_since_ = 0;

@@ -6,6 +6,8 @@
 #pragma once
 #include <deque>
 #include <optional>
+#include <queue>
+#include <utility>
 
 #include "runtime/core/core.hpp"
 #include "runtime/distributed/greeting.hpp"
@@ -70,6 +72,7 @@ class NodeProcess {
   void describe(EnabledSet::Position at);
   void post();
   void release_held();
+  void end_parkings(i64 now);
   void report(i64 now);
   void report_fault();
   void count(u64 round);
@@ -104,6 +107,9 @@ class NodeProcess {
   bool is_halted_ = false, is_paused_ = false, is_idle_ = false, is_finished_ = false;
   std::vector<u64> sent_, received_;  // by node: offers, begins, stops
   std::deque<Held> held_;
+  // Attempts that were parked here: until when, and their numbers (Node::Parking).
+  using ParkedUntil = std::pair<i64, u64>;
+  std::priority_queue<ParkedUntil, std::vector<ParkedUntil>, std::greater<>> parked_;
   i64 quiet_;           // ns of rest before it is reported
   i64 idle_since_ = 0;  // 0: reported, or at work
   u64 fault_step_ = ~u64{0};

@@ -123,6 +123,11 @@ class SimulatedRun {
       case NetworkEvent::Kind::Again:
         if (!seat.is_lost) send_again(event.node, event.peer);
         return;
+      case NetworkEvent::Kind::Parked:
+        if (seat.is_lost) return;
+        seat.node->end_parking(event.number);
+        wake(event.node);
+        return send(event.node);
       case NetworkEvent::Kind::Arrival:
         if (seat.is_lost) return;
         heard_.clear();
@@ -215,6 +220,9 @@ class SimulatedRun {
     Seat& seat = seats_[node];
     for (Outgoing& outgoing : seat.node->outbox()) seat.links[outgoing.to].say(std::move(outgoing.message));
     seat.node->outbox().clear();
+    for (const Node::Parking& parking : seat.node->new_parkings())
+      network_.await_end_of_parking(node, distribution_.coordinator_of[parking.interaction], parking.number);
+    seat.node->new_parkings().clear();
     for (u32 peer = 0; peer < seats_.size(); ++peer) {
       if (!seat.links[peer].next_frame(frame_)) continue;
       network_.send(frame_);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <deque>
 #include <memory>
 #include <numeric>
 #include <utility>
@@ -396,6 +397,16 @@ class LossyFabric final : public Fabric {
   std::vector<std::pair<u32, std::string>>& on_the_way_;
 };
 
+// Keeps what is sent.
+class KeptFabric final : public Fabric {
+ public:
+  void send(u32, std::string_view bytes) override { sent.emplace_back(bytes); }
+  bool wait(int, const std::vector<int>&, std::vector<Arrival>&) override { return false; }
+  FabricCounts counts() override { return {}; }
+
+  std::vector<std::string> sent;
+};
+
 }  // namespace
 
 TEST_CASE("stations hand over what is said once and in order, and rest when all is confirmed") {
@@ -444,6 +455,53 @@ TEST_CASE("stations hand over what is said once and in order, and rest when all 
     CHECK(stations[0].counts().refused >= 3000);
     CHECK(stations[0].clock() + 1 >= stations[1].clock());
   }
+}
+
+TEST_CASE("stations measure round trips, but not of frames that came late on purpose or were sent again") {
+  const Scattered pairs = scattered_pairs(3);
+  const Codec codec(pairs.core->tables(), pairs.distribution, 1);
+  KeptFabric fabrics[2];
+  Station stations[] = {{fabrics[0], codec, 0, 2}, {fabrics[1], codec, 1, 2}};
+  std::vector<Heard> heard;
+  const auto carry = [&](u32 from, i64 now) {
+    for (const std::string& bytes : std::exchange(fabrics[from].sent, {}))
+      stations[1 - from].take({from, bytes}, now, heard);
+  };
+  const auto say = [&](u32 from, i64 now) {
+    stations[from].say(1 - from, Stop{1});
+    stations[from].send(now);
+  };
+  // What each has said before it heard of the other is sent again.
+  for (const u32 self : {0u, 1u}) stations[self].greet(1 - self);
+  for (const u32 self : {0u, 1u}) carry(self, 1);
+  CHECK(stations[0].round_trip(1) == 0);
+  const auto ask = [&](i64 now, i64 there) {
+    say(0, now);
+    carry(0, now + there);
+    say(1, now + there);
+    carry(1, now + 2 * there);
+  };
+  ask(1000000, 400000);
+  CHECK(stations[0].round_trip(1) == 800000);
+  ask(2000000, 800000);
+  CHECK(stations[0].round_trip(1) == 900000);
+  // An answer without messages.
+  say(0, 4000000);
+  carry(0, 4100000);
+  stations[1].tick(4100000 + Station::kAnswerAfter);
+  CHECK(fabrics[1].sent.size() == 1);
+  carry(1, 4200000 + Station::kAnswerAfter);
+  CHECK(stations[0].round_trip(1) == 900000);
+  CHECK(stations[0].due() == kForever);
+  // A frame that is lost.
+  say(0, 30000000);
+  fabrics[0].sent.clear();
+  stations[0].tick(30000000 + Station::kAgainAfter);
+  carry(0, 30000000 + Station::kAgainAfter);
+  say(1, 30000000 + Station::kAgainAfter);
+  carry(1, 30000000 + Station::kAgainAfter);
+  CHECK(stations[0].round_trip(1) == 900000);
+  CHECK(stations[0].link(1).unconfirmed().empty());
 }
 
 TEST_CASE("faults are read, or told what is wrong with them") {
@@ -724,6 +782,188 @@ TEST_CASE("what no sound peer says is refused and counted, and changes nothing")
     CHECK(disturbed.steps == quiet.steps);
     CHECK(disturbed.refused > 200);
   }
+}
+
+namespace {
+
+// Nodes whose messages take any time, but come in order; attempts that are parked give up at any time.
+struct Impatient {
+  const Distribution& distribution;
+  Prng draws;
+  std::vector<std::unique_ptr<Node>> nodes;
+  std::vector<std::deque<Message>> links;   // by from * nodes + to
+  std::vector<std::pair<u32, u64>> parked;  // node, number
+  std::vector<u64> steps;                   // by interaction
+  u64 step = 0, ended = 0, at_work = 0;
+
+  Impatient(const Core& core, const Distribution& with, u64 seed)
+      : distribution(with), draws(seed), steps(core.tables().interactions.size(), 0) {
+    const u32 count = static_cast<u32>(with.placement.nodes.size());
+    links.resize(u64{count} * count);
+    for (u32 node = 0; node < count; ++node) {
+      nodes.push_back(std::make_unique<Node>(core.image(), CoreOptions{}, with, node));
+      REQUIRE(nodes.back()->start(core.snapshot()));
+    }
+  }
+  void go_on() {
+    const u32 count = static_cast<u32>(nodes.size());
+    const u32 self = static_cast<u32>(draws.below(count));
+    Node& node = *nodes[self];
+    switch (draws.below(5)) {
+      case 0:
+        if (node.try_count() != 0) node.try_lock(draws.below(node.try_count()));
+        break;
+      case 1: begin(node); break;
+      case 2:
+        if (node.work_count() != 0) node.run(draws.below(node.work_count()));
+        break;
+      case 3: end_parking(); break;
+      default: take_message();
+    }
+    hand_over();
+  }
+  void take_message() {
+    std::vector<std::size_t> full;
+    for (std::size_t link = 0; link < links.size(); ++link) {
+      if (!links[link].empty()) full.push_back(link);
+    }
+    if (full.empty()) return;
+    const std::size_t at = full[draws.below(full.size())];
+    nodes[at % nodes.size()]->take(links[at].front());
+    links[at].pop_front();
+  }
+  void end_parking() {
+    if (parked.empty()) return;
+    // Rather where the component is at work, which its node alone knows.
+    std::size_t k = 0;
+    while (k < parked.size() && nodes[parked[k].first]->work_count() == 0) ++k;
+    if (k == parked.size()) {
+      if (draws.below(4) != 0) return;
+      k = draws.below(parked.size());
+    }
+    const auto [at, number] = parked[k];
+    parked.erase(parked.begin() + static_cast<std::ptrdiff_t>(k));
+    Node& node = *nodes[at];
+    const u64 releases = node.counts().releases;
+    node.end_parking(number);
+    if (node.counts().releases == releases) return;
+    ++ended;
+    if (node.work_count() != 0) ++at_work;
+    // It has ended.
+    const u64 said = node.counts().releases;
+    node.end_parking(number);
+    CHECK(node.counts().releases == said);
+  }
+  void begin(Node& node) {
+    std::vector<u32> atoms;
+    const u32 locked = node.locked_interaction();
+    std::vector<EnabledSet::Position> all;
+    for (u64 k = 0; k < node.core().candidate_count(); ++k) {
+      const EnabledSet::Position at = node.core().position(k);
+      if (locked != kNone ? at.interaction == locked : node.core().partial().is_decided(at.interaction))
+        all.push_back(at);
+    }
+    if (all.empty()) return;
+    const EnabledSet::Position at = all[draws.below(all.size())];
+    ++steps[at.interaction];
+    node.begin(at, step++, atoms);
+  }
+  void hand_over() {
+    const u32 count = static_cast<u32>(nodes.size());
+    for (u32 from = 0; from < count; ++from) {
+      for (Outgoing& said : std::exchange(nodes[from]->outbox(), {}))
+        links[from * count + said.to].push_back(std::move(said.message));
+      for (const Node::Parking& one : std::exchange(nodes[from]->new_parkings(), {}))
+        parked.emplace_back(from, one.number);
+    }
+  }
+};
+
+}  // namespace
+
+TEST_CASE("attempts that give up at any time are not forgotten") {
+  u64 ended = 0, at_work = 0;
+  for (u64 seed = 1; seed <= 12; ++seed) {
+    const Scattered table([](ImageBuilder& b) { build_philosophers(b, 5, false); }, 1);
+    Impatient run(*table.core, table.distribution, seed);
+    for (int turn = 0; turn < 40000; ++turn) run.go_on();
+    for (const u64 count : run.steps) CHECK(count > 20);
+    for (const auto& node : run.nodes) {
+      CHECK(node->counts().refused == 0);
+      CHECK_FALSE(node->is_stopped());
+    }
+    ended += run.ended;
+    at_work += run.at_work;
+  }
+  CHECK(ended > 1000);
+  CHECK(at_work > 10);
+}
+
+TEST_CASE("an attempt that gives up at a component at work is woken when that rests") {
+  const Scattered model(
+      [](ImageBuilder& b) {
+        b.atom_type({.name = "One",
+                     .ports = {{.name = "meet"}, {.name = "other"}},
+                     .places = {"S"},
+                     .initial = {"S"},
+                     .transitions = {{"meet", {"S"}, {"S"}}, {"other", {"S"}, {"S"}}}});
+        b.atom_type({.name = "Away",
+                     .ports = {{.name = "meet"}, {.name = "back"}},
+                     .places = {"AWAY", "FREE"},
+                     .initial = {"AWAY"},
+                     .transitions = {{"meet", {"FREE"}, {"FREE"}}, {"back", {"AWAY"}, {"FREE"}}}});
+        b.connector_type({.name = "Alone", .params = {{"p", 0}}, .define = "p"});
+        b.connector_type({.name = "Two", .params = {{"p", 0}, {"q", 0}}, .define = "p q"});
+        for (const char* name : {"a", "c", "d"}) b.atom(name, "One");
+        b.atom("b", "Away");
+        b.connector("ab", "Two", {"a.meet", "b.meet"});
+        b.connector("cb", "Two", {"c.meet", "b.meet"});
+        b.connector("ad", "Two", {"a.other", "d.meet"});
+        b.connector("back", "Alone", {"b.back"});
+      },
+      1);
+  // Atoms a, c, d, b are at home on the nodes 0 to 3; a coordinates ab, and b is shared.
+  REQUIRE(model.distribution.coordinator_of[0] == 0);
+  REQUIRE(model.distribution.locks[0].size == 1);
+  Node here(model.core->image(), {}, model.distribution, 0), there(model.core->image(), {}, model.distribution, 3);
+  REQUIRE(here.start(model.core->snapshot()));
+  REQUIRE(there.start(model.core->snapshot()));
+  const auto carry = [](Node& from, u32 self, Node& to) {
+    std::size_t count = 0;
+    for (const Outgoing& said : std::exchange(from.outbox(), {})) {
+      if (said.to != self) continue;
+      to.take(said.message);
+      ++count;
+    }
+    return count;
+  };
+  const auto try_ab = [&] {
+    while (here.try_count() != 0 && here.counts().locks == 0) here.try_lock(0);
+  };
+  try_ab();
+  REQUIRE(here.counts().locks == 1);
+  REQUIRE(carry(here, 3, there) == 1);
+  REQUIRE(there.new_parkings().size() == 1);
+  CHECK(there.has_parked());
+  std::vector<u32> atoms;
+  REQUIRE(there.core().candidate_count() == 1);
+  there.begin(there.core().position(0), 0, atoms);
+  REQUIRE(there.work_count() == 1);
+  there.end_parking(there.new_parkings()[0].number);
+  CHECK_FALSE(there.has_parked());
+  CHECK(carry(there, 0, here) == 1);
+  CHECK(here.try_count() == 0);
+  there.run(0);
+  CHECK(there.counts().wakes == 1);
+  CHECK(carry(there, 0, here) == 1);
+  REQUIRE(here.try_count() == 1);
+  here.try_lock(0);
+  REQUIRE(carry(here, 3, there) == 1);
+  CHECK(there.locked_interaction() == 0);
+  // What was said of the one before is of none.
+  there.end_parking(there.new_parkings()[0].number);
+  CHECK(there.locked_interaction() == 0);
+  CHECK(here.counts().refused + there.counts().refused == 0);
 }
 
 TEST_CASE("a step that a node tells of is one, or is refused") {
