@@ -52,12 +52,14 @@ def check_every_command_is_there_or_named():
     code, text, _ = call(BIPC, "--help")
     commands = re.findall(r"^  ([a-z0-9]+)  ", text[text.index("Subcommands"):] if "Subcommands" in text else text, re.M)
     problems = [] if code == 0 and set(OWN) <= set(commands) and len(commands) > 20 else [f"commands of bipc --help: {commands}"]
-    needed = {"replay": ["--recorded", "x"], "deploy": ["--placement", "x", "-o", "x"], "node": ["x"], "export": ["--format", "promela"]}
+    # Words without which the command line is refused first.
+    needed = {"dap": [], "trace": ["stats", MODEL, MODEL], "replay": [MODEL, "--recorded", "x"], "export": [MODEL, "--format", "promela"],
+              "deploy": [MODEL, "--placement", "x", "-o", "x"]}
     for command in commands:
         problems += expect(f"{command} --help", call(RUNNER, command, "--help"), call(BIPC, command, "--help"))
         if command in OWN:
             continue
-        words = [command, *([] if command == "dap" else [MODEL]), *needed.get(command, [])]
+        words = [command, *needed.get(command, [MODEL])]
         code, out, error = call(RUNNER, *words, stdin=subprocess.DEVNULL)
         if (code, out) != (2, "") or f"`bipc {command}` is not part of this build" not in error or "tools/build bipc" not in error:
             problems.append(f"{' '.join(words)}: {code} {out!r} {error!r}")
