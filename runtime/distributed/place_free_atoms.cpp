@@ -15,6 +15,8 @@ constexpr u32 kMostPins = 1000;  // of an edge: larger ones are cut whatever is 
 constexpr u64 kCounted = 64;     // the weight of a step that was taken; each interaction has 1 besides
 constexpr std::size_t kMostPasses = 16;
 constexpr std::size_t kMostVain = 500;  // moves of a pass after its best state
+constexpr u32 kFirstCuts = 8;           // that are improved
+constexpr u32 kManyVertices = 20000;    // of so many only two first cuts are improved
 
 class AtomPlacer {
  public:
@@ -48,6 +50,10 @@ class AtomPlacer {
     }
     pins_ = Csr::build(weight_.size(), pins);
     edges_ = pins_.transposed(static_cast<u32>(size_.size()));
+    for (u32 vertex = 0; vertex < size_.size(); ++vertex) {
+      i64& total = total_.emplace_back(0);
+      for (const u32 edge : edges_[vertex]) total += static_cast<i64>(weight_[edge]);
+    }
     load_.assign(nodes_, 0);
     const u64 share = (u64{atoms} + nodes_ - 1) / nodes_;
     // One more at least: in full nodes nothing moves.
@@ -56,12 +62,26 @@ class AtomPlacer {
   }
 
   void place() {
-    for (u32 vertex = 0; vertex < size_.size(); ++vertex) {
-      if (home_[vertex] != kNone) load_[home_[vertex]] += size_[vertex];
+    const std::vector<u32> given = home_;
+    std::vector<u32> best;
+    u64 least = 0;
+    const u32 cuts = size_.size() < kManyVertices ? kFirstCuts : 2;
+    for (u32 cut = 0; cut < cuts; ++cut) {
+      home_ = given;
+      std::fill(load_.begin(), load_.end(), 0);
+      for (u32 vertex = 0; vertex < size_.size(); ++vertex) {
+        if (home_[vertex] != kNone) load_[home_[vertex]] += size_[vertex];
+      }
+      if (cut == 0) grow();
+      else grow_pieces(static_cast<u32>(u64{cut - 1} * size_.size() / (cuts - 1)));
+      for (std::size_t pass = 0; pass < kMostPasses && improve(); ++pass) {
+      }
+      if (const u64 now = cost(); best.empty() || now < least) {
+        least = now;
+        best = home_;
+      }
     }
-    grow();
-    for (std::size_t pass = 0; pass < kMostPasses && improve(); ++pass) {
-    }
+    home_ = std::move(best);
     for (u32 atom = 0; atom < vertex_of_.size(); ++atom) {
       if (placement_.home[atom] == kNone) placement_.home[atom] = home_[vertex_of_[atom]];
     }
@@ -113,6 +133,112 @@ class AtomPlacer {
         move(vertex, best_home(vertex));
       }
     }
+  }
+
+  // One piece after the other, each around what has a home there, or a vertex beside the pieces before: the vertex next
+  // that cuts least (graph growing, Karypis, Kumar, "A fast and high quality multilevel scheme for partitioning
+  // irregular graphs", SIAM J. Sci. Comput. 20(1), 1998, section 4.2). The first piece begins far away from `start`.
+  void grow_pieces(u32 start) {
+    u64 left = 0;  // atoms without a home
+    for (u32 vertex = 0; vertex < size_.size(); ++vertex) left += home_[vertex] == kNone ? size_[vertex] : 0;
+    std::vector<u32> degree(size_.size(), 0);  // by vertex: edges that some piece has
+    std::vector<bool> is_cut(weight_.size(), false);
+    const auto mark = [&](u32 vertex) {
+      for (const u32 edge : edges_[vertex]) {
+        if (is_cut[edge]) continue;
+        is_cut[edge] = true;
+        for (const u32 pin : pins_[edge]) ++degree[pin];
+      }
+    };
+    u32 next = farthest(start);
+    for (u32 node = 0; node < nodes_ && left != 0; ++node) {
+      // What is left is shared by this node and those after it.
+      u64 loads = left;
+      for (u32 later = node; later < nodes_; ++later) loads += load_[later];
+      const u64 share = (loads + nodes_ - node - 1) / (nodes_ - node);
+      if (share > load_[node]) left -= grow_piece(node, share - load_[node], next, mark);
+      next = kNone;
+      for (u32 vertex = 0; vertex < size_.size(); ++vertex) {
+        if (home_[vertex] == kNone && (next == kNone || degree[vertex] > degree[next])) next = vertex;
+      }
+    }
+    for (u32 vertex = 0; vertex < size_.size(); ++vertex) {
+      if (home_[vertex] == kNone) move(vertex, best_home(vertex));
+    }
+  }
+
+  // Puts at most so many atoms on the node; returns how many.
+  template <class Mark>
+  u64 grow_piece(u32 node, u64 room, u32 start, Mark mark) {
+    std::vector<i64> inside(size_.size(), 0);  // by vertex: weight of its edges that the piece has
+    std::vector<bool> is_in(weight_.size(), false);
+    std::priority_queue<Move> queue;
+    // What more of its edges the piece has than others.
+    const auto gain = [&](u32 vertex) { return 2 * inside[vertex] - total_[vertex]; };
+    const auto add_edges = [&](u32 vertex) {
+      mark(vertex);
+      for (const u32 edge : edges_[vertex]) {
+        if (is_in[edge]) continue;
+        is_in[edge] = true;
+        for (const u32 pin : pins_[edge]) {
+          if (home_[pin] != kNone) continue;
+          inside[pin] += static_cast<i64>(weight_[edge]);
+          queue.push({gain(pin), pin, node});
+        }
+      }
+    };
+    for (u32 vertex = 0; vertex < size_.size(); ++vertex) {
+      if (home_[vertex] == node) add_edges(vertex);
+    }
+    u64 placed = 0;
+    u32 unmet = 0;
+    while (placed < room) {
+      u32 vertex = kNone;
+      while (!queue.empty() && vertex == kNone) {
+        const Move top = queue.top();
+        queue.pop();
+        if (home_[top.vertex] == kNone && top.gain == gain(top.vertex)) vertex = top.vertex;
+      }
+      if (vertex == kNone && start != kNone && home_[start] == kNone) vertex = start;
+      for (; vertex == kNone && unmet < size_.size(); ++unmet) {
+        if (home_[unmet] == kNone) vertex = unmet;
+      }
+      if (vertex == kNone || placed + size_[vertex] > room) break;
+      move(vertex, node);
+      placed += size_[vertex];
+      add_edges(vertex);
+    }
+    return placed;
+  }
+
+  // The vertex that is met last, breadth first.
+  u32 farthest(u32 start) const {
+    std::vector<bool> is_met(size_.size(), false);
+    std::vector<u32> order{start};
+    is_met[start] = true;
+    for (std::size_t at = 0; at < order.size(); ++at) {
+      for (const u32 edge : edges_[order[at]]) {
+        for (const u32 pin : pins_[edge]) {
+          if (is_met[pin]) continue;
+          is_met[pin] = true;
+          order.push_back(pin);
+        }
+      }
+    }
+    return order.back();
+  }
+
+  // The weight of each edge for each node beyond the first.
+  u64 cost() {
+    u64 sum = 0;
+    for (u32 edge = 0; edge < weight_.size(); ++edge) {
+      met_.clear();
+      for (const u32 pin : pins_[edge]) {
+        if (std::find(met_.begin(), met_.end(), home_[pin]) == met_.end()) met_.push_back(home_[pin]);
+      }
+      sum += weight_[edge] * (met_.size() - 1);
+    }
+    return sum;
   }
 
   u32 best_home(u32 vertex) {
@@ -210,6 +336,7 @@ class AtomPlacer {
   std::vector<u32> home_;
   std::vector<bool> is_fixed_;
   std::vector<u64> weight_;  // by edge
+  std::vector<i64> total_;   // by vertex: the weight of its edges
   Csr pins_, edges_;         // vertices by edge; edges by vertex
   std::vector<u64> load_;    // by node: atoms
   u64 most_ = 0;

@@ -1215,6 +1215,26 @@ TEST_CASE("atoms without a home go where the steps of several nodes are fewest")
   CHECK(border_part(tables, alike, around) == Approx(2.0 / 12));
 }
 
+TEST_CASE("a ring without homes comes into arcs, one for each node") {
+  ImageBuilder b;
+  build_ring(b, 64);
+  const Tables tables = link(b.image(), MaximalProgress::On);
+  const PriorityTables rules = link_priorities(tables);
+  Placement placement;
+  for (u32 node = 0; node < 8; ++node) placement.nodes.push_back(std::to_string(node + 1));
+  placement.home.assign(64, kNone);
+  const std::vector<u64> alike(tables.interactions.size(), 10);
+  place_free_atoms(tables, rules, alike, placement);
+  CHECK(border_part(tables, alike, placement) == Approx(8.0 / 64));
+  for (u32 node = 0; node < 8; ++node) CHECK(std::count(placement.home.begin(), placement.home.end(), node) <= 9);
+  // Pieces around homes that are given.
+  placement.home.assign(64, kNone);
+  for (u32 node = 0; node < 8; ++node) placement.home[8 * node] = node;
+  place_free_atoms(tables, rules, alike, placement);
+  CHECK(border_part(tables, alike, placement) == Approx(8.0 / 64));
+  for (u32 node = 0; node < 8; ++node) CHECK(placement.home[8 * node] == node);
+}
+
 // -- Losses --
 
 TEST_CASE("an interaction without lost nodes is whole, whatever else its conflict set has") {
