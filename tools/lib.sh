@@ -53,8 +53,8 @@ show_progress() {
 # Is the build folder one of build_runner, without the rest?
 has_runner_only() { grep -qs '^BIPC_RUNNER_ONLY:BOOL=ON' "$build_dir/CMakeCache.txt"; }
 
-# build_runner: builds the part of bipc that runs models, as build/bipc, where there is no bipc yet: half of the packages and half of
-# the time of the whole, of which all that is compiled is a part. A failure leaves no build/bipc.
+# build_runner: builds the part of bipc that runs models, as build/bipc, where there is no bipc yet: about half of the packages
+# and of the compilation. All that is compiled is a part of the whole. A failure leaves no build/bipc.
 build_runner() {
   "$root/tools/setup" --runner 9>&-
   configure_options+=(-DBIPC_RUNNER_ONLY=ON)
