@@ -9,10 +9,6 @@
 #include "compiler/pipeline/jit_loader.hpp"
 #include "compiler/pipeline/load_packages.hpp"
 
-#ifndef BIPC_VERSION
-#define BIPC_VERSION "unknown"
-#endif
-
 namespace bip::driver {
 namespace {
 

@@ -26,10 +26,6 @@
 #include "compiler/pipeline/ffi_build.hpp"
 #include "compiler/system/bsys.hpp"
 
-#ifndef BIPC_VERSION
-#define BIPC_VERSION "unknown"
-#endif
-
 namespace bip::driver {
 
 namespace {
