@@ -2,7 +2,7 @@
 # whole may be moved:
 #
 #   bin/             bipc, bipc-lsp, certcheck
-#   lib/bipc/        the plug-ins (JIT; component distributed: the network; components ros1 and ros2: ROS) and the runtime that `bipc build` links
+#   lib/bipc/        the plug-ins (JIT; component distributed: the network; components ros1 and ros2: ROS), the runtime that `bipc build` links, and what `--serve` adds
 #   share/bipc/      runtime (sources for `bipc emit`), stdlib, models
 #   share/doc/bipc/  documents and licence; man pages and completions are where programs look for them
 #   include/bip/, lib*/   component dev: headers and libbip_runtime.a; component libs: libbip_runtime.so.0; components compiler and compiler_dev:
@@ -34,7 +34,7 @@ bip_install_plugin(bipc_jit bipc)
 bip_install_plugin(bipc_zmq distributed)
 bip_install_plugin(bipc_dds ros2)
 bip_install_plugin(bipc_ros1 ros1)
-install(FILES $<TARGET_FILE:bip_runtime> DESTINATION ${bipc_lib} COMPONENT bipc)
+install(FILES $<TARGET_FILE:bip_runtime> $<TARGET_FILE:bip_serve> DESTINATION ${bipc_lib} COMPONENT bipc)
 install(DIRECTORY runtime DESTINATION ${bipc_share} COMPONENT bipc FILES_MATCHING PATTERN *.hpp PATTERN *.h PATTERN *.cpp)
 # The licence stands beside the runtime's sources, wherever `bipc emit` copies them.
 install(FILES LICENSE DESTINATION ${bipc_share}/runtime COMPONENT bipc)

@@ -197,61 +197,39 @@ void add_dap(CLI::App& app) {
       "Exit code: 0 after `disconnect`, 1 if the input ends before.\nExample:\n  bipc dap");
 }
 
+// Those that a served program has as well.
+void add_serve_options(CLI::App& command, serve::ServeSettings& settings) {
+  for (const serve::ServeOption& row : serve::serve_options()) {
+    if (row.value.empty()) {
+      command.add_flag_callback(
+          row.name, [&row, &settings] { (void)row.read("", settings); }, row.help);
+      continue;
+    }
+    command
+        .add_option_function<std::string>(
+            row.name, [&row, &settings](const std::string& text) { (void)row.read(text, settings); }, row.help)
+        ->check(CLI::Validator(
+            [&row](std::string& text) {
+              serve::ServeSettings tried;
+              return row.read(text, tried);
+            },
+            ""))
+        ->type_name(row.value);
+  }
+}
+
 void add_serve(CLI::App& app, ServeArguments& a) {
   CLI::App* command =
       app.add_subcommand("serve", "run a model in real time while clients post events, observe it and control it");
   add_model(*command, a.file);
-  command
-      ->add_option("--socket", a.socket,
-                   "accept clients at the Unix socket PATH (default: one client, on standard input and output)")
-      ->type_name("PATH");
-  command
-      ->add_option_function<std::uint16_t>(
-          "--port",
-          [&a](const std::uint16_t& port) {
-            a.port = port;
-            a.has_port = true;
-          },
-          "accept clients at TCP port N of 127.0.0.1 (0: a free one) that know the token printed to standard error")
-      ->check(is_number())
-      ->type_name("N");
-  command->add_flag("--paused", a.paused, "start paused, until a client sends `resume` or `step`");
-  add_number(*command, "--seed", a.seed, "seed of the random choices (default: 0)");
-  add_choice(*command, "--policy", a.policy, kPolicies.names, kPolicies.shown,
-             "how the next step is chosen among the candidates (default: uniform)");
+  add_serve_options(*command, a);
   add_backend(*command, a.backend);
   add_cache_options(*command, a.compile.cache);
   add_no_cpp(*command, a.compile);
-  command->add_flag("--asap", a.asap, "take each step at the earliest instant at which it is possible");
-  command->add_option("--speed", a.speed, "seconds of model time per second (default: 1)")
-      ->check(is_real(1e-6, 1e6))
-      ->type_name("F");
-  add_real_time_priority(*command, a.real_time_priority);
-  add_duration(
-      *command, "--stall-after", a.stall_after,
-      "when no step has returned for TIME, or steps begin TIME too late, print a warning and call the safe-stop "
-      "function, if there is one (default: 1s if the model's C++ has one, else 0: never)");
-  command
-      ->add_option("--safe-stop", a.safe_stop,
-                   "the C function of the model's C++ that stops the robot, `extern \"C\" void NAME(const char* why)` "
-                   "(default: safe_stop, if there is one)")
-      ->type_name("NAME");
-  add_duration(*command, "--late-after", a.late_after,
-               "print a warning for each instant whose steps begin more than this late (default: 0: never)");
-  add_duration(
-      *command, "--silent-after", a.silent_after,
-      "call the safe-stop function when clients that have posted events or asked for services send nothing for "
-      "so long (default: 0: never)");
-  command
-      ->add_option("--trace", a.trace_path,
-                   "write a trace of the steps to PATH; the file is complete when the process has ended")
-      ->type_name("PATH");
-  add_choice(*command, "--trace-format", a.trace_format, kServedFormats.names, kServedFormats.shown,
-             "format of the trace" + kServedFormats.help + " (default: json)");
   add_compile(*command, a.compile);
   command->footer(
       "Requests and answers are lines of JSON, see compiler/docs/serve.md; tools/serve_client.py is an example of a "
-      "client.\n"
+      "client. `bipc build --serve` makes a program that serves a model without compiling it.\n"
       "Example:\n  echo '{\"do\":\"hello\"}' | bipc serve model.bip");
 }
 
@@ -261,6 +239,8 @@ void add_build(CLI::App& app, BuildArguments& a) {
   command->add_option("-o,--output", a.output, "program to write")->required()->type_name("EXE");
   add_optimisation(*command, a.optimisation, CompilerLevels::O0O1O2,
                    "optimisation level of the C++ compiler (default: 3)");
+  command->add_flag("--serve", a.serves,
+                    "build a program that serves the model, as `bipc serve` does; it starts without compiling");
   add_compile(*command, a.compile);
   add_no_cpp(*command, a.compile);
   command->footer(

@@ -73,6 +73,10 @@ bool build_program(Compilation& c, const BuildArguments& arguments) {
     c.diags.report(Diag::kB5006, {}, joined(runtime.tried, "`, `"));
     return false;
   }
+  if (arguments.serves && runtime.serve_library.empty()) {
+    c.diags.report(Diag::kB5001, {}, "the library that programs of `--serve` link");
+    return false;
+  }
   const Result<TemporaryDirectory> work = TemporaryDirectory::make();
   if (!work) {
     c.diags.report(Diag::kB5004, {}, arguments.output, work.error());
@@ -84,6 +88,7 @@ bool build_program(Compilation& c, const BuildArguments& arguments) {
   emit_cpp::Options options;
   options.const_names = cpp.const_names;
   options.mark_ffi = true;
+  options.serves = arguments.serves;
   if (arguments.optimisation != Optimisation::O0) steps::derive_steps(*c.lowered);
   if (const auto written = write_file(source, emit_cpp::emit(*c.lowered, options)); !written) {
     c.diags.report(Diag::kB5004, {}, source, written.error());
@@ -96,6 +101,8 @@ bool build_program(Compilation& c, const BuildArguments& arguments) {
                                   "-I" + runtime.directory + "/include", "-I" + parent, source}) {
     command.push_back(word);
   }
+  // Before the runtime, which it needs. What it looks for by name in the program is exported.
+  if (arguments.serves) command.insert(command.end(), {runtime.serve_library, "-rdynamic"});
   if (runtime.library.empty()) {
     for (std::string& file : runtime_sources(runtime.directory)) command.push_back(std::move(file));
   } else {

@@ -12,7 +12,7 @@
 #include "compiler/driver/deployment_files.hpp"
 #include "compiler/driver/distributed_runs.hpp"
 #include "compiler/driver/report.hpp"
-#include "compiler/driver/safe_stop.hpp"
+#include "compiler/serve/safe_stop.hpp"
 #include "compiler/pipeline/executor.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/pipeline/fabric_loader.hpp"
@@ -69,7 +69,8 @@ int command_node(const NodeArguments& arguments) {
   Result<rt::Deployment> deployment = read_deployment(arguments.folder, placement);
   if (!deployment) return end_unusable(deployment.error());
   if (!arguments.listen.empty()) deployment->listen = arguments.listen;
-  Result<SafeStop> safe_stop = find_safe_stop(c.lowered->library, arguments.safe_stop, arguments.stall_after);
+  Result<serve::SafeStop> safe_stop =
+      serve::find_safe_stop(c.lowered->library, arguments.safe_stop, arguments.stall_after);
   if (!safe_stop) return end_unusable(safe_stop.error());
   deployment->stall = {safe_stop->stall_after, safe_stop->stop, nullptr, safe_stop->name};
   if (c.lowered->library != nullptr)

@@ -11,6 +11,7 @@
 #include "compiler/library/verify_request.hpp"
 #include "compiler/pipeline/options.hpp"
 #include "compiler/library/sequential_test.hpp"
+#include "compiler/serve/serve_options.hpp"
 #include "runtime/engine/simulate.hpp"
 #include "runtime/debug/session.hpp"
 #include "runtime/explore/explore.hpp"
@@ -82,31 +83,17 @@ struct TraceArguments : SessionArguments {
   traces::Selection selection;
 };
 /// A model that clients talk to.
-struct ServeArguments {
+struct ServeArguments : serve::ServeSettings {
   CompileOptions compile;
   std::string file;
   Backend backend = Backend::Auto;
-  std::uint64_t seed = 0;
-  rt::Policy policy = rt::Policy::Uniform;
-  bool asap = false;
-  bool paused = false;
-  double speed = 1;
-  int real_time_priority = 0;     // 0: as usual
-  std::int64_t stall_after = -1;  // ns; -1: a second if there is a safe-stop function, 0: the watchdog is off
-  std::int64_t late_after = 0;    // ns; 0: late steps are not reported
-  std::int64_t silent_after = 0;  // ns; 0: clients may be silent
-  std::string safe_stop;          // empty: `safe_stop` if the model's C++ has it
-  std::string trace_path;         // empty: none
-  rt::TraceFormat trace_format = rt::TraceFormat::Json;
-  std::string socket;  // empty: standard input, unless has_port
-  bool has_port = false;
-  std::uint16_t port = 0;
 };
 struct BuildArguments {
   CompileOptions compile;
   std::string file;
   std::string output;
   Optimisation optimisation = Optimisation::Auto;
+  bool serves = false;  // the program serves the model, as `bipc serve` does
 };
 struct VerifyArguments : library::VerifyRequest {
   CompileOptions compile;

@@ -48,7 +48,7 @@ std::string emit(const lower::LoweredSystem& lowered, const Options& options) {
   const CodeTable& code = lowered.system->code;
   const bool has_ffi = lowered.image.ffi != nullptr;
   out.line("#include \"bip/emitted.hpp\"");
-  if (options.with_main) out.line("#include \"bip/run.hpp\"");
+  if (options.with_main) out.line(options.serves ? "#include \"bip/serve.hpp\"" : "#include \"bip/run.hpp\"");
   if (options.with_c_image) out.line("#include \"bip/bip.h\"");
   if (!lowered.steps.shapes.empty()) out.line("#include \"bip/step_loop.hpp\"");
   out.line();
@@ -95,12 +95,16 @@ std::string emit(const lower::LoweredSystem& lowered, const Options& options) {
     out.line("  return reinterpret_cast<const bip_image*>(&" + options.namespace_name + "::image());");
     out.line("}");
   }
+  if (options.serves && has_ffi) {
+    out.line();
+    out.line(watch_text());
+  }
   if (options.with_main) {
     out.line();
     out.line("// A program around the model has a main of its own.");
     out.line("#ifndef BIP_NO_MAIN");
-    out.line("int main(int argc, char** argv) { return bip::rt::run_main(" + options.namespace_name +
-             "::image(), argc, argv); }");
+    out.line(std::string("int main(int argc, char** argv) { return bip::") +
+             (options.serves ? "serve_main(" : "rt::run_main(") + options.namespace_name + "::image(), argc, argv); }");
     out.line("#endif");
   }
   return out.take();

@@ -12,6 +12,7 @@ namespace bip::emit_cpp {
 struct Options {
   std::string namespace_name = "model";  // everything is put there
   bool with_main = true;                 // main() that calls bip::rt::run_main(image, argc, argv)
+  bool serves = false;                   // that main() calls bip::serve_main(image, argc, argv) instead
   bool line_directives = true;           // #line to the .bip
   ConstNames const_names{};              // C++ functions with a `const_` variant
   bool with_c_image = false;             // const bip_image* <namespace>_image(void), for C

@@ -179,6 +179,12 @@ std::string draws_text(const CodeTable& code) {
   return out + "}  // namespace draws\n";
 }
 
+std::string watch_text() {
+  return "// For who watches a thread from outside.\n"
+         "extern \"C\" const std::atomic<const char*>* bip_called_now() { return &bip::rt::called_now; }\n"
+         "extern \"C\" void bip_set_crash_hook(void (*hook)(const char*)) { bip::rt::crash::hook.store(hook); }\n";
+}
+
 std::string shim_text(const System& system, const ConstNames& const_names) {
   const CodeTable& code = system.code;
   const FfiNames names(code);
@@ -189,9 +195,7 @@ std::string shim_text(const System& system, const ConstNames& const_names) {
                          {.own_context = false, .mark = true, .names_crashes = true, .files = system.files});
   if (!classes.empty()) out += event_class_text(system, classes, true);
   const auto line = [&](const std::string& text) { out += text + "\n"; };
-  // For who watches a thread from outside.
-  line("extern \"C\" const std::atomic<const char*>* bip_called_now() { return &bip::rt::called_now; }");
-  line("extern \"C\" void bip_set_crash_hook(void (*hook)(const char*)) { bip::rt::crash::hook.store(hook); }");
+  out += watch_text();
   for (std::size_t k = 0; k < code.functions.size(); ++k) {
     const Function& function = code.functions[k];
     if (function.kind == FunctionKind::Draw) continue;

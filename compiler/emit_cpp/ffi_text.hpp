@@ -46,6 +46,10 @@ struct FfiTextOptions {
 /// Namespace `draws`: the distributions that the code draws from, by FfiNames' names. Needs bip/draws.hpp.
 [[nodiscard]] std::string draws_text(const CodeTable& code);
 
+/// What `bipc serve` finds in the model's C++ to watch it: exports `bip_called_now`, `bip_set_crash_hook`. Of models
+/// that call C++.
+[[nodiscard]] std::string watch_text();
+
 /// The source of the shared object: exports `bip_call_<row>`, and `bip_ffi_types` and `bip_event_classes` if there
 /// are any.
 [[nodiscard]] std::string shim_text(const System& system, const ConstNames& const_names);

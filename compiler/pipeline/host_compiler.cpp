@@ -208,6 +208,9 @@ RuntimeLocation find_runtime() {
       // Where the file system cannot say whether it exists, the builds that link it look again.
       if (found.library.empty() && (fs::exists(library, unknown) || unknown)) found.library = library.string();
     }
+    for (const fs::path& library : places_of_part(BIPC_PREBUILT_SERVE)) {
+      if (found.serve_library.empty() && fs::exists(library, ignored)) found.serve_library = library.string();
+    }
     break;
   }
   return found;

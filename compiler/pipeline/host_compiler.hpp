@@ -32,6 +32,7 @@ namespace bip::pipeline {
 struct RuntimeLocation {
   std::string directory;
   std::string library;
+  std::string serve_library;  // what programs link that serve a model; empty: it is not there
   std::vector<std::string> tried;
 };
 [[nodiscard]] RuntimeLocation find_runtime();

@@ -1,9 +1,9 @@
 // See safe_stop.hpp.
-#include "compiler/driver/safe_stop.hpp"
+#include "compiler/serve/safe_stop.hpp"
 
 #include <dlfcn.h>
 
-namespace bip::driver {
+namespace bip::serve {
 
 Result<SafeStop> find_safe_stop(void* library, const std::string& name, std::int64_t stall_after) {
   constexpr std::int64_t kSecond = 1'000'000'000;
@@ -16,4 +16,4 @@ Result<SafeStop> find_safe_stop(void* library, const std::string& name, std::int
   return found;
 }
 
-}  // namespace bip::driver
+}  // namespace bip::serve

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <string>
 
-#include "compiler/base/result.hpp"
+#include "bip/result.hpp"
 
-namespace bip::driver {
+namespace bip::serve {
 
 struct SafeStop {
   std::string name;
@@ -18,4 +18,4 @@ struct SafeStop {
 /// else never. Fails with a message if the named function is not there.
 [[nodiscard]] Result<SafeStop> find_safe_stop(void* library, const std::string& name, std::int64_t stall_after);
 
-}  // namespace bip::driver
+}  // namespace bip::serve
