@@ -13,6 +13,7 @@
 #include "runtime/core/text.hpp"
 #include "runtime/core/why_not.hpp"
 #include "runtime/engine/collect_strings.hpp"
+#include "runtime/engine/limiting_ports.hpp"
 #include "runtime/engine/output.hpp"
 #include "runtime/engine/timed_scheduler.hpp"
 #include "runtime/trace/trace.hpp"
@@ -181,7 +182,7 @@ struct Execution::Impl {
     if (!is_real || !core.is_timed()) return true;
     lateness = wall.note_late(core.now());
     const rt::i64 actual = core.now() + wall.in_model(lateness);
-    if (!wall.is_too_late(actual, scheduler.latest(core))) return true;
+    if (!wall.is_too_late(actual, limiting.latest(core, scheduler))) return true;
     if (core.time().is_resumed(core.candidate(scheduler.choice()))) return true;
     ++late;
     return !is_strict || core.time().fail_late(core.candidate(scheduler.choice()), scheduler.latest(core), actual);
@@ -190,6 +191,7 @@ struct Execution::Impl {
   rt::Core core;
   rt::EventFeed feed;
   rt::TimedScheduler scheduler;
+  rt::LimitingPorts limiting{core};
   rt::RealTime wall;
   bool is_real, is_strict;
   std::uint64_t late = 0;

@@ -26,6 +26,7 @@
 #include "runtime/engine/scheduler.hpp"
 #include "runtime/engine/simulated.hpp"
 #include "runtime/engine/threads.hpp"
+#include "runtime/engine/limiting_ports.hpp"
 #include "runtime/engine/timed_scheduler.hpp"
 
 namespace bip::rt {
@@ -104,6 +105,7 @@ class RunLoop {
   Core core_;
   Scheduler scheduler_;   // of models without time
   TimedScheduler timed_;  // of models with time
+  LimitingPorts limiting_{core_};
   EventFeed feed_;
   InterruptGuard interrupt_guard_;
   RealTime wall_;
