@@ -13,6 +13,7 @@
 #include "compiler/system/system.hpp"
 #include "compiler/verify/evidence/certificate.hpp"
 #include "compiler/verify/evidence/counterexample_text.hpp"
+#include "compiler/verify/portfolio/local_lemma_engine.hpp"
 #include "compiler/verify/portfolio/small_instance_engine.hpp"
 #include "runtime/include/bip/assert.hpp"
 
@@ -83,11 +84,13 @@ std::string method_text(const Compilation& c, const verify::Question& question, 
           },
           [&](const verify::InductiveProof& evidence) {
             const std::size_t equations = d.facts.affine.equations.size();
-            const bool are_learnt = d.engine == std::string_view(verify::kSmallInstanceEngine.name);
+            const std::string_view engine = d.engine;
+            const char* const origin = engine == verify::kSmallInstanceEngine.name ? " learnt from small instances"
+                                       : engine == verify::kLocalLemmaEngine.name  ? " about neighbours"
+                                                                                   : "";
             return fmt::format(": proved by induction with {}{} and {}{} {}\n", invariants,
                                equations == 0 ? "" : ", " + count_of(equations, "equation"),
-                               count_of(evidence.lemmas.size(), "lemma"),
-                               are_learnt ? " learnt from small instances" : "", size);
+                               count_of(evidence.lemmas.size(), "lemma"), origin, size);
           },
           [&](const verify::ReachedStates&) { return visited(); },
           [&](const verify::StateCount& evidence) {

@@ -25,6 +25,7 @@
 #include "compiler/system/bsys.hpp"
 #include "compiler/verify/evidence/certificate.hpp"
 #include "compiler/verify/evidence/counterexample_text.hpp"
+#include "compiler/verify/portfolio/local_lemma_engine.hpp"
 #include "compiler/verify/portfolio/small_instance_engine.hpp"
 #include "tests/verify/random_property.hpp"
 #include "tests/verify/relevance_oracle.hpp"
@@ -49,6 +50,7 @@ struct Totals {
                 failed = 0, certificates = 0;
   std::uint64_t decided = 0;                  // answers of the prover
   std::uint64_t learnt = 0, learnt_from = 0;  // proofs by small instances; questions
+  std::uint64_t local = 0;                    // proofs by local lemmas
   std::uint64_t reused = 0, whole = 0, rows = 0, forged_rows = 0;
   verify::test::RelevanceCounts relevance;
 };
@@ -145,6 +147,11 @@ class Check {
       verify::ProofContext context{parts, question, few, report, nullptr, {}, {}};
       context.small_instances = &instances;
       if (parts.has_usable_net()) context.facts.proof = verify::find_reachable_modes(parts.net());
+      const bool is_local =
+          verify::kLocalLemmaEngine.attempt(context, {}, few.cancellation).outcome == verify::Outcome::Holds;
+      t_.local += is_local ? 1 : 0;
+      if (is_local && all.end == verify::SearchEnd::Found)
+        fail(asked + ": proved by local lemmas, but a bad state is reachable");
       const verify::EngineResult found = verify::kSmallInstanceEngine.attempt(context, {}, few.cancellation);
       ++t_.learnt_from;
       if (found.outcome != verify::Outcome::Holds) continue;
@@ -327,8 +334,8 @@ int main(int argc, char** argv) {
               n(t.whole), n(t.rows), n(t.forged_rows));
   std::printf("runs %llu: steps left out %llu, a step decided %llu, none %llu\n", n(t.relevance.runs),
               n(t.relevance.left_out), n(t.relevance.decided), n(t.relevance.inevitable));
-  std::printf("small instances: %llu questions, %llu proofs with lemmas learnt from them\n", n(t.learnt_from),
-              n(t.learnt));
+  std::printf("small instances: %llu questions, %llu proofs with lemmas learnt from them, %llu by local lemmas\n",
+              n(t.learnt_from), n(t.learnt), n(t.local));
   // Of so many systems some have answers; a run without is no test.
   constexpr std::uint64_t kMany = 20;
   if (o.print.empty() && (o.nets || o.models) && t.systems >= kMany &&
@@ -338,9 +345,10 @@ int main(int argc, char** argv) {
     std::printf("FAILED: %llu answers, %llu rows of kept proofs: nothing was compared\n", n(t.decided), n(t.rows));
   }
   constexpr std::uint64_t kManyLearnt = 100;
-  if (t.learnt_from >= kManyLearnt && t.learnt == 0) {
+  if (t.learnt_from >= kManyLearnt && (t.learnt == 0 || t.local == 0)) {
     ++t.failed;
-    std::printf("FAILED: of %llu questions none was proved by small instances\n", n(t.learnt_from));
+    std::printf("FAILED: of %llu questions none was proved by small instances, or none by local lemmas\n",
+                n(t.learnt_from));
   }
   if (t.relevance.runs >= kMany && (t.relevance.left_out == 0 || t.relevance.decided == 0)) {
     ++t.failed;

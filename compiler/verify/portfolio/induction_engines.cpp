@@ -4,6 +4,8 @@
 #include "compiler/verify/invariants/affine_bounds.hpp"
 #include "compiler/verify/portfolio/bad_states.hpp"
 #include "compiler/verify/invariants/houdini.hpp"
+#include "compiler/verify/invariants/inductive_core.hpp"
+#include "compiler/verify/invariants/local_lemmas.hpp"
 #include "compiler/verify/invariants/refine_invariants.hpp"
 #include "compiler/system/system.hpp"
 #include "compiler/verify/symbolic/cnf.hpp"
@@ -43,7 +45,8 @@ class Induction {
   }
 
   /// `guesses`: with the effort Guesses the lemmas to try.
-  EngineResult run(Effort effort, const LemmaSource* guesses = nullptr) {
+  EngineResult run(Effort effort, const LemmaSource* guesses = nullptr,
+                   LemmaReduction reduction = LemmaReduction::None) {
     if (!is_usable()) return std::move(result_);
     problem_.bad = machine_.aig.make_or(bad_states(context_.question, machine_, image_), machine_.lost);
     if (!confirm_ranges()) return std::move(result_);
@@ -55,7 +58,7 @@ class Induction {
     if (context_.facts.proof && context_.induction != InductionStage::InvariantsRefined && refine(cached))
       return std::move(result_);
     if (effort == Effort::FactsOnly && !cached.is_enough) return std::move(result_);
-    if (effort == Effort::Guesses) try_guesses(*guesses);
+    if (effort == Effort::Guesses) try_guesses(*guesses, reduction);
     else find_lemmas(std::move(cached));
     return std::move(result_);
   }
@@ -146,10 +149,17 @@ class Induction {
     result_.evidence = InductiveProof{std::move(lemmas)};
   }
 
-  void try_guesses(const LemmaSource& guesses) {
+  void try_guesses(const LemmaSource& guesses, LemmaReduction reduction) {
     problem_.invariants = structural_clauses();
     InductiveLemmas held = houdini(problem_, guesses(machine_));
-    if (held.is_enough) prove(std::move(held.lemmas));
+    if (!held.is_enough) return;
+    if (reduction == LemmaReduction::ByShape && !held.lemmas.empty()) {
+      const std::vector<std::vector<Cube>> groups = group_by_shape(held.lemmas, machine_, context_.parts.system());
+      held.lemmas.clear();
+      for (const std::size_t row : inductive_core(problem_, groups))
+        held.lemmas.insert(held.lemmas.end(), groups[row].begin(), groups[row].end());
+    }
+    prove(std::move(held.lemmas));
   }
 
   // Is it false by the ranges of data and the places of automata alone?
@@ -263,18 +273,19 @@ bool is_inductive(const ProofContext& context) {
 }
 
 EngineResult attempt_induction(ProofContext& context, const Budget& budget, const CancellationToken& cancellation,
-                               Effort effort, const LemmaSource* guesses = nullptr) {
+                               Effort effort, const LemmaSource* guesses = nullptr,
+                               LemmaReduction reduction = LemmaReduction::None) {
   if (cancellation.is_over() || !is_inductive(context)) return {};
   // The circuit is not part of the attempt's share: it is built once for all attempts.
   (void)context.parts.transition_system(context.limits.megabytes);
-  return Induction(context, cancellation.within(budget.seconds), cancellation).run(effort, guesses);
+  return Induction(context, cancellation.within(budget.seconds), cancellation).run(effort, guesses, reduction);
 }
 
 }  // namespace
 
 EngineResult try_lemmas(ProofContext& context, const Budget& budget, const CancellationToken& cancellation,
-                        const LemmaSource& guesses) {
-  return attempt_induction(context, budget, cancellation, Effort::Guesses, &guesses);
+                        const LemmaSource& guesses, LemmaReduction reduction) {
+  return attempt_induction(context, budget, cancellation, Effort::Guesses, &guesses, reduction);
 }
 
 const Engine kLocalizedEngine{"localized IC3",

@@ -16,8 +16,12 @@ extern const Engine kIc3Engine;
 
 /// Returns cubes that may be lemmas, of this transition system.
 using LemmaSource = std::function<std::vector<Cube>(const TransitionSystem& machine)>;
+/// ByShape: lemmas that say the same of other components (local_lemmas.hpp) are left out together if the proof does not
+/// need them.
+enum class LemmaReduction : std::uint8_t { None, ByShape };
 /// Proves the question by those of the guesses that are inductive, if they suffice; no other lemmas are looked for.
 [[nodiscard]] EngineResult try_lemmas(ProofContext& context, const Budget& budget,
-                                      const CancellationToken& cancellation, const LemmaSource& guesses);
+                                      const CancellationToken& cancellation, const LemmaSource& guesses,
+                                      LemmaReduction reduction = LemmaReduction::None);
 
 }  // namespace bip::verify

@@ -7,6 +7,7 @@
 #include "compiler/verify/portfolio/cached_proof_engine.hpp"
 #include "compiler/verify/portfolio/check_evidence.hpp"
 #include "compiler/verify/portfolio/induction_engines.hpp"
+#include "compiler/verify/portfolio/local_lemma_engine.hpp"
 #include "compiler/verify/portfolio/search_engines.hpp"
 #include "compiler/verify/portfolio/small_instance_engine.hpp"
 #include "compiler/verify/portfolio/structural_engines.hpp"
@@ -58,6 +59,7 @@ constexpr PortfolioRow kRows[] = {
     {&kAffineEngine, kThird},
     {&kExhaustiveEngine, kFirstTurn},
     {&kIc3Engine, kFirstTurn, WhenOver::Skip, takes_turns_with_search},
+    {&kLocalLemmaEngine, {ShareOf::TimeLeft, 1.0 / 3, 6}},
     {&kRandomRunsEngine, {ShareOf::TimeLeft, 1.0 / 8, 5}},
     {&kSmallInstanceEngine, {ShareOf::TimeLeft, 3.0 / 4}},
     {&kExhaustiveEngine, kSecondTurn},
