@@ -11,7 +11,8 @@ namespace bip::verify {
 
 namespace {
 
-constexpr std::size_t kMostCandidates = 400'000;
+// Of 5,228 Houdini decided none in six seconds.
+constexpr std::size_t kMostCandidates = 4'000;
 // So many words of 64 states are sampled; each interaction is fired about so often in all.
 constexpr std::size_t kSampledWords = 64;
 constexpr std::size_t kFirings = 16;
