@@ -2,7 +2,8 @@
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
 build_dir=${BIPC_BUILD_DIR:-$root/build}
 # Build directories of one checkout share what ccache keeps, as far as their options agree.
-export CCACHE_BASEDIR=${CCACHE_BASEDIR:-$root}
+# It goes before `base_dir` of ccache's own configuration; CCACHE_BASEDIR= leaves that as it is.
+export CCACHE_BASEDIR=${CCACHE_BASEDIR-$root}
 
 # Two builds at once would tread on each other's files: the second one waits.
 with_lock() {
@@ -53,16 +54,12 @@ show_progress() {
 # Is the build folder one of build_runner, without the rest?
 has_runner_only() { grep -qs '^BIPC_RUNNER_ONLY:BOOL=ON' "$build_dir/CMakeCache.txt"; }
 
-# build_runner: builds the part of bipc that runs models, as build/bipc, where there is no bipc yet: about half of the packages
-# and of the compilation. All that is compiled is a part of the whole. A failure leaves no build/bipc.
+# build_runner: builds the part of bipc that runs models, build/bipc-runner, for who has no bipc yet: about half of the packages
+# and of the compilation. All that is compiled is a part of the whole.
 build_runner() {
   "$root/tools/setup" --runner 9>&-
-  configure_options+=(-DBIPC_RUNNER_ONLY=ON)
+  [[ -f $build_dir/build.ninja ]] || configure_options+=(-DBIPC_RUNNER_ONLY=ON)
   configure_and_build bipc_runner
-  if ! cmp -s "$build_dir/bipc-runner" "$build_dir/bipc"; then
-    cp "$build_dir/bipc-runner" "$build_dir/bipc.new"
-    mv "$build_dir/bipc.new" "$build_dir/bipc"
-  fi
 }
 
 # configure_and_build [target...]: quiet if all is up to date, ninja's progress while there is work.

@@ -74,7 +74,8 @@ bool build_program(Compilation& c, const BuildArguments& arguments) {
     return false;
   }
   if (arguments.serves && runtime.serve_library.empty()) {
-    c.diags.report(Diag::kB5001, {}, "the library that programs of `--serve` link");
+    c.diags.report(Diag::kB5001, {}, "the library that programs of `--serve` link")
+        .help("`tools/build bipc` builds all of bipc");
     return false;
   }
   const Result<TemporaryDirectory> work = TemporaryDirectory::make();

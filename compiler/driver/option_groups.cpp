@@ -34,7 +34,6 @@ const Names<Backend> kBackends{{"jit", Backend::Jit}, {"interp", Backend::Interp
 const PolicyChoices kPolicies;
 const FormatChoices kRunFormats([](const rt::TraceFormatRow&) { return true; });
 const FormatChoices kTextFormats([](const rt::TraceFormatRow& row) { return row.is_text; });
-const FormatChoices kServedFormats([](const rt::TraceFormatRow& row) { return row.can_embed; });
 const Names<rt::Engine> kEngines{{"sequential", rt::Engine::Sequential},
                                  {"threads", rt::Engine::Threads},
                                  {"batch", rt::Engine::Batch},

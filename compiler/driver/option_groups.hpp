@@ -48,7 +48,6 @@ extern const Names<Backend> kBackends;
 extern const PolicyChoices kPolicies;
 extern const FormatChoices kRunFormats;
 extern const FormatChoices kTextFormats;
-extern const FormatChoices kServedFormats;
 extern const Names<rt::Engine> kEngines;
 extern const Names<rt::OnLoss> kOnLoss;
 extern const Names<ExportFormat> kExportFormats;

@@ -209,7 +209,9 @@ RuntimeLocation find_runtime() {
       if (found.library.empty() && (fs::exists(library, unknown) || unknown)) found.library = library.string();
     }
     for (const fs::path& library : places_of_part(BIPC_PREBUILT_SERVE)) {
-      if (found.serve_library.empty() && fs::exists(library, ignored)) found.serve_library = library.string();
+      std::error_code unknown;
+      if (found.serve_library.empty() && (fs::exists(library, unknown) || unknown))
+        found.serve_library = library.string();
     }
     break;
   }

@@ -32,7 +32,7 @@ void print_help(const char* program, const rt::Image& image) {
 }
 
 int fail(const char* program, const std::string& problem) {
-  std::fprintf(stderr, "%s: %s, see --help\n", program, rt::printable(problem).c_str());
+  std::fprintf(stderr, "%s: %s, see --help\n", rt::printable(program).c_str(), rt::printable(problem).c_str());
   return kUsage;
 }
 

@@ -301,8 +301,10 @@ void Node::end_parking(u64 number) {
   BIP_ASSERT(one != parked_[atom].end(), "no attempt {} is parked at atom {}", number, atom);
   const Lock lock = take_parked(atom, static_cast<std::size_t>(one - parked_[atom].begin()));
   tell(NodeEvent::Kind::GivenUp, atom, lock.interaction);
-  // Of an atom at work, which is counted as taking part for the next time already, the state to come is not known.
-  watch(atom, lock.interaction, where_[atom] == Where::Working ? n_[atom] - 1 : n_[atom]);
+  // It was not asked in this state if the atom is at work, where it is counted as taking part for the next time
+  // already, or locked by another attempt, which may give it back as it is.
+  const bool was_asked = where_[atom] == Where::Here || where_[atom] == Where::Away;
+  watch(atom, lock.interaction, was_asked ? n_[atom] : n_[atom] - 1);
   refuse(lock, false);
   serve();
 }

@@ -232,13 +232,22 @@ void NodeProcess::give_back() {
 // An attempt waits for as long as the three messages of its refusal take: one and a half times the way to its
 // coordinator and back.
 void NodeProcess::end_parkings(i64 now) {
-  for (const Node::Parking& parking : node_.new_parkings()) {
-    const u32 coordinator = setup_.distribution.coordinator_of[parking.interaction];
-    const i64 parked = std::clamp(station_.round_trip(coordinator) * 3 / 2, kLeastParked, kMostParked);
-    parked_.push({now + parked, parking.number});
+  const auto take_new = [&] {
+    for (const Node::Parking& parking : node_.new_parkings()) {
+      const u32 coordinator = setup_.distribution.coordinator_of[parking.interaction];
+      const i64 parked = std::clamp(station_.round_trip(coordinator) * 3 / 2, kLeastParked, kMostParked);
+      parked_.push({now + parked, parking.number});
+    }
+    node_.new_parkings().clear();
+  };
+  take_new();
+  while (!parked_.empty() && parked_.top().first <= now) {
+    const u64 number = parked_.top().second;
+    parked_.pop();
+    node_.end_parking(number);
+    // Others go on, and may wait in their turn.
+    take_new();
   }
-  node_.new_parkings().clear();
-  for (; !parked_.empty() && parked_.top().first <= now; parked_.pop()) node_.end_parking(parked_.top().second);
 }
 
 // Begins what may begin, then runs what is to be run. False: there was nothing.

@@ -32,7 +32,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 SECTION = re.compile(r"^--- (file \S+|stdout|stderr|exit -?\d+)$")
 ERROR = re.compile(r'error\[[BR]\d{4}\]|"severity":"error"|^bipc: (?!seed)', re.M)
-TIMEOUT = 60
+TIMEOUT = 180  # seconds; a compiler of C++ beside other programs takes its time
 
 
 class Golden:
@@ -172,6 +172,8 @@ def main():
     parser.add_argument("--every", type=int, default=1, metavar="N", help="of N files, in the order of their names, only the first")
     parser.add_argument("what", nargs="*", help="files, folders or parts of names")
     arguments = parser.parse_args()
+    if arguments.every < 1:
+        parser.error("--every takes a number from 1 on")
     bipc = os.environ.get("BIPC") or str(pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build") / "bipc")
     if not shutil.which(bipc):
         sys.exit(f"golden: no program at {bipc} (build it with tools/build, or set BIPC)")

@@ -358,9 +358,15 @@ def check_editor_starts_only_programs_of_the_user():
         bad.append("workspaces that are not trusted are not supported")
     # Only `explain`, the language server and functions that begin with modelOf, which asks for trust, start a program.
     source = (ROOT / "tools/vscode/src/extension.js").read_text(encoding="utf-8")
-    for function in re.split(r"^(?=(?:async )?function )", source, flags=re.M)[1:]:
+    starts = re.compile(r"\b(?:spawn|execFile|executeTask|startDebugging)\(")
+    head, *functions = re.split(r"^(?=(?:async )?function )", source, flags=re.M)
+    if starts.search(head):
+        bad.append("extension.js: a program is started outside of functions")
+    for function in functions:
         name = re.match(r"(?:async )?function (\w+)", function)[1]
-        if re.search(r"\b(?:spawn|execFile|executeTask|startDebugging)\(", function.split("{", 1)[1]) and "modelOf(" not in function and name != "explainPage":
+        body = function.split("{", 1)[1]
+        start = starts.search(body)
+        if start and "modelOf(" not in body[:start.start()] and name != "explainPage":
             bad.append(f"extension.js: {name} starts a program without asking for trust")
     return bad
 

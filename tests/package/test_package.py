@@ -76,6 +76,12 @@ def test_build_links_the_installed_runtime(at):
     assert run(at.work / "philosophers", "--seed", "4") == at.expected
 
 
+def test_build_links_the_installed_server(at):
+    run(at.bipc, "build", "--serve", "-O0", at.prefix / PHILOSOPHERS, "-o", at.work / "served")
+    answers = run(at.work / "served", "--paused", text='{"do":"hello"}\n{"do":"shutdown"}\n').splitlines()
+    assert [json.loads(answer)["ok"] for answer in answers] == [True, True], answers
+
+
 def test_emitted_code_has_its_licence(at):
     run(at.bipc, "emit", at.prefix / PHILOSOPHERS, "-o", at.work / "emitted")
     assert (at.work / "emitted/runtime/LICENSE").read_text() == (ROOT / "LICENSE").read_text()

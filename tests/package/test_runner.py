@@ -105,6 +105,7 @@ class Build:
             (self.folder / "bin" / name).write_text(text)
             (self.folder / "bin" / name).chmod(0o755)
         self.bipc = self.folder / "build" / "bipc"
+        self.runner = self.folder / "build" / "bipc-runner"
 
     def call(self, tool, *words, failing=""):
         """The exit code, what was printed, and how cmake and ninja were called."""
@@ -124,7 +125,11 @@ def check_build_in_two_steps():
         if "can run models now" not in error:
             problems.append(f"the first build says {error!r}")
         problems += expect("build/bipc", call(str(build.bipc))[1], "bipc \n")
-        return problems + expect("the next build", build.call("build", "bipc"), (0, "", "", ["ninja bipc"]))
+        problems += expect("the next build", build.call("build", "bipc"), (0, "", "", ["ninja bipc"]))
+        # Not for good something else in the place of bipc.
+        build.bipc.unlink()
+        problems += expect("bipc is gone", build.call("build", "bipc")[3], ["ninja bipc_runner", "ninja bipc"])
+        return problems + expect("build/bipc is back", call(str(build.bipc))[1], "bipc \n")
 
 
 def check_run_needs_the_runner_only():
@@ -146,8 +151,9 @@ def check_a_failure_leaves_what_was():
         code, _, _, calls = build.call("build", "bipc", failing="bipc_runner")
         problems = expect("a runner that does not compile", (code != 0, calls[-1], build.bipc.exists()), (True, "ninja bipc_runner", False))
         code, _, _, calls = build.call("build", "bipc", failing="bipc")
-        problems += expect("a rest that does not compile", (code != 0, calls[-1], call(str(build.bipc))[1]), (True, "ninja bipc", "bipc_runner \n"))
-        return problems + expect("once more", build.call("build", "bipc")[3], ["ninja bipc"])
+        problems += expect("a rest that does not compile", (code != 0, calls[-1], call(str(build.runner))[1]), (True, "ninja bipc", "bipc_runner \n"))
+        problems += expect("a run then", build.call("run", MODEL), (0, f"bipc_runner run {MODEL}\n", "", ["ninja bipc_runner"]))
+        return problems + expect("once more", build.call("build", "bipc")[3], ["ninja bipc_runner", "ninja bipc"])
 
 
 def main():

@@ -61,7 +61,8 @@ std::vector<std::pair<u32, u32>> find_neighbours(const TransitionSystem& machine
 }  // namespace
 
 std::vector<Cube> find_local_candidates(const TransitionSystem& machine, const std::vector<u32>& atom_of_port,
-                                        const SampledStates& states, std::size_t most) {
+                                        const SampledStates& states, std::size_t most,
+                                        const CancellationToken& cancellation) {
   BIP_ASSERT(states.values.size() == machine.bits.size(), "{} rows of {} bits", states.values.size(),
              machine.bits.size());
   const Samples samples(states);
@@ -78,6 +79,7 @@ std::vector<Cube> find_local_candidates(const TransitionSystem& machine, const s
   }
   for (const auto& [atom, other] : find_neighbours(machine, atom_of_port)) {
     for (const u32 a : literals[atom]) {
+      if (cubes.size() > most || cancellation.is_over()) return {};
       for (const u32 b : literals[other]) {
         const StateBit &bit_a = machine.bits[cube_bit(a)], &bit_b = machine.bits[cube_bit(b)];
         if (cube_bit(a) >= cube_bit(b)) continue;
@@ -86,8 +88,8 @@ std::vector<Cube> find_local_candidates(const TransitionSystem& machine, const s
         if (!samples.refute(a, b)) cubes.push_back({a, b});
       }
     }
-    if (cubes.size() > most) return {};
   }
+  if (cubes.size() > most) return {};
   return cubes;
 }
 

@@ -1,5 +1,5 @@
-// Local lemmas: clauses of two literals about one component, or about two that take part in a step together. Protocols
-// whose argument is about neighbours are proved by these at any size: their number is linear in the steps.
+// Local lemmas: clauses of two literals about one component, or about two that take part in a step together. They
+// prove protocols whose argument is about neighbours; their number is linear in the steps.
 //
 // Candidates are all such cubes of a place or of a bit of data. Sampled states refute most of those that do not hold,
 // Houdini (houdini.hpp) decides about the rest. After the candidate invariants of M. Ernst, J. Cockrell, W. Griswold,
@@ -21,10 +21,11 @@ struct SampledStates {
 };
 
 /// Returns the cubes of one or two literals that no sampled state satisfies; none that a smaller one of them subsumes.
-/// Steps of more than a few components make no neighbours. Nothing if there are more than `most`.
+/// Steps of more than a few components make no neighbours. Nothing if there are more than `most`, or no time is left.
+/// Cost: for each two neighbours, the product of their bits by the words of a bit.
 [[nodiscard]] std::vector<Cube> find_local_candidates(const TransitionSystem& machine,
                                                       const std::vector<u32>& atom_of_port, const SampledStates& states,
-                                                      std::size_t most);
+                                                      std::size_t most, const CancellationToken& cancellation);
 
 /// Returns the cubes grouped by what they say, whichever components of the same types they are about.
 [[nodiscard]] std::vector<std::vector<Cube>> group_by_shape(const std::vector<Cube>& cubes,

@@ -1,6 +1,8 @@
 // See local_lemma_engine.hpp.
 #include "compiler/verify/portfolio/local_lemma_engine.hpp"
 
+#include <algorithm>
+
 #include "compiler/base/log.hpp"
 #include "compiler/verify/invariants/local_lemmas.hpp"
 #include "compiler/verify/portfolio/induction_engines.hpp"
@@ -16,6 +18,8 @@ constexpr std::size_t kMostCandidates = 4'000;
 // So many words of 64 states are sampled; each interaction is fired about so often in all.
 constexpr std::size_t kSampledWords = 64;
 constexpr std::size_t kFirings = 16;
+// Of more candidates those that were fired least are not looked for.
+constexpr std::uint64_t kMostCompared = 64;
 
 bool has_neighbours(const ProofContext& context) {
   return context.limits.may_search && context.parts.is_searchable() && kIc3Engine.applies_to(context);
@@ -50,7 +54,7 @@ class SamplingRun {
     if (is_least_fired) {
       const std::uint64_t first = chosen;
       u32 least = fired_[core_.position(chosen).interaction];
-      for (std::uint64_t k = 1; k < count && least != 0; ++k) {
+      for (std::uint64_t k = 1; k < std::min(count, kMostCompared) && least != 0; ++k) {
         const std::uint64_t other = (first + k) % count;
         if (const u32 fired = fired_[core_.position(other).interaction]; fired < least) {
           least = fired;
@@ -89,10 +93,14 @@ EngineResult prove_by_local_lemmas(ProofContext& context, const Budget& budget, 
   if (!context.parts.has_code()) return none;
   const CancellationToken share = cancellation.within(budget.seconds);
   const LemmaSource candidates = [&](const TransitionSystem& machine) {
+    // The samples of a bit are few bytes, but of all bits.
+    if (machine.bits.size() * kSampledWords * sizeof(std::uint64_t) >
+        context.limits.megabytes * (std::size_t{1} << 20) / 8)
+      return std::vector<Cube>{};
     const SampledStates states = SamplingRun(context.parts.image(), machine).run(share);
     if (states.values.empty() || states.values[0].empty()) return std::vector<Cube>{};
     std::vector<Cube> cubes =
-        find_local_candidates(machine, context.parts.net().graph.atom_of_port, states, kMostCandidates);
+        find_local_candidates(machine, context.parts.net().graph.atom_of_port, states, kMostCandidates, share);
     BIP_LOG(Houdini, 1, "{} local candidates", cubes.size());
     return cubes;
   };

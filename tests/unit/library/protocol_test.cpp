@@ -292,7 +292,7 @@ TEST_CASE("locks of simulated runs are steps of the model of the protocol") {
   CHECK(parked > releases + 100);
 }
 
-TEST_CASE("split sets: steps of three nodes cost at most 4.5 messages") {
+TEST_CASE("split sets: steps of three nodes cost a little more than the least number of messages") {
   const Ready table("bench/philosophers.bip", "Table(16)"), large("bench/philosophers.bip", "Table(60)");
   struct Case {
     const Ready* model;

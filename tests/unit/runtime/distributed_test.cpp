@@ -966,6 +966,79 @@ TEST_CASE("an attempt that gives up at a component at work is woken when that re
   CHECK(here.counts().refused + there.counts().refused == 0);
 }
 
+TEST_CASE("an attempt that gives up at a component that another has locked is woken when that is given back") {
+  const Scattered model(
+      [](ImageBuilder& b) {
+        b.atom_type({.name = "One",
+                     .ports = {{.name = "meet"}, {.name = "other"}},
+                     .places = {"S"},
+                     .initial = {"S"},
+                     .transitions = {{"meet", {"S"}, {"S"}}, {"other", {"S"}, {"S"}}}});
+        b.atom_type({.name = "Away",
+                     .ports = {{.name = "meet"}, {.name = "back"}},
+                     .places = {"AWAY", "FREE"},
+                     .initial = {"AWAY"},
+                     .transitions = {{"meet", {"FREE"}, {"FREE"}}, {"back", {"AWAY"}, {"FREE"}}}});
+        b.connector_type({.name = "Alone", .params = {{"p", 0}}, .define = "p"});
+        b.connector_type({.name = "Two", .params = {{"p", 0}, {"q", 0}}, .define = "p q"});
+        b.connector_type({.name = "Three", .params = {{"p", 0}, {"q", 0}, {"r", 0}}, .define = "p q r"});
+        for (const char* name : {"a", "c", "d", "e", "f"}) b.atom(name, "One");
+        for (const char* name : {"x", "z"}) b.atom(name, "Away");
+        b.connector("axz", "Three", {"a.meet", "x.meet", "z.meet"});
+        b.connector("cx", "Two", {"c.meet", "x.meet"});
+        b.connector("ad", "Two", {"a.other", "d.meet"});
+        b.connector("ce", "Two", {"c.other", "e.meet"});
+        b.connector("fz", "Two", {"f.meet", "z.meet"});
+        b.connector("x_back", "Alone", {"x.back"});
+        b.connector("z_back", "Alone", {"z.back"});
+      },
+      1);
+  constexpr u32 kA = 0, kC = 1, kX = 5, kZ = 6;
+  REQUIRE(model.distribution.coordinator_of[0] == kA);
+  REQUIRE(model.distribution.coordinator_of[1] == kC);
+  REQUIRE(model.distribution.locks[0].size == 2);
+  REQUIRE(model.distribution.locks[1].size == 1);
+  std::vector<std::unique_ptr<Node>> nodes;
+  for (u32 self = 0; self < 7; ++self) {
+    nodes.push_back(std::make_unique<Node>(model.core->image(), CoreOptions{}, model.distribution, self));
+    REQUIRE(nodes.back()->start(model.core->snapshot()));
+  }
+  Node &a = *nodes[kA], &c = *nodes[kC], &x = *nodes[kX], &z = *nodes[kZ];
+  const auto carry_all = [&] {
+    for (bool is_quiet = false; !is_quiet;) {
+      is_quiet = true;
+      for (const auto& from : nodes) {
+        for (const Outgoing& said : std::exchange(from->outbox(), {})) {
+          nodes[said.to]->take(said.message);
+          is_quiet = false;
+        }
+      }
+    }
+  };
+  while (a.try_count() != 0 && a.counts().locks == 0) a.try_lock(0);
+  carry_all();
+  while (c.try_count() != 0 && c.counts().locks == 0) c.try_lock(0);
+  carry_all();
+  REQUIRE(x.new_parkings().size() == 2);
+  // x comes back, and goes to the first, which waits for z.
+  std::vector<u32> atoms;
+  REQUIRE(x.core().candidate_count() == 1);
+  x.begin(x.core().position(0), 0, atoms);
+  x.run(0);
+  carry_all();
+  REQUIRE(z.new_parkings().size() == 1);
+  CHECK(x.has_parked());
+  x.end_parking(x.new_parkings()[1].number);
+  carry_all();
+  CHECK(c.try_count() == 0);
+  CHECK(x.counts().wakes == 0);
+  // The first gives up, too, and x is as it was.
+  z.end_parking(z.new_parkings()[0].number);
+  carry_all();
+  CHECK(x.counts().wakes == 1);
+  CHECK(c.try_count() == 1);
+}
+
 TEST_CASE("a step that a node tells of is one, or is refused") {
   Scattered pairs = scattered_pairs(2);
   RunOptions options;
