@@ -899,21 +899,30 @@ TEST_CASE("attempts that give up at any time are not forgotten") {
   CHECK(at_work > 10);
 }
 
+namespace {
+
+// Who can always meet, and who can only once it is back.
+void add_types_of_who_is_away(ImageBuilder& b) {
+  b.atom_type({.name = "One",
+               .ports = {{.name = "meet"}, {.name = "other"}},
+               .places = {"S"},
+               .initial = {"S"},
+               .transitions = {{"meet", {"S"}, {"S"}}, {"other", {"S"}, {"S"}}}});
+  b.atom_type({.name = "Away",
+               .ports = {{.name = "meet"}, {.name = "back"}},
+               .places = {"AWAY", "FREE"},
+               .initial = {"AWAY"},
+               .transitions = {{"meet", {"FREE"}, {"FREE"}}, {"back", {"AWAY"}, {"FREE"}}}});
+  b.connector_type({.name = "Alone", .params = {{"p", 0}}, .define = "p"});
+  b.connector_type({.name = "Two", .params = {{"p", 0}, {"q", 0}}, .define = "p q"});
+}
+
+}  // namespace
+
 TEST_CASE("an attempt that gives up at a component at work is woken when that rests") {
   const Scattered model(
       [](ImageBuilder& b) {
-        b.atom_type({.name = "One",
-                     .ports = {{.name = "meet"}, {.name = "other"}},
-                     .places = {"S"},
-                     .initial = {"S"},
-                     .transitions = {{"meet", {"S"}, {"S"}}, {"other", {"S"}, {"S"}}}});
-        b.atom_type({.name = "Away",
-                     .ports = {{.name = "meet"}, {.name = "back"}},
-                     .places = {"AWAY", "FREE"},
-                     .initial = {"AWAY"},
-                     .transitions = {{"meet", {"FREE"}, {"FREE"}}, {"back", {"AWAY"}, {"FREE"}}}});
-        b.connector_type({.name = "Alone", .params = {{"p", 0}}, .define = "p"});
-        b.connector_type({.name = "Two", .params = {{"p", 0}, {"q", 0}}, .define = "p q"});
+        add_types_of_who_is_away(b);
         for (const char* name : {"a", "c", "d"}) b.atom(name, "One");
         b.atom("b", "Away");
         b.connector("ab", "Two", {"a.meet", "b.meet"});
@@ -969,18 +978,7 @@ TEST_CASE("an attempt that gives up at a component at work is woken when that re
 TEST_CASE("an attempt that gives up at a component that another has locked is woken when that is given back") {
   const Scattered model(
       [](ImageBuilder& b) {
-        b.atom_type({.name = "One",
-                     .ports = {{.name = "meet"}, {.name = "other"}},
-                     .places = {"S"},
-                     .initial = {"S"},
-                     .transitions = {{"meet", {"S"}, {"S"}}, {"other", {"S"}, {"S"}}}});
-        b.atom_type({.name = "Away",
-                     .ports = {{.name = "meet"}, {.name = "back"}},
-                     .places = {"AWAY", "FREE"},
-                     .initial = {"AWAY"},
-                     .transitions = {{"meet", {"FREE"}, {"FREE"}}, {"back", {"AWAY"}, {"FREE"}}}});
-        b.connector_type({.name = "Alone", .params = {{"p", 0}}, .define = "p"});
-        b.connector_type({.name = "Two", .params = {{"p", 0}, {"q", 0}}, .define = "p q"});
+        add_types_of_who_is_away(b);
         b.connector_type({.name = "Three", .params = {{"p", 0}, {"q", 0}, {"r", 0}}, .define = "p q r"});
         for (const char* name : {"a", "c", "d", "e", "f"}) b.atom(name, "One");
         for (const char* name : {"x", "z"}) b.atom(name, "Away");
