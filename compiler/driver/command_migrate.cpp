@@ -14,7 +14,7 @@
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/migrate_bip1.hpp"
 #include "compiler/driver/report.hpp"
-#include "compiler/parse/parse_bip1.hpp"
+#include "compiler/parse/head_of_bip1.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/syntax/deprecated.hpp"
 

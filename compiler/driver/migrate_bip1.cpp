@@ -8,7 +8,7 @@
 #include "compiler/base/write_file.hpp"
 #include "compiler/driver/genom_files.hpp"
 #include "compiler/migrate/write_bip2.hpp"
-#include "compiler/parse/parse_bip1.hpp"
+#include "compiler/parse/bip1/parse_bip1.hpp"
 
 namespace bip::driver {
 namespace {

@@ -13,7 +13,7 @@
 #include "antlr4-runtime.h"
 #include "compiler/parse/convert.hpp"
 #include "compiler/parse/error_strategy.hpp"
-#include "compiler/parse/parse_bip1.hpp"
+#include "compiler/parse/head_of_bip1.hpp"
 #include "compiler/parse/parse_changed.hpp"
 #include "compiler/parse/read_in_pieces.hpp"
 #include "compiler/parse/row_stream.hpp"

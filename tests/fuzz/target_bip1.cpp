@@ -2,7 +2,7 @@
 // which each comment is.
 #include "compiler/migrate/write_bip2.hpp"
 #include "compiler/parse/parse.hpp"
-#include "compiler/parse/parse_bip1.hpp"
+#include "compiler/parse/bip1/parse_bip1.hpp"
 #include "compiler/syntax/print.hpp"
 #include "tests/fuzz/targets.hpp"
 

@@ -5,7 +5,7 @@
 
 #include "compiler/migrate/write_bip2.hpp"
 #include "compiler/parse/parse.hpp"
-#include "compiler/parse/parse_bip1.hpp"
+#include "compiler/parse/bip1/parse_bip1.hpp"
 
 using namespace bip;
 

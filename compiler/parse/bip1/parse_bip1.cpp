@@ -1,6 +1,6 @@
 // Parses BIP1: tokens, depth check, ANTLR in two stages as parse_file.cpp does. The first syntax error ends it: who
 // migrates a file has one that its own compiler took.
-#include "compiler/parse/parse_bip1.hpp"
+#include "compiler/parse/bip1/parse_bip1.hpp"
 
 #include <algorithm>
 #include <memory>
@@ -9,7 +9,7 @@
 #include "Bip1Lexer.h"
 #include "Bip1Parser.h"
 #include "antlr4-runtime.h"
-#include "compiler/parse/convert_bip1.hpp"
+#include "compiler/parse/bip1/convert_bip1.hpp"
 #include "compiler/parse/each_token.hpp"
 #include "compiler/parse/row_stream.hpp"
 
@@ -170,28 +170,6 @@ std::vector<TokenRow> sound_bip1_tokens(const std::vector<TokenRow>& all, std::s
 }
 
 }  // namespace
-
-SourceRange head_of_bip1(const SourceMap& sources, FileId file) {
-  const std::string_view text = sources.text(file);
-  constexpr std::string_view kBlanks = " \t\r\n", kWord = "model";
-  std::size_t at = 0;
-  for (;;) {
-    at = text.find_first_not_of(kBlanks, at);
-    if (at == std::string_view::npos) return {};
-    const bool is_line = text.substr(at).starts_with("//");
-    if (!is_line && !text.substr(at).starts_with("/*")) break;
-    at = is_line ? text.find('\n', at) : text.find("*/", at + 2);
-    if (at == std::string_view::npos) return {};
-    if (!is_line) at += 2;
-  }
-  if (!text.substr(at).starts_with(kWord)) return {};
-  const std::size_t end = at + kWord.size();
-  const std::size_t name = text.find_first_not_of(" \t", end);
-  if (name == std::string_view::npos || name == end) return {};
-  const char first = text[name];
-  if (!(first == '_' || (first >= 'a' && first <= 'z') || (first >= 'A' && first <= 'Z'))) return {};
-  return {file, static_cast<std::uint32_t>(at), static_cast<std::uint32_t>(end)};
-}
 
 TokenList read_bip1_tokens(std::string_view part, std::uint32_t begin) {
   TokenList list;

@@ -1,5 +1,5 @@
 // See convert_bip1.hpp. Recursion is bounded by is_flat_bip1(), which looks at every text before a tree is made of it.
-#include "compiler/parse/convert_bip1.hpp"
+#include "compiler/parse/bip1/convert_bip1.hpp"
 
 #include <charconv>
 #include <memory>

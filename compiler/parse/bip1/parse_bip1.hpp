@@ -7,9 +7,6 @@
 
 namespace bip::parse {
 
-/// `model Name` at the beginning of a file of BIP1, else no range.
-[[nodiscard]] SourceRange head_of_bip1(const SourceMap& sources, FileId file);
-
 /// The tree of a file of BIP1; nullopt after the first syntax error, which is reported. Never throws, never prints.
 [[nodiscard]] std::optional<syntax::bip1::Model> parse_bip1(const SourceMap& sources, FileId file, Diagnostics& diags);
 
