@@ -163,6 +163,11 @@ def restart(level):
     check("what others wrote is read again", (got := level.ask("track.chase")) == ("e_far", {"name": "::track::e_far", "detail": {"distance": -2, "what": "behind"}}), got)
     after = children(nursery)
     check("the other component has not noticed", before["eye"] == after["eye"] and before["track"] != after["track"], (before, after))
+    # The task's own codel is what is due next: it waits in the stopped process, alone.
+    os.kill(after["track"], signal.SIGSTOP)
+    time.sleep(0.5)
+    os.kill(after["track"], signal.SIGKILL)
+    check("a task whose codel was alone in the process goes on", (got := level.ask("track.chase"))[0] == "e_far", got)
 
 
 def killed(level):

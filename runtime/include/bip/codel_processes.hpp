@@ -57,7 +57,6 @@ class Level {
     for (const std::size_t count : owners) width_ = std::max(width_, count + 3);
     for (Book& book : books_) {
       book.is_taken.resize(width_);
-      book.is_shared.resize(width_);
       book.sent.resize(d_.posters.size());
       book.heard.resize(d_.posters.size());
     }
@@ -193,7 +192,7 @@ class Level {
   // What the controller knows of a module: which death it has noticed, and numbers of posters in this generation.
   struct Book {
     std::uint32_t seen = 1, initialised_in = 0, input_in = 0, posters_of = 1;
-    std::vector<bool> is_taken{}, is_shared{};  // by channel
+    std::vector<bool> is_taken{};  // by channel
     std::vector<std::uint64_t> sent{}, heard{};
     std::vector<Repeated> repeated{};
     std::uint32_t repeated_in = 1;
@@ -266,7 +265,8 @@ class Level {
     std::optional<CodelTimer> timer;
     if (d_.functions[index(function)].is_codel) timer.emplace(d_.functions[index(function)].name);
     if (!start()) return {.why = "no process can be started"};
-    // A task goes on in another process, if not its own codel has ended this one.
+    // A task goes on in another process, if not its own codel has ended this one. If nothing tells what has (SIGKILL
+    // when there is no memory, `_exit`), it does so once.
     int retries = call.owner >= 0 && d_.owner_rows[index(call.owner)].is_task ? 1 : -1;
     while (true) {
       notice_death(module);
@@ -293,11 +293,8 @@ class Level {
           std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }
       } else {
-        // What is alone in a process when that dies has ended it, whether it could note that or not (SIGKILL when there
-        // is no memory, `_exit`).
         const std::uint32_t culprit = state(module).ended_by;
-        const bool is_own_fault = culprit == k + 1 || (culprit == 0 && !is_shared(module, k));
-        if (retries >= 0 && !is_own_fault && (culprit != 0 || retries-- > 0)) {
+        if (retries >= 0 && culprit != k + 1 && (culprit != 0 || retries-- > 0)) {
           free_channel(module, k);
           continue;
         }
@@ -344,11 +341,6 @@ class Level {
     // There are more channels than codels and other functions that may be called at a time.
     std::size_t k = 0;
     while (k + 1 < taken.size() && taken[k]) ++k;
-    std::vector<bool>& shared = books_[index(module)].is_shared;
-    shared[k] = false;
-    for (std::size_t other = 0; other < taken.size(); ++other) {
-      if (taken[other]) shared[other] = shared[k] = true;
-    }
     taken[k] = true;
     ModuleState& s = state(module);
     if (s.threads < k + 1) {
@@ -360,12 +352,6 @@ class Level {
   void free_channel(int module, std::size_t k) {
     const std::lock_guard<std::mutex> hold(lock_);
     books_[index(module)].is_taken[k] = false;
-  }
-
-  // Has there been another call in the process meanwhile?
-  [[nodiscard]] bool is_shared(int module, std::size_t k) {
-    const std::lock_guard<std::mutex> hold(lock_);
-    return books_[index(module)].is_shared[k];
   }
 
   // False: the process had died before it got the call.
