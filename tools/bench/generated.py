@@ -55,15 +55,37 @@ def interleaved(n):
     return flat_table("interleaved", components, [line for pair in zip(takes, gives) for line in pair])
 
 
-def data_broadcast(n):
-    """A sender that hands an int to all of n receivers, with a clause for all of them, and then counts."""
+# Receivers that always hear, and a sender that counts between broadcasts.
+ALL_HEAR = {"sender": """    export port Signal count()
+    place READY, COUNTS
+    initial to READY
+    on send from READY to COUNTS
+    on count from COUNTS to READY do { value = value + 1; }
+""", "receiver": """    place S
+    initial to S
+    on hear from S to S do { heard = heard + value; }
+""", "connectors": lambda n: "    connector One count(sender.count)\n"}
+# Receivers that have to be re-armed, one by one: most broadcasts reach some of them.
+SOME_HEAR = {"sender": """    place READY
+    initial to READY
+    on send from READY to READY do { value = value + 1; }
+""", "receiver": """    export port Signal rearm()
+    place LISTENING, FULL
+    initial to LISTENING
+    on hear from LISTENING to FULL do { heard = heard + value; }
+    on rearm from FULL to LISTENING
+""", "connectors": lambda n: "".join(f"    connector One again{i}(receiver{i}.rearm)\n" for i in range(n))}
+
+
+def data_broadcast(n, name="data_broadcast", parts=ALL_HEAR):
+    """A sender that hands an int to all of n receivers, with a clause for all of them."""
     receivers = range(n)
     parameters = "".join(f", Number r{i}" for i in receivers)
     names = " ".join(f"r{i}" for i in receivers)
     down = " ".join(f"r{i}.value = s.value;" for i in receivers)
     components = "".join(f"    component Receiver receiver{i}()\n" for i in receivers)
     ports = "".join(f", receiver{i}.hear" for i in receivers)
-    return f"""package data_broadcast
+    return f"""package {name}
   port type Signal()
   port type Number(int value)
   connector type One(Signal p) define p end
@@ -74,26 +96,22 @@ def data_broadcast(n):
   atom type Sender()
     data int value = 0
     export port Number send(value)
-    export port Signal count()
-    place READY, COUNTS
-    initial to READY
-    on send from READY to COUNTS
-    on count from COUNTS to READY do {{ value = value + 1; }}
-  end
+{parts["sender"]}  end
   atom type Receiver()
     data int value = 0, heard = 0
     export port Number hear(value)
-    place S
-    initial to S
-    on hear from S to S do {{ heard = heard + value; }}
-  end
+{parts["receiver"]}  end
   compound type Root()
     component Sender sender()
 {components}    connector All all(sender.send{ports})
-    connector One count(sender.count)
-  end
+{parts["connectors"](n)}  end
 end
 """
 
 
-MODELS = {"shuffled": shuffled, "interleaved": interleaved, "data_broadcast": data_broadcast}
+def data_broadcast_some(n):
+    """The same with receivers of which some are ready."""
+    return data_broadcast(n, "data_broadcast_some", SOME_HEAR)
+
+
+MODELS = {"shuffled": shuffled, "interleaved": interleaved, "data_broadcast": data_broadcast, "data_broadcast_some": data_broadcast_some}
