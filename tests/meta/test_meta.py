@@ -186,6 +186,13 @@ def check_switches_list_all_kinds():
     return problems
 
 
+def check_ctest_knows_all_groups():
+    """Each group of run_all.py can be run by `ctest -R GROUP`; those of `unit` are programs of their own there."""
+    groups = re.findall(r'^ +(?:\*\(\[)?\("(\w+)", (?:\[|needs|list)', (ROOT / "tests/run_all.py").read_text(encoding="utf-8"), re.M)
+    known = re.search(r"^foreach\(group ([\w ]+)\)$", (ROOT / "tests/CMakeLists.txt").read_text(encoding="utf-8"), re.M)[1].split()
+    return [f"tests/CMakeLists.txt: {name}: not in both lists of groups" for name in sorted((set(groups) - {"unit"}) ^ set(known))]
+
+
 def kinds():
     text = (ROOT / "compiler/diag/kinds.def").read_text(encoding="utf-8")
     return re.findall(r'^BIP_DIAG\((B\d+), (\w+), "([^"]+)"', text, re.M)
