@@ -12,6 +12,7 @@ namespace bip::analysis {
 
 namespace {
 
+using model::for_each_assigned;
 using model::for_each_expr;
 using model::for_each_stmt;
 
@@ -100,8 +101,7 @@ class DataAccessScan {
     }
     bool is_stored = false;
     for (const Transition& t : type.transitions) {
-      for_each_stmt(code_, t.action,
-                    [&](const Stmt& s) { is_stored |= s.op == StmtOp::StoreSelf && s.index == variable; });
+      for_each_assigned(code_, t.action, Op::LoadSelf, [&](std::uint32_t other) { is_stored |= other == variable; });
     }
     return !is_stored;
   }
@@ -122,8 +122,9 @@ class DataAccessScan {
     };
     for (const Clause& clause : type.clauses) {
       for_each_stmt(code_, clause.down, [&](const Stmt& s) {
-        if (s.op != StmtOp::StoreBind) return;
-        const auto target = source_of(s.index);
+        const std::optional<std::uint32_t> bind = model::assigned_variable(s, Op::LoadBind);
+        if (!bind) return;
+        const auto target = source_of(*bind);
         if (!target || access_of(target->first).observed[target->second] == 0) return;
         for_each_expr(code_, s.value, [&](const Expr& e) {
           const auto source = e.op == Op::LoadBind ? source_of(e.index) : std::nullopt;
@@ -193,9 +194,7 @@ class DataAccessScan {
           [](DataAccess& access, std::uint32_t variable) { access.observed[variable] = 1; });
     };
     for (const Clause& clause : type.clauses) {
-      for_each_stmt(code_, clause.down, [&](const Stmt& s) {
-        if (s.op == StmtOp::StoreBind) changes(s.index, &clause);
-      });
+      for_each_assigned(code_, clause.down, Op::LoadBind, [&](std::uint32_t bind) { changes(bind, &clause); });
       for_each_expr(code_, clause.guard, reads);
       for (StmtId body : {clause.up, clause.down}) {
         for_each_stmt(code_, body, [&](const Stmt& s) { for_each_expr(code_, s.value, reads); });
@@ -205,13 +204,21 @@ class DataAccessScan {
       references(clause.up, binds, selves);
       references(clause.down, binds, selves);
       for (std::uint32_t bind : binds) changes(bind, nullptr);
-      for_each_stmt(code_, clause.up, [&](const Stmt& s) {
-        if (s.op == StmtOp::StoreBind) changes(s.index, nullptr);
-      });
+      for_each_assigned(code_, clause.up, Op::LoadBind, [&](std::uint32_t bind) { changes(bind, nullptr); });
       for_each_expr(code_, clause.guard, observes);
     }
   }
 
+  // Does the value of an action's statement decide what comes next, or what observed data hold?
+  [[nodiscard]] static bool decides(const Stmt& s, const DataAccess& access) {
+    switch (s.op) {
+      case StmtOp::StoreSelf: return access.observed[s.index] != 0;
+      case StmtOp::If: return true;
+      case StmtOp::StoreBind:
+      case StmtOp::Call: break;
+    }
+    return false;
+  }
   void scan_type(const AtomType& type, DataAccess& access) {
     std::vector<std::uint32_t> binds, selves;
     const auto reads = [&](ExprId expr) {
@@ -239,8 +246,7 @@ class DataAccessScan {
       changed = false;
       const auto close = [&](StmtId body) {
         for_each_stmt(code_, body, [&](const Stmt& s) {
-          if (s.op == StmtOp::If || (s.op == StmtOp::StoreSelf && access.observed[s.index] != 0))
-            changed |= reads(s.value);
+          if (decides(s, access)) changed |= reads(s.value);
         });
       };
       close(type.initial_action);

@@ -79,8 +79,8 @@ class Uses {
   void add(ExprId id) {
     if (!id.is_valid()) return;
     const Expr& e = code_.exprs[id];
-    if (e.op == Op::LoadSelf) note(self, e.index, e.type, false);
-    if (e.op == Op::LoadBind) note(bind, e.index, e.type, false);
+    if (e.op == Op::LoadSelf) note(self, e.index, e.type, Access::Read);
+    if (e.op == Op::LoadBind) note(bind, e.index, e.type, Access::Read);
     if (e.op == Op::Call) add_call(e);
     if (operand_count(e.op) >= 1) add(e.a);
     if (operand_count(e.op) == 2) add(e.b);
@@ -92,7 +92,7 @@ class Uses {
     for (std::size_t k = 0; k < args.size(); ++k) {
       const Expr& arg = code_.exprs[args[k]];
       const bool by_reference = code_.functions[e.index].params[k].by_reference;
-      if (by_reference) note(arg.op == Op::LoadSelf ? self : bind, arg.index, arg.type, true);
+      if (by_reference) note(arg.op == Op::LoadSelf ? self : bind, arg.index, arg.type, Access::Written);
       else add(args[k]);
     }
   }
@@ -100,11 +100,15 @@ class Uses {
     for (StmtId id = first; id.is_valid(); id = code_.stmts[id].next) {
       const Stmt& s = code_.stmts[id];
       add(s.value);
-      if (s.op == StmtOp::StoreSelf) note(self, s.index, s.type, true);
-      if (s.op == StmtOp::StoreBind) note(bind, s.index, s.type, true);
-      if (s.op != StmtOp::If) continue;
-      add(s.then_body);
-      add(s.else_body);
+      switch (s.op) {
+        case StmtOp::StoreSelf: note(self, s.index, s.type, Access::Written); break;
+        case StmtOp::StoreBind: note(bind, s.index, s.type, Access::Written); break;
+        case StmtOp::If:
+          add(s.then_body);
+          add(s.else_body);
+          break;
+        case StmtOp::Call: break;
+      }
     }
   }
   /// Names the used variables, each by its row.
@@ -125,13 +129,14 @@ class Uses {
   bool faults = false;
 
  private:
-  static void note(std::vector<Local>& locals, std::uint32_t index, Type type, bool write) {
+  enum class Access : std::uint8_t { Read, Written };
+  static void note(std::vector<Local>& locals, std::uint32_t index, Type type, Access access) {
     BIP_ASSERT(index < locals.size(), "variable {} of {}", index, locals.size());
     Local& local = locals[index];
     BIP_ASSERT(local.index == rt::kNone || local.type == type, "variable {} is used as two types", index);
     local.index = index;
     local.type = type;
-    local.written = local.written || write;
+    local.written = local.written || access == Access::Written;
   }
   const CodeTable& code_;
 };
@@ -150,9 +155,11 @@ class FunctionEmitter {
   void emit(const lower::CodeUnit& unit);
 
  private:
-  void declare(const std::vector<Local>& locals, bool is_bind);
+  enum class VariableKind : std::uint8_t { Self, Bind };
+  void declare(const std::vector<Local>& locals, VariableKind kind);
   void body(ExprContext& context, StmtId first, int depth);
   void if_chain(ExprContext& context, StmtId id, int depth);
+  void assignment(ExprContext& context, const std::vector<Local>& locals, const Stmt& stmt, int depth);
   void indented(int depth, const std::string& text) {
     out_.line(std::string(static_cast<std::size_t>(depth) * 2, ' ') + text);
   }
@@ -165,7 +172,8 @@ class FunctionEmitter {
   FfiNames ffi_;
 };
 
-void FunctionEmitter::declare(const std::vector<Local>& locals, bool is_bind) {
+void FunctionEmitter::declare(const std::vector<Local>& locals, VariableKind kind) {
+  const bool is_bind = kind == VariableKind::Bind;
   for (const Local& local : locals) {
     if (!Uses::used(local)) continue;
     const std::string row =
@@ -178,7 +186,6 @@ void FunctionEmitter::declare(const std::vector<Local>& locals, bool is_bind) {
 
 void FunctionEmitter::if_chain(ExprContext& context, StmtId id, int depth) {
   const Stmt* stmt = &code_.stmts[id];
-  out_.at(stmt->loc);
   indented(depth, "if (" + expr_text(context, stmt->value) + ") {");
   body(context, stmt->then_body, depth + 1);
   while (stmt->else_body.is_valid()) {
@@ -199,21 +206,20 @@ void FunctionEmitter::if_chain(ExprContext& context, StmtId id, int depth) {
 void FunctionEmitter::body(ExprContext& context, StmtId first, int depth) {
   for (StmtId id = first; id.is_valid(); id = code_.stmts[id].next) {
     const Stmt& stmt = code_.stmts[id];
-    if (stmt.op == StmtOp::If) {
-      if_chain(context, id, depth);
-      continue;
-    }
-    if (stmt.op == StmtOp::Call) {
-      out_.at(stmt.loc);
-      indented(depth, expr_text(context, stmt.value) + ";");
-      continue;
-    }
-    const auto& locals = stmt.op == StmtOp::StoreSelf ? context.self_locals : context.bind_locals;
     out_.at(stmt.loc);
-    BIP_ASSERT(Uses::used(locals[stmt.index]) && locals[stmt.index].written,
-               "variable {} is assigned, and was declared constant", stmt.index);
-    indented(depth, locals[stmt.index].name + " = " + expr_text(context, stmt.value) + ";");
+    switch (stmt.op) {
+      case StmtOp::StoreSelf: assignment(context, context.self_locals, stmt, depth); break;
+      case StmtOp::StoreBind: assignment(context, context.bind_locals, stmt, depth); break;
+      case StmtOp::If: if_chain(context, id, depth); break;
+      case StmtOp::Call: indented(depth, expr_text(context, stmt.value) + ";"); break;
+    }
   }
+}
+
+void FunctionEmitter::assignment(ExprContext& context, const std::vector<Local>& locals, const Stmt& stmt, int depth) {
+  BIP_ASSERT(Uses::used(locals[stmt.index]) && locals[stmt.index].written,
+             "variable {} is assigned, and was declared constant", stmt.index);
+  indented(depth, locals[stmt.index].name + " = " + expr_text(context, stmt.value) + ";");
 }
 
 void FunctionEmitter::emit(const lower::CodeUnit& unit) {
@@ -236,8 +242,8 @@ void FunctionEmitter::emit(const lower::CodeUnit& unit) {
   if (!out_.has_line_directives()) out_.line("// " + out_.place(unit.loc));
   out_.at(unit.loc);
   out_.line(head + (uses.faults ? " try {" : " {"));
-  declare(uses.self, false);
-  declare(uses.bind, true);
+  declare(uses.self, VariableKind::Self);
+  declare(uses.bind, VariableKind::Bind);
   ExprContext context{lowered_, faults_, names, ffi_, uses.self, uses.bind};
   if (unit.kind == lower::CodeKind::Guard) {
     const std::string value = expr_text(context, unit.expr);

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "compiler/model/print_expr.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::exchange {
 
@@ -82,22 +83,29 @@ std::string PromelaCode::statements(StmtId body, const Names& names, const std::
   std::string out;
   for (StmtId row = body; row.is_valid(); row = code_.stmts[row].next) {
     const Stmt& s = code_.stmts[row];
-    if (s.op == StmtOp::Call) {
-      refuse("a call of C++", s.loc);
-    } else if (s.op == StmtOp::If) {
-      const auto branch = [&](StmtId inner) {
-        return inner.is_valid() ? statements(inner, names, indent + "  ") : indent + "  skip;\n";
-      };
-      out += fmt::format("{0}if\n{0}:: {1} ->\n{2}{0}:: else ->\n{3}{0}fi;\n", indent, text(s.value, names),
-                         branch(s.then_body), branch(s.else_body));
-    } else {
-      if (decides_nothing(s)) continue;
-      const std::string name = s.op == StmtOp::StoreSelf ? names.self(s.index) : names.bind(s.index);
-      if (name.empty()) refuse("what is written to a merged port that does not take part", s.loc);
-      out += fmt::format("{}{} = {};\n", indent, name, text(s.value, names));
+    switch (s.op) {
+      case StmtOp::StoreSelf: out += assignment(s, names.self, names, indent); break;
+      case StmtOp::StoreBind: out += assignment(s, names.bind, names, indent); break;
+      case StmtOp::If: {
+        const auto branch = [&](StmtId inner) {
+          return inner.is_valid() ? statements(inner, names, indent + "  ") : indent + "  skip;\n";
+        };
+        out += fmt::format("{0}if\n{0}:: {1} ->\n{2}{0}:: else ->\n{3}{0}fi;\n", indent, text(s.value, names),
+                           branch(s.then_body), branch(s.else_body));
+        break;
+      }
+      case StmtOp::Call: refuse("a call of C++", s.loc); break;
     }
   }
   return out;
+}
+
+std::string PromelaCode::assignment(const Stmt& s, const NameOf& target, const Names& names,
+                                    const std::string& indent) {
+  if (decides_nothing(s)) return "";
+  const std::string name = target(s.index);
+  if (name.empty()) refuse("what is written to a merged port that does not take part", s.loc);
+  return fmt::format("{}{} = {};\n", indent, name, text(s.value, names));
 }
 
 void PromelaCode::substitute(StmtId body, const Names& names, std::map<u32, std::string>& self) {
@@ -105,18 +113,23 @@ void PromelaCode::substitute(StmtId body, const Names& names, std::map<u32, std:
   current.self = [&self](u32 k) { return self.at(k); };
   for (StmtId row = body; row.is_valid() && refusal_.empty(); row = code_.stmts[row].next) {
     const Stmt& s = code_.stmts[row];
-    if (s.op == StmtOp::Call) {
-      refuse("a call of C++", s.loc);
-    } else if (s.op == StmtOp::If) {
-      const std::string condition = text(s.value, current);
-      std::map<u32, std::string> yes = self, no = self;
-      substitute(s.then_body, names, yes);
-      substitute(s.else_body, names, no);
-      for (auto& [variable, value] : self)
-        value = yes[variable] == no[variable] ? yes[variable]
-                                              : fmt::format("({} -> {} : {})", condition, yes[variable], no[variable]);
-    } else if (!decides_nothing(s)) {
-      self[s.index] = text(s.value, current);
+    switch (s.op) {
+      case StmtOp::StoreSelf:
+        if (!decides_nothing(s)) self[s.index] = text(s.value, current);
+        break;
+      case StmtOp::If: {
+        const std::string condition = text(s.value, current);
+        std::map<u32, std::string> yes = self, no = self;
+        substitute(s.then_body, names, yes);
+        substitute(s.else_body, names, no);
+        for (auto& [variable, value] : self)
+          value = yes[variable] == no[variable]
+                      ? yes[variable]
+                      : fmt::format("({} -> {} : {})", condition, yes[variable], no[variable]);
+        break;
+      }
+      case StmtOp::StoreBind: BIP_UNREACHABLE("an `up` that stores into a port");
+      case StmtOp::Call: refuse("a call of C++", s.loc); break;
     }
   }
 }

@@ -11,8 +11,9 @@
 namespace bip::exchange {
 
 /// Names of the variables that code reads and writes; "": a merged port that does not take part has no variable.
+using NameOf = std::function<std::string(u32)>;
 struct Names {
-  std::function<std::string(u32)> self, bind;
+  NameOf self, bind;
 };
 
 class PromelaCode {
@@ -33,6 +34,8 @@ class PromelaCode {
 
  private:
   [[nodiscard]] bool decides_nothing(const Stmt& store);
+  [[nodiscard]] std::string assignment(const Stmt& s, const NameOf& target, const Names& names,
+                                       const std::string& indent);
   [[nodiscard]] std::string division(const Expr& e, const std::string& a, const Names& names);
 
   const System& system_;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "compiler/base/quote.hpp"
+#include "compiler/model/code_uses.hpp"
 #include "compiler/model/print_expr.hpp"
 #include "compiler/system/bsys_text.hpp"
 #include "runtime/include/bip/assert.hpp"
@@ -55,33 +56,36 @@ class CodeTextWriter {
   void stmts(StmtId first) {
     const std::size_t begin = out_.size();
     for (StmtId id = first; id.is_valid(); id = code_.stmts[id].next) {
-      const Stmt& s = code_.stmts[id];
-      const bool is_store = s.op == StmtOp::StoreSelf || s.op == StmtOp::StoreBind;
-      const std::string& target =
-          is_store ? (s.op == StmtOp::StoreSelf ? names_.self : names_.bind)[s.index] : std::string();
-      if (is_store && target.empty()) continue;
+      if (is_hidden(code_.stmts[id])) continue;
       if (out_.size() > begin) out_ += ' ';
-      if (s.op == StmtOp::If) {
-        out_ += "if (";
-        out_ += expr(s.value).text;
-        out_ += ") then ";
-        stmts(s.then_body);
-        if (s.else_body.is_valid()) {
-          out_ += " else ";
-          stmts(s.else_body);
-        }
-        out_ += " fi";
-        continue;
-      }
-      if (is_store) out_ += target + " = ";
-      out_ += expr(s.value).text;
-      out_ += ';';
+      stmt(code_.stmts[id]);
     }
   }
 
   std::string take() { return std::move(out_); }
 
  private:
+  // Hidden variables have no name.
+  [[nodiscard]] bool is_hidden(const Stmt& s) const {
+    const std::optional<std::uint32_t> self = model::assigned_variable(s, Op::LoadSelf);
+    const std::optional<std::uint32_t> bind = model::assigned_variable(s, Op::LoadBind);
+    return (self && names_.self[*self].empty()) || (bind && names_.bind[*bind].empty());
+  }
+  void stmt(const Stmt& s) {
+    switch (s.op) {
+      case StmtOp::StoreSelf: out_ += names_.self[s.index] + " = " + expr(s.value).text + ';'; return;
+      case StmtOp::StoreBind: out_ += names_.bind[s.index] + " = " + expr(s.value).text + ';'; return;
+      case StmtOp::Call: out_ += expr(s.value).text + ';'; return;
+      case StmtOp::If: break;
+    }
+    out_ += "if (" + expr(s.value).text + ") then ";
+    stmts(s.then_body);
+    if (s.else_body.is_valid()) {
+      out_ += " else ";
+      stmts(s.else_body);
+    }
+    out_ += " fi";
+  }
   std::string call(const Expr& e) {
     const Function& function = code_.functions[e.index];
     // The generator of a draw has no name in the model.
@@ -111,7 +115,7 @@ std::vector<std::string> names_in(const std::vector<system::text::ScopeVariable>
 // The value that `measure` stores in a hidden variable.
 ExprId limit_of(const CodeTable& code, StmtId measure, std::uint32_t variable) {
   for (StmtId id = measure; id.is_valid(); id = code.stmts[id].next)
-    if (code.stmts[id].op == StmtOp::StoreSelf && code.stmts[id].index == variable) return code.stmts[id].value;
+    if (model::assigned_variable(code.stmts[id], Op::LoadSelf) == variable) return code.stmts[id].value;
   return {};
 }
 

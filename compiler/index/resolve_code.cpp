@@ -1,5 +1,6 @@
 // Uses in expressions, actions and paths. Depth is that of the tree, which the parser limits.
 #include "compiler/index/index_builder.hpp"
+#include "compiler/syntax/code_paths.hpp"
 
 namespace bip::index {
 
@@ -42,7 +43,7 @@ void IndexBuilder::expr(const Expr* e, const Scope& scope) {
 
 void IndexBuilder::stmts(std::span<const Stmt* const> list, const Scope& scope) {
   for (const Stmt* s : list) {
-    if (s->kind == StmtKind::Assign) path(s->target, scope, UseKind::Write);
+    if (const Path* target = syntax::assigned_path(*s)) path(*target, scope, UseKind::Write);
     expr(s->value, scope);
     stmts(s->then_body, scope);
     stmts(s->else_body, scope);

@@ -17,9 +17,14 @@ CodeFacts code_facts(const CodeTable& code, ExprId expr, StmtId body) {
     stmts.pop_back();
     if (!id.is_valid()) continue;
     const Stmt& s = code.stmts[id];
-    if (s.op == StmtOp::StoreBind) {
-      facts.writes_binds = true;
-      facts.binds.push_back(s.index);
+    switch (s.op) {
+      case StmtOp::StoreBind:
+        facts.writes_binds = true;
+        facts.binds.push_back(s.index);
+        break;
+      case StmtOp::StoreSelf:
+      case StmtOp::If:
+      case StmtOp::Call: break;
     }
     exprs.push_back(s.value);
     stmts.insert(stmts.end(), {s.next, s.then_body, s.else_body});

@@ -52,21 +52,25 @@ class RangeCodeWriter {
     for (StmtId id = first; id.is_valid(); id = code_.stmts[id].next) {
       const Stmt& s = code_.stmts[id];
       value(s.value);
-      if (s.op == StmtOp::StoreSelf) {
-        add({RangeOpKind::Store, type_of(s.type), s.index});
-        continue;
+      switch (s.op) {
+        case StmtOp::StoreSelf: add({RangeOpKind::Store, type_of(s.type), s.index}); break;
+        case StmtOp::If: branch(s); break;
+        case StmtOp::StoreBind:
+        case StmtOp::Call: BIP_UNREACHABLE("clause_ranges takes neither stores into ports nor calls");
       }
-      const std::size_t branch = out_.size();
-      add({RangeOpKind::Branch, rt::CellType::Bool});
-      body(s.then_body);
-      const std::size_t middle = out_.size();
-      body(s.else_body);
-      out_[branch].row = static_cast<std::uint32_t>(middle - branch - 1);
-      out_[branch].otherwise = static_cast<std::uint32_t>(out_.size() - middle);
     }
   }
 
  private:
+  void branch(const Stmt& s) {
+    const std::size_t start = out_.size();
+    add({RangeOpKind::Branch, rt::CellType::Bool});
+    body(s.then_body);
+    const std::size_t middle = out_.size();
+    body(s.else_body);
+    out_[start].row = static_cast<std::uint32_t>(middle - start - 1);
+    out_[start].otherwise = static_cast<std::uint32_t>(out_.size() - middle);
+  }
   static bool is_number(Type type) { return type == Type::Int || type == Type::Bool || type == Type::Float; }
   void add(const RangeOp& op) { out_.push_back(op); }
   void any(Type type) { add({RangeOpKind::Any, type_of(type)}); }

@@ -124,15 +124,26 @@ std::optional<std::string> CodeTranslator::statements(const std::vector<Stmt>& l
 }
 
 std::optional<std::string> CodeTranslator::statement(const Stmt& s) const {
-  if (s.kind == StmtKind::Call) return std::nullopt;
-  if (s.kind == StmtKind::If) {
-    const std::optional<std::string> condition = value(s.exprs[0], ValueKind::Bool);
-    const std::optional<std::string> then_body = statements(s.then_body), else_body = statements(s.else_body);
-    if (!condition || !then_body || !else_body) return std::nullopt;
-    std::string out = "if (" + *condition + ") then " + *then_body;
-    if (!s.else_body.empty()) out += "else " + *else_body;
-    return out + "fi ";
+  switch (s.kind) {
+    case StmtKind::Call: return std::nullopt;
+    case StmtKind::If: return if_stmt(s);
+    case StmtKind::Change:
+    case StmtKind::Assign: return assignment(s);
   }
+  BIP_UNREACHABLE("statement");
+}
+
+std::optional<std::string> CodeTranslator::if_stmt(const Stmt& s) const {
+  const std::optional<std::string> condition = value(s.exprs[0], ValueKind::Bool);
+  const std::optional<std::string> then_body = statements(s.then_body), else_body = statements(s.else_body);
+  if (!condition || !then_body || !else_body) return std::nullopt;
+  std::string out = "if (" + *condition + ") then " + *then_body;
+  if (!s.else_body.empty()) out += "else " + *else_body;
+  return out + "fi ";
+}
+
+// `x = value` and `x op= value`.
+std::optional<std::string> CodeTranslator::assignment(const Stmt& s) const {
   BIP_ASSERT(s.exprs.size() == 1 && !s.target.empty(), "an assignment of {} values", s.exprs.size());
   const auto found = variables_.find(joined(s.target));
   if (found == variables_.end() || !found->second.is_writable) return std::nullopt;

@@ -30,6 +30,8 @@ class CodeTranslator {
   [[nodiscard]] std::optional<Value> binary(const syntax::bip1::Expr& e) const;
   [[nodiscard]] std::optional<Value> comparison(const syntax::bip1::Expr& e) const;
   [[nodiscard]] std::optional<std::string> statement(const syntax::bip1::Stmt& s) const;
+  [[nodiscard]] std::optional<std::string> if_stmt(const syntax::bip1::Stmt& s) const;
+  [[nodiscard]] std::optional<std::string> assignment(const syntax::bip1::Stmt& s) const;
 
   const Bip2Names& names_;
   const Variables& variables_;

@@ -6,6 +6,7 @@
 #include "compiler/model/code_uses.hpp"
 #include "compiler/model/ffi_declarations.hpp"
 #include "compiler/model/packages.hpp"
+#include "compiler/syntax/code_paths.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::model {
@@ -85,8 +86,8 @@ struct AtomBuilder {
   }
   void note_changed(std::span<const syntax::Stmt* const> stmts) {
     for (const syntax::Stmt* s : stmts) {
-      if (s->kind == syntax::StmtKind::Assign && s->target.parts.size() == 1)
-        changed.try_emplace(std::string(s->target.parts[0].name.text), Change{s->target.range, {}});
+      if (const syntax::Path* target = syntax::assigned_path(*s); target != nullptr && target->parts.size() == 1)
+        changed.try_emplace(std::string(target->parts[0].name.text), Change{target->range, {}});
       if (s->value != nullptr) note_given(*s->value);
       note_changed(s->then_body);
       note_changed(s->else_body);

@@ -2,30 +2,12 @@
 #include <algorithm>
 
 #include "compiler/model/ffi_declarations.hpp"
+#include "compiler/syntax/code_paths.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::model {
 
 namespace {
-
-// The paths that code reads or writes, in the order of the text.
-struct PathCollector {
-  std::vector<const syntax::Path*> paths{};
-
-  void expr(const syntax::Expr* e) {
-    if (e == nullptr) return;
-    if (e->kind == syntax::ExprKind::Path) paths.push_back(&e->path);
-    for (const syntax::Expr* operand : e->operands) expr(operand);
-  }
-  void stmts(std::span<const syntax::Stmt* const> list) {
-    for (const syntax::Stmt* s : list) {
-      if (s->kind == syntax::StmtKind::Assign) paths.push_back(&s->target);
-      expr(s->value);
-      stmts(s->then_body);
-      stmts(s->else_body);
-    }
-  }
-};
 
 // So many interactions without a clause get one.
 constexpr std::size_t kMaxClausesOfInits = 4096;
@@ -324,24 +306,21 @@ struct BodyBuilder {
   // Code of an interaction sees the variables of the ports that take part, no others: an atom that does not move keeps
   // its data, and a guard is about what would move.
   void check_participants(const syntax::Clause& c, const std::vector<std::uint32_t>& params, SourceRange at) {
-    PathCollector used;
-    used.expr(c.guard);
-    for (const auto& stmts : {c.up.stmts, c.down.stmts, c.action.stmts}) used.stmts(stmts);
-    for (const syntax::Path* path : used.paths) {
-      const auto found = down_scope.names.find(b.text(*path));
-      if (found == down_scope.names.end() || found->second.load != Op::LoadBind) continue;
+    syntax::for_each_path(c, [&](const syntax::Path& path) {
+      const auto found = down_scope.names.find(b.text(path));
+      if (found == down_scope.names.end() || found->second.load != Op::LoadBind) return;
       const auto param = std::find_if(out.params.begin(), out.params.end(), [&](const ConnectorParam& p) {
         const std::size_t count = p.type.is_valid() ? b.model.port_types[p.type].variables.size() : 0;
         return found->second.index >= p.first_bind && found->second.index < p.first_bind + count;
       });
       // Exported data of a component, which inline connectors may read, belong to no port.
-      if (param == out.params.end()) continue;
+      if (param == out.params.end()) return;
       const auto row = static_cast<std::uint32_t>(param - out.params.begin());
-      if (std::find(params.begin(), params.end(), row) != params.end()) continue;
-      b.diags.report(Diag::kB2037, path->range, b.text(*path), param->name, interaction_text(out, params))
+      if (std::find(params.begin(), params.end(), row) != params.end()) return;
+      b.diags.report(Diag::kB2037, path.range, b.text(path), param->name, interaction_text(out, params))
           .label(at, "only these take part")
           .help(fmt::format("write an `on` with `{}` for the interactions in which it takes part", param->name));
-    }
+    });
   }
 
   // An interaction without a clause, found among the largest ones and those of one port; empty if there is none there.

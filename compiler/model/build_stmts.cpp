@@ -1,6 +1,7 @@
 // Typed statements: assignments and `if`, chained by `next`. Part of CodeBuilder (code_builder.hpp).
 #include "compiler/model/ffi_declarations.hpp"
 #include "compiler/model/packages.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::model {
 
@@ -57,8 +58,12 @@ StmtId CodeBuilder::statement(const syntax::Stmt* s, StmtId next) {
                                      .next = next,
                                      .loc = loc(s->range)});
     }
-    case syntax::StmtKind::Assign: break;
+    case syntax::StmtKind::Assign: return assignment(s, next);
   }
+  BIP_UNREACHABLE("statement");
+}
+
+StmtId CodeBuilder::assignment(const syntax::Stmt* s, StmtId next) {
   const std::string name = path_key(s->target, *model_.sources);
   if (find(s->target, Lookup::Silent) == nullptr &&
       !visible_keys(model_, model_.constants, name, s->target.range.file).empty()) {

@@ -129,6 +129,7 @@ class CodeBuilder {
   /// The prototype of an operator that takes a string, "" if neither operand is one.
   [[nodiscard]] std::string operator_help(const syntax::Expr* e, const Typed& a, const Typed& b) const;
   StmtId statement(const syntax::Stmt* s, StmtId next);
+  StmtId assignment(const syntax::Stmt* s, StmtId next);
   void warn_zero_divisor(const syntax::Expr* e, Typed divisor);
   const Binding* find(const syntax::Path& p, Lookup lookup);
   bool may_inline(const syntax::Expr* e, const syntax::Decl& function);

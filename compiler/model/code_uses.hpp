@@ -1,5 +1,7 @@
 // Walks over expressions and statements, and what a piece of code reads and changes. Linear, iterative.
 #pragma once
+#include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "compiler/model/code.hpp"
@@ -40,6 +42,26 @@ void for_each_stmt(const CodeTable& code, StmtId first, const See& see) {
   }
 }
 
+/// Returns the variable of the kind (LoadSelf or LoadBind) that the statement itself assigns, or nothing: branches, and
+/// what a call changes by reference, do not count.
+[[nodiscard]] inline std::optional<std::uint32_t> assigned_variable(const Stmt& s, Op load) {
+  switch (s.op) {
+    case StmtOp::StoreSelf: return load == Op::LoadSelf ? std::optional(s.index) : std::nullopt;
+    case StmtOp::StoreBind: return load == Op::LoadBind ? std::optional(s.index) : std::nullopt;
+    case StmtOp::If:
+    case StmtOp::Call: break;
+  }
+  return std::nullopt;
+}
+
+/// Calls `see(std::uint32_t variable)` for every assignment to a variable of the kind, in the order of the text.
+template <class See>
+void for_each_assigned(const CodeTable& code, StmtId first, Op load, const See& see) {
+  for_each_stmt(code, first, [&](const Stmt& s) {
+    if (const std::optional<std::uint32_t> variable = assigned_variable(s, load)) see(*variable);
+  });
+}
+
 /// Marks the variables of the kind (LoadSelf or LoadBind) that the expression reads; `marks` has a row for each.
 inline void mark_reads(const CodeTable& code, ExprId root, Op load, std::vector<bool>& marks) {
   for_each_expr(code, root, [&](const Expr& e) {
@@ -61,11 +83,8 @@ inline void mark_changes(const CodeTable& code, ExprId root, Op load, std::vecto
 
 /// Marks the variables of the kind that the statements assign, or hand over to C++.
 inline void mark_writes(const CodeTable& code, StmtId first, Op load, std::vector<bool>& marks) {
-  const StmtOp store = load == Op::LoadSelf ? StmtOp::StoreSelf : StmtOp::StoreBind;
-  for_each_stmt(code, first, [&](const Stmt& s) {
-    if (s.op == store) marks[s.index] = true;
-    mark_changes(code, s.value, load, marks);
-  });
+  for_each_assigned(code, first, load, [&](std::uint32_t variable) { marks[variable] = true; });
+  for_each_stmt(code, first, [&](const Stmt& s) { mark_changes(code, s.value, load, marks); });
 }
 
 }  // namespace bip::model

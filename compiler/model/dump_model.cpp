@@ -40,13 +40,14 @@ struct Dumper {
     for (; id.is_valid(); id = m.code.stmts[id].next) {
       const Stmt& s = m.code.stmts[id];
       if (!text.empty()) text += "; ";
-      if (s.op == StmtOp::If) {
-        text += fmt::format("if {} {{{}}}", expr(s.value), stmts(s.then_body));
-        if (s.else_body.is_valid()) text += fmt::format(" else {{{}}}", stmts(s.else_body));
-      } else if (s.op == StmtOp::Call) {
-        text += expr(s.value);
-      } else {
-        text += fmt::format("{}{} = {}", s.op == StmtOp::StoreSelf ? "self" : "bind", s.index, expr(s.value));
+      switch (s.op) {
+        case StmtOp::StoreSelf: text += fmt::format("self{} = {}", s.index, expr(s.value)); break;
+        case StmtOp::StoreBind: text += fmt::format("bind{} = {}", s.index, expr(s.value)); break;
+        case StmtOp::If:
+          text += fmt::format("if {} {{{}}}", expr(s.value), stmts(s.then_body));
+          if (s.else_body.is_valid()) text += fmt::format(" else {{{}}}", stmts(s.else_body));
+          break;
+        case StmtOp::Call: text += expr(s.value); break;
       }
     }
     return text;

@@ -5,48 +5,23 @@
 #include <set>
 
 #include "compiler/model/compound_builder.hpp"
+#include "compiler/syntax/code_paths.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::model {
 
-namespace {
-
-// All names that the clauses read or write, by key.
-struct NameCollector {
-  const SourceMap& sources;
-  std::map<std::string, const syntax::Path*> names{};
-
-  void expr(const syntax::Expr* e) {
-    if (e == nullptr) return;
-    if (e->kind == syntax::ExprKind::Path) names.try_emplace(path_key(e->path, sources), &e->path);
-    for (const syntax::Expr* operand : e->operands) expr(operand);
-  }
-  void stmts(std::span<const syntax::Stmt* const> list) {
-    for (const syntax::Stmt* s : list) {
-      if (s->kind == syntax::StmtKind::Assign) names.try_emplace(path_key(s->target, sources), &s->target);
-      expr(s->value);
-      stmts(s->then_body);
-      stmts(s->else_body);
-    }
-  }
-};
-
-}  // namespace
-
 std::vector<DataRead> CompoundBuilder::data_reads(const syntax::CompoundItem& i, CompoundItem& row) {
-  NameCollector used{b.sources};
+  // All names that the clauses read or write, by key.
+  std::map<std::string, const syntax::Path*> used;
   for (const syntax::Clause& c : i.inline_body->clauses) {
-    used.expr(c.guard);
-    used.stmts(c.up.stmts);
-    used.stmts(c.down.stmts);
-    used.stmts(c.action.stmts);
+    syntax::for_each_path(c, [&](const syntax::Path& path) { used.try_emplace(path_key(path, b.sources), &path); });
   }
   std::set<std::string_view> own;
   for (const syntax::DataDecl& d : i.inline_body->data) {
     for (const syntax::Var& v : d.vars) own.insert(v.name.text);
   }
   std::vector<DataRead> reads;
-  for (const auto& [key, path] : used.names) {
+  for (const auto& [key, path] : used) {
     if (path->parts.size() < 2) {
       if (const auto outer = outer_value(scope, *path); outer && !own.contains(key)) row.values.push_back(*outer);
       continue;

@@ -1,6 +1,7 @@
 // Converts actions. An `else if` chain with one `fi` becomes nested ifs, as in the longer spelling.
 #include "compiler/parse/convert.hpp"
 #include "compiler/parse/describe_tokens.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::parse {
 
@@ -35,10 +36,18 @@ std::span<const Stmt* const> Converter::stmts(BipParser::StmtsContext* ctx) {
       diags_.report(Diag::kB0012, at, "`" + std::string(text(range(rule->start))) + "`")
           .help("write `;` after it", after, ";");
     }
-    const bool is_if = rule->getRuleIndex() == BipParser::RuleIfStmt;
-    unfinished = is_if ? nullptr : rule;
-    const Stmt* stmt = is_if ? if_stmt(static_cast<BipParser::IfStmtContext*>(rule))
-                             : simple(static_cast<BipParser::SimpleContext*>(rule));
+    const Stmt* stmt = nullptr;
+    switch (rule->getRuleIndex()) {
+      case BipParser::RuleIfStmt:
+        unfinished = nullptr;
+        stmt = if_stmt(static_cast<BipParser::IfStmtContext*>(rule));
+        break;
+      case BipParser::RuleSimple:
+        unfinished = rule;
+        stmt = simple(static_cast<BipParser::SimpleContext*>(rule));
+        break;
+      default: BIP_UNREACHABLE("a rule of the grammar's `stmts`");
+    }
     if (stmt != nullptr) list.push_back(stmt);
   }
   return arena_.list(list);

@@ -66,8 +66,11 @@ void Dumper::stmt(const Stmt& s) {
     case StmtKind::Assign:
       return line("Assign", s.range, text(s.target) + (s.clock_speed ? "'" : "") + " = " + text(s.value));
     case StmtKind::Call: return line("CallStmt", s.range, text(s.value));
-    case StmtKind::If: break;
+    case StmtKind::If: return if_stmt(s);
   }
+}
+
+void Dumper::if_stmt(const Stmt& s) {
   line("If", s.range, text(s.value));
   ++indent_;
   for (const Stmt* inner : s.then_body) stmt(*inner);

@@ -16,7 +16,7 @@ void SyntaxPrinter::block(std::string_view word, const Block& b) {
     std::string line;
     bool plain = true;
     for (const Stmt* s : b.stmts) {
-      plain = plain && s->kind != StmtKind::If;
+      plain = plain && is_simple(*s);
       if (plain) line += " " + simple(*s) + ";";
     }
     if (plain && (column() + line.size() <= kLineWidth || b.stmts.empty())) {
@@ -40,8 +40,9 @@ void SyntaxPrinter::stmts(std::span<const Stmt* const> list) {
 }
 
 void SyntaxPrinter::stmt(const Stmt& s) {
-  lead_in(s.range.begin, s.kind == StmtKind::If ? s.range.begin : s.range.end);
-  if (s.kind == StmtKind::If) return if_chain(s);
+  const bool is_one_line = is_simple(s);
+  lead_in(s.range.begin, is_one_line ? s.range.end : s.range.begin);
+  if (!is_one_line) return if_chain(s);
   begin_line();
   put(simple(s) + ";");
   end_line(s.range.end);

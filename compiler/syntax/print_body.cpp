@@ -42,7 +42,7 @@ void SyntaxPrinter::transition(const Transition& t, TransitionForm form) {
   if (!in_state) put(" from " + text(t.from) + " to " + text(t.to));
   if (t.guard != nullptr) put(guard(t.guard));
   if (!t.urgency.text.empty()) put(" " + std::string(t.urgency.text));
-  const bool bare = in_state && t.action.stmts.size() == 1 && t.action.stmts[0]->kind != StmtKind::If &&
+  const bool bare = in_state && t.action.stmts.size() == 1 && is_simple(*t.action.stmts[0]) &&
                     !has_comment_before(t.action.range.end);
   if (bare) {
     put(" do " + simple(*t.action.stmts[0]));

@@ -137,9 +137,24 @@ std::string SyntaxPrinter::guard(const Expr* e) const {
 }
 
 std::string SyntaxPrinter::simple(const Stmt& s) const {
-  BIP_ASSERT(s.kind != StmtKind::If && s.value != nullptr, "a statement of several lines at {}", s.range.begin);
-  if (s.kind == StmtKind::Call) return text(s.value);
-  return text(s.target) + (s.clock_speed ? "'" : "") + (notation_ == Notation::Paper ? " <- " : " = ") + text(s.value);
+  BIP_ASSERT(is_simple(s) && s.value != nullptr, "a statement of several lines at {}", s.range.begin);
+  switch (s.kind) {
+    case StmtKind::Assign:
+      return text(s.target) + (s.clock_speed ? "'" : "") + (notation_ == Notation::Paper ? " <- " : " = ") +
+             text(s.value);
+    case StmtKind::Call: return text(s.value);
+    case StmtKind::If: break;
+  }
+  BIP_UNREACHABLE("a statement of several lines");
+}
+
+bool SyntaxPrinter::is_simple(const Stmt& s) {
+  switch (s.kind) {
+    case StmtKind::Assign:
+    case StmtKind::Call: return true;
+    case StmtKind::If: break;
+  }
+  return false;
 }
 
 std::string SyntaxPrinter::text(const PortExpr& e, Level level) const {

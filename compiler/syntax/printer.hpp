@@ -56,7 +56,9 @@ class SyntaxPrinter {
   [[nodiscard]] std::string text(const PortExpr& e, Level level) const;
   [[nodiscard]] std::string text(const InteractionPattern& p) const;
   [[nodiscard]] std::string text(const Annotation& a) const;
+  /// The text of a statement of one line. Requires is_simple(s).
   [[nodiscard]] std::string simple(const Stmt& s) const;
+  [[nodiscard]] static bool is_simple(const Stmt& s);
   [[nodiscard]] std::string guard(const Expr* e) const;
 
   // print_action.cpp

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "compiler/syntax/code_paths.hpp"
+
 namespace bip::syntax {
 namespace {
 
@@ -87,7 +89,7 @@ class SyntaxValidator {
     if (!inside(s->range, around, "a statement")) return;
     expr(s->value, s->range);
     path(s->target, s->range);
-    expect((s->kind == StmtKind::Assign) != s->target.parts.empty(), "an assignment alone has a target", s->range);
+    expect((assigned_path(*s) != nullptr) != s->target.parts.empty(), "an assignment alone has a target", s->range);
     const bool is_leaf = s->then_body.empty() && s->else_body.empty();
     expect(s->kind == StmtKind::If || is_leaf, "only `if` has bodies", s->range);
     statements(s->then_body, s->range);

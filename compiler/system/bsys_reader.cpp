@@ -277,22 +277,28 @@ StmtId BsysReader::stmt(std::uint32_t node, const CodeScope& scope) {
   std::string_view head;
   List list = open(node, head);
   Stmt s;
-  if (head == "set" || head == "set-bind") {
-    s.op = head == "set" ? StmtOp::StoreSelf : StmtOp::StoreBind;
-    const std::vector<ScopeVariable>& variables = head == "set" ? scope.self : scope.bind;
+  const auto store = [&](const std::vector<ScopeVariable>& variables) {
     s.index = variable(list, variables);
     if (!failed()) s.type = variables[s.index].type;
     s.value = expr(list, scope);
-  } else if (head == "do") {
-    s.op = StmtOp::Call;
-    s.value = expr(list, scope);
-    if (!failed()) s.type = system_.code.exprs[s.value].type;
-  } else if (head == "if") {
-    s.op = StmtOp::If;
-    s.value = expr(list, scope);
-    List then_list = need(list, "then");
-    s.then_body = body(then_list, scope);
-    if (std::optional<List> else_list = sub(list, "else")) s.else_body = body(*else_list, scope);
+  };
+  if (const std::optional<StmtOp> op = stmt_op_of(head)) {
+    s.op = *op;
+    switch (s.op) {
+      case StmtOp::StoreSelf: store(scope.self); break;
+      case StmtOp::StoreBind: store(scope.bind); break;
+      case StmtOp::If: {
+        s.value = expr(list, scope);
+        List then_list = need(list, "then");
+        s.then_body = body(then_list, scope);
+        if (std::optional<List> else_list = sub(list, "else")) s.else_body = body(*else_list, scope);
+        break;
+      }
+      case StmtOp::Call:
+        s.value = expr(list, scope);
+        if (!failed()) s.type = system_.code.exprs[s.value].type;
+        break;
+    }
   } else {
     fail(node, "expected a statement: set, set-bind, do or if");
   }

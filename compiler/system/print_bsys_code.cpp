@@ -98,24 +98,30 @@ class CodePrinter {
   void stmt(const Stmt& s) {
     push_stmts(s.next);
     push_close(s.loc);
-    if (s.op == StmtOp::If) {
-      out_ += " (if ";
-      if (s.else_body.is_valid()) {
-        push_text(")");
-        push_stmts(s.else_body);
-        push_text(" (else");
-      }
-      push_text(")");
-      push_stmts(s.then_body);
-      push_text(" (then");
-    } else if (s.op == StmtOp::Call) {
-      out_ += " (do ";
-    } else {
-      out_ += s.op == StmtOp::StoreSelf ? " (set " : " (set-bind ";
-      variable(s.op == StmtOp::StoreSelf ? scope_.self : scope_.bind, s.index);
-      out_ += ' ';
+    out_ += " (";
+    out_ += word_of(s.op);
+    out_ += ' ';
+    switch (s.op) {
+      case StmtOp::StoreSelf: target(scope_.self, s.index); break;
+      case StmtOp::StoreBind: target(scope_.bind, s.index); break;
+      case StmtOp::If: branches(s); break;
+      case StmtOp::Call: break;
     }
     push_expr(s.value);
+  }
+  void target(const std::vector<ScopeVariable>& variables, std::uint32_t index) {
+    variable(variables, index);
+    out_ += ' ';
+  }
+  void branches(const Stmt& s) {
+    if (s.else_body.is_valid()) {
+      push_text(")");
+      push_stmts(s.else_body);
+      push_text(" (else");
+    }
+    push_text(")");
+    push_stmts(s.then_body);
+    push_text(" (then");
   }
 
   std::string& out_;

@@ -96,12 +96,11 @@ class CodeChecker {
   }
   bool reach_from_stmt(const Visit& at) {
     const Stmt& s = code_.stmts[StmtId(at.row)];
-    if (!problems_.expect(s.op <= StmtOp::Call, "a statement has no operator")) return false;
+    if (!problems_.expect(word_of(s.op) != nullptr, "a statement has no operator")) return false;
     check_loc(system_, s.loc, problems_);
     if (!push_part({s.value.value, at.depth + 1, false})) return false;
-    if (s.op == StmtOp::If) {
-      if (s.then_body.is_valid() && !push_part({s.then_body.value, at.depth + 1, true})) return false;
-      if (s.else_body.is_valid() && !push_part({s.else_body.value, at.depth + 1, true})) return false;
+    for (const StmtId branch : {s.then_body, s.else_body}) {
+      if (branch.is_valid() && !push_part({branch.value, at.depth + 1, true})) return false;
     }
     return !s.next.is_valid() || push_part({s.next.value, at.depth, true});
   }
@@ -116,9 +115,9 @@ class CodeChecker {
         const Stmt& s = code_.stmts[StmtId(at.row)];
         check_stmt(s, scope, writes);
         stack_.push_back({s.value.value, 0, false});
-        if (s.op == StmtOp::If && s.then_body.is_valid()) stack_.push_back({s.then_body.value, 0, true});
-        if (s.op == StmtOp::If && s.else_body.is_valid()) stack_.push_back({s.else_body.value, 0, true});
-        if (s.next.is_valid()) stack_.push_back({s.next.value, 0, true});
+        for (const StmtId part : {s.then_body, s.else_body, s.next}) {
+          if (part.is_valid()) stack_.push_back({part.value, 0, true});
+        }
       } else {
         const Expr& e = code_.exprs[ExprId(at.row)];
         check_expr(e, scope);
@@ -157,23 +156,25 @@ class CodeChecker {
 
   void check_stmt(const Stmt& s, const CodeScope& scope, Writes writes) {
     const Expr& given = code_.exprs[s.value];
-    const Type value = given.type;
-    if (s.op == StmtOp::Call) {
-      problems_.expect(given.op == Op::Call, "a statement that calls has no call");
-      return;
-    }
-    problems_.expect(given.op != Op::Call || code_.functions[given.index].has_result,
+    problems_.expect(s.op == StmtOp::If || (!s.then_body.is_valid() && !s.else_body.is_valid()),
+                     "a statement without a condition has branches");
+    problems_.expect(s.op == StmtOp::Call || given.op != Op::Call || code_.functions[given.index].has_result,
                      "a call without a result is used as a value");
-    if (s.op == StmtOp::If) {
-      problems_.expect(value == Type::Bool, "a condition is not a bool");
-      return;
+    switch (s.op) {
+      case StmtOp::StoreSelf: check_store(s, scope.self); break;
+      case StmtOp::StoreBind:
+        check_store(s, scope.bind);
+        problems_.expect(writes == Writes::SelfAndBind, "an assignment to a port's variable outside `down`");
+        break;
+      case StmtOp::If: problems_.expect(given.type == Type::Bool, "a condition is not a bool"); break;
+      case StmtOp::Call: problems_.expect(given.op == Op::Call, "a statement that calls has no call"); break;
     }
-    const bool to_self = s.op == StmtOp::StoreSelf;
-    const std::vector<ScopeVariable>& variables = to_self ? scope.self : scope.bind;
+  }
+  void check_store(const Stmt& s, const std::vector<ScopeVariable>& variables) {
     if (!problems_.expect(s.index < variables.size(), "an assignment to no variable")) return;
-    problems_.expect(s.type == variables[s.index].type && s.type == value, "an assignment of another type");
+    problems_.expect(s.type == variables[s.index].type && s.type == code_.exprs[s.value].type,
+                     "an assignment of another type");
     problems_.expect(variables[s.index].writable, "an assignment to a read-only variable");
-    problems_.expect(to_self || writes == Writes::SelfAndBind, "an assignment to a port's variable outside `down`");
   }
 
   void check_expr(const Expr& e, const CodeScope& scope) {

@@ -186,6 +186,20 @@ def check_switches_list_all_kinds():
     return problems
 
 
+# Here one kind of statement is told from all others, or from those that a switch before has left over.
+STATEMENT_FILTERS = {"compiler/syntax/validate_syntax.cpp", "compiler/syntax/print_action.cpp", "compiler/migrate/translate_code.cpp",
+                     "compiler/emit_cpp/functions.cpp", "compiler/system/validate_code.cpp", "compiler/verify/net/live_variables.cpp",
+                     "compiler/verify/net/abstract_code.cpp", "compiler/verify/symbolic/symbolic_code.cpp",
+                     "compiler/verify/invariants/affine_code.cpp", "compiler/verify/invariants/intervals.cpp"}
+
+
+def check_statements_are_switched_over():
+    """Kinds of statements are told apart by `switch`, assigned_variable or assigned_path: the last `else` would treat a new kind as an old one."""
+    return [f"{relative(path)}:{number}: {line.strip()}" for path in SOURCES if relative(path) not in STATEMENT_FILTERS
+            for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1)
+            if re.search(r"[=!<>]=\s*(?:\w+::)*Stmt(?:Op|Kind)::", line)]
+
+
 def check_ctest_knows_all_groups():
     """Each group of run_all.py can be run by `ctest -R GROUP`; those of `unit` are programs of their own there."""
     groups = re.findall(r'^ +(?:\*\(\[)?\("(\w+)", (?:\[|needs|list)', (ROOT / "tests/run_all.py").read_text(encoding="utf-8"), re.M)

@@ -114,9 +114,7 @@ class AffineAnalysis {
     const std::vector<AbstractValue> constants = constants_of(net_.class_at(atom));
     std::vector<std::uint8_t> is_stored(type.variables.size(), 0);
     for (const Transition& t : type.transitions) {
-      for_each_stmt(system_.code, t.action, [&](const Stmt& s) {
-        if (s.op == StmtOp::StoreSelf) is_stored[s.index] = 1;
-      });
+      for_each_assigned(system_.code, t.action, Op::LoadSelf, [&](u32 variable) { is_stored[variable] = 1; });
     }
     for (const std::vector<u32>& variables : access.written) {
       for (u32 variable : variables) is_stored[variable] = 1;
@@ -235,9 +233,7 @@ class AffineAnalysis {
                       [&](const AffineForm& form) { return form.factors.contains(unknown_of(atom, variable)); });
       }
       std::set<u32> variables;
-      for_each_stmt(system_.code, t.action, [&](const Stmt& s) {
-        if (s.op == StmtOp::StoreSelf) variables.insert(s.index);
-      });
+      for_each_assigned(system_.code, t.action, Op::LoadSelf, [&](u32 variable) { variables.insert(variable); });
       const bool is_followed = code_.execute(t.action, paths);
       if (!is_followed) paths.resize(1);
       for (const AffinePath& path : paths) {
@@ -288,8 +284,8 @@ class AffineAnalysis {
     // Transfers of connectors around it come between its guard and its own.
     if (!type.exports) code_.assume(type.clauses[0].guard, paths[0]);
     std::set<u32> written;
-    for_each_stmt(system_.code, type.clauses[0].down, [&](const Stmt& s) {
-      if (s.op == StmtOp::StoreBind && s.index < unknowns.size()) written.insert(s.index);
+    for_each_assigned(system_.code, type.clauses[0].down, Op::LoadBind, [&](u32 bind) {
+      if (bind < unknowns.size()) written.insert(bind);
     });
     const bool is_followed = code_.execute(type.clauses[0].down, paths);
     if (!is_followed) paths.resize(1);

@@ -77,9 +77,7 @@ class PlaceValueAnalysis {
     const AtomType& type = type_of(atom);
     std::vector<std::uint8_t> stored(type.variables.size(), 0);
     for (const Transition& t : type.transitions) {
-      for_each_stmt(code_, t.action, [&](const Stmt& s) {
-        if (s.op == StmtOp::StoreSelf) stored[s.index] = 1;
-      });
+      for_each_assigned(code_, t.action, Op::LoadSelf, [&](u32 variable) { stored[variable] = 1; });
     }
     for (const std::vector<u32>& variables : access_of(atom).written) {
       for (u32 variable : variables) stored[variable] = 1;
@@ -207,8 +205,8 @@ class PlaceValueAnalysis {
     }
     for (const DataRef& ref : connector.data) bind.push_back(constant_of(ref));
     std::set<u32> written;
-    for_each_stmt(code_, type.clauses[0].down, [&](const Stmt& s) {
-      if (s.op == StmtOp::StoreBind && s.index < targets.size()) written.insert(s.index);
+    for_each_assigned(code_, type.clauses[0].down, Op::LoadBind, [&](u32 variable) {
+      if (variable < targets.size()) written.insert(variable);
     });
     execute(code_, type.clauses[0].down, self, bind);
     for (std::size_t p = 0; p < type.params.size(); ++p) {
@@ -276,7 +274,7 @@ PlaceValues find_place_values(const Net& net, const std::vector<std::uint8_t>& i
 
 bool stores_into_ports(const CodeTable& code, StmtId body) {
   bool found = false;
-  for_each_stmt(code, body, [&](const Stmt& s) { found = found || s.op == StmtOp::StoreBind; });
+  for_each_assigned(code, body, Op::LoadBind, [&](u32) { found = true; });
   return found;
 }
 

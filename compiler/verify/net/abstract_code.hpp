@@ -32,6 +32,7 @@ void execute(const CodeTable& code, StmtId body, std::vector<AbstractValue>& sel
 /// True, also for no guard at all, if the guard is true whatever its variables are.
 [[nodiscard]] bool is_always_true(const CodeTable& code, ExprId guard);
 
+using model::for_each_assigned;
 using model::for_each_expr;
 using model::for_each_stmt;
 

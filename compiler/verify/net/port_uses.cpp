@@ -88,24 +88,30 @@ class PortUseAnalysis {
   void execute_transfer(StmtId body, std::vector<AbstractValue>& bind, std::vector<std::uint8_t>& is_stored) const {
     for (StmtId id = body; id.is_valid(); id = system_.code.stmts[id].next) {
       const Stmt& s = system_.code.stmts[id];
-      if (s.op == StmtOp::StoreBind && s.index < bind.size()) {
-        const bool is_exact = s.type == Type::Int || s.type == Type::Bool || s.type == Type::String;
-        BIP_ASSERT(is_stored.size() == bind.size(), "{} marks of {} data", is_stored.size(), bind.size());
-        bind[s.index] = is_exact ? evaluate(system_.code, s.value, {}, bind) : AbstractValue{};
-        is_stored[s.index] = 1;
-      } else if (s.op == StmtOp::If) {
-        const AbstractValue condition = evaluate(system_.code, s.value, {}, bind);
-        if (condition.is_known) {
-          execute_transfer(condition.value != 0 ? s.then_body : s.else_body, bind, is_stored);
-          continue;
-        }
-        std::vector<AbstractValue> other = bind;
-        execute_transfer(s.then_body, bind, is_stored);
-        execute_transfer(s.else_body, other, is_stored);
-        for (std::size_t k = 0; k < bind.size(); ++k) {
-          if (bind[k] != other[k]) bind[k] = {};
-        }
+      switch (s.op) {
+        case StmtOp::StoreBind: store(s, bind, is_stored); break;
+        case StmtOp::If: branch(s, bind, is_stored); break;
+        // Only the ports' variables are followed.
+        case StmtOp::StoreSelf:
+        case StmtOp::Call: break;
       }
+    }
+  }
+  void store(const Stmt& s, std::vector<AbstractValue>& bind, std::vector<std::uint8_t>& is_stored) const {
+    if (s.index >= bind.size()) return;
+    const bool is_exact = s.type == Type::Int || s.type == Type::Bool || s.type == Type::String;
+    BIP_ASSERT(is_stored.size() == bind.size(), "{} marks of {} data", is_stored.size(), bind.size());
+    bind[s.index] = is_exact ? evaluate(system_.code, s.value, {}, bind) : AbstractValue{};
+    is_stored[s.index] = 1;
+  }
+  void branch(const Stmt& s, std::vector<AbstractValue>& bind, std::vector<std::uint8_t>& is_stored) const {
+    const AbstractValue condition = evaluate(system_.code, s.value, {}, bind);
+    if (condition.is_known) return execute_transfer(condition.value != 0 ? s.then_body : s.else_body, bind, is_stored);
+    std::vector<AbstractValue> other = bind;
+    execute_transfer(s.then_body, bind, is_stored);
+    execute_transfer(s.else_body, other, is_stored);
+    for (std::size_t k = 0; k < bind.size(); ++k) {
+      if (bind[k] != other[k]) bind[k] = {};
     }
   }
 

@@ -38,27 +38,26 @@ class CallRemover {
     StmtId* link = &first;
     while (link->is_valid()) {
       Stmt& s = code_.stmts[*link];
-      const bool is_unread =
-          s.op == StmtOp::Call || (s.op == StmtOp::StoreSelf && !is_read.empty() && is_read[s.index] == 0);
-      const CallUse use = is_unread ? call_use(code_, s.value) : CallUse{};
-      if (is_unread && use.calls && use.is_droppable) {
-        *link = s.next;
-        continue;
-      }
-      if (s.op == StmtOp::If) {
-        strip(s.then_body, is_read);
-        strip(s.else_body, is_read);
-        const bool is_empty = !s.then_body.is_valid() && !s.else_body.is_valid();
-        if (is_empty && call_use(code_, s.value).is_droppable) {
-          *link = s.next;
-          continue;
-        }
-      }
-      link = &s.next;
+      strip(s.then_body, is_read);
+      strip(s.else_body, is_read);
+      if (is_droppable(s, is_read)) *link = s.next;
+      else link = &s.next;
     }
   }
 
  private:
+  [[nodiscard]] bool is_droppable(const Stmt& s, const std::vector<std::uint8_t>& is_read) const {
+    const CallUse use = call_use(code_, s.value);
+    if (!use.is_droppable) return false;
+    switch (s.op) {
+      case StmtOp::StoreSelf: return use.calls && !is_read.empty() && is_read[s.index] == 0;
+      case StmtOp::StoreBind: break;
+      case StmtOp::If: return !s.then_body.is_valid() && !s.else_body.is_valid();
+      case StmtOp::Call: return use.calls;
+    }
+    return false;
+  }
+
   CodeTable& code_;
 };
 

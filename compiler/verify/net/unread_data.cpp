@@ -98,17 +98,22 @@ class DataReaders {
 
   // Does it matter that the statement is executed? An `if` does not whose statements do not.
   [[nodiscard]] bool has_effect(const Stmt& s, const std::vector<std::uint8_t>& row) const {
-    if (counts(s.value)) return true;
-    if (s.op == StmtOp::StoreSelf) return row[s.index] != 0;
-    if (s.op != StmtOp::If) return true;
-    bool result = false;
+    bool result = has_effect_alone(s, row);
     for (const StmtId body : {s.then_body, s.else_body}) {
-      for_each_stmt(code_, body, [&](const Stmt& inner) {
-        result |=
-            counts(inner.value) || (inner.op == StmtOp::StoreSelf ? row[inner.index] != 0 : inner.op != StmtOp::If);
-      });
+      for_each_stmt(code_, body, [&](const Stmt& inner) { result = result || has_effect_alone(inner, row); });
     }
     return result;
+  }
+  // The same without its branches.
+  [[nodiscard]] bool has_effect_alone(const Stmt& s, const std::vector<std::uint8_t>& row) const {
+    if (counts(s.value)) return true;
+    switch (s.op) {
+      case StmtOp::StoreSelf: return row[s.index] != 0;
+      case StmtOp::StoreBind:
+      case StmtOp::Call: return true;
+      case StmtOp::If: break;
+    }
+    return false;
   }
 
   [[nodiscard]] bool counts(ExprId value) const {
@@ -137,11 +142,10 @@ StmtId strip(CodeTable& code, StmtId body, const std::vector<std::uint8_t>& is_r
   StmtId last;
   for (StmtId id = body; id.is_valid(); id = code.stmts[id].next) {
     Stmt copy = code.stmts[id];
-    if (copy.op == StmtOp::StoreSelf && is_read[copy.index] == 0) continue;
-    if (copy.op == StmtOp::If) {
-      copy.then_body = strip(code, copy.then_body, is_read);
-      copy.else_body = strip(code, copy.else_body, is_read);
-    }
+    const std::optional<std::uint32_t> variable = model::assigned_variable(copy, Op::LoadSelf);
+    if (variable && is_read[*variable] == 0) continue;
+    copy.then_body = strip(code, copy.then_body, is_read);
+    copy.else_body = strip(code, copy.else_body, is_read);
     copy.next = {};
     const StmtId made = code.stmts.push(copy);
     if (last.is_valid()) code.stmts[last].next = made;

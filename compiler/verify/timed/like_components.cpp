@@ -119,14 +119,15 @@ class LikenessCheck {
     std::vector<std::uint32_t> stores(type.variables.size(), 0);
     std::vector<std::pair<u32, u32>> copies;
     const auto count = [&](StmtId body) {
-      model::for_each_stmt(system_.code, body, [&](const Stmt& s) { stores[s.index] += s.op == StmtOp::StoreSelf; });
+      model::for_each_assigned(system_.code, body, Op::LoadSelf, [&](u32 variable) { ++stores[variable]; });
     };
     count(type.initial_action);
     for (const Transition& t : type.transitions) count(t.action);
     model::for_each_stmt(system_.code, type.initial_action, [&](const Stmt& s) {
-      if (s.op != StmtOp::StoreSelf) return;
+      const std::optional<u32> copy = model::assigned_variable(s, Op::LoadSelf);
       const Expr& value = system_.code.exprs[s.value];
-      if (value.op == Op::LoadSelf && like_.is_number[value.index] != 0) copies.emplace_back(s.index, value.index);
+      if (copy && value.op == Op::LoadSelf && like_.is_number[value.index] != 0)
+        copies.emplace_back(*copy, value.index);
     });
     for (const Neighbours::Top& top : neighbours_.tops()) {
       for (const auto& [atom, variable] : top.written) {
@@ -148,7 +149,8 @@ class LikenessCheck {
     };
     bool is_copied_only = true;
     model::for_each_stmt(system_.code, type.initial_action, [&](const Stmt& s) {
-      const bool is_copy = s.op == StmtOp::StoreSelf && like_.is_number[s.index] != 0;
+      const std::optional<u32> stored = model::assigned_variable(s, Op::LoadSelf);
+      const bool is_copy = stored && like_.is_number[*stored] != 0;
       if (!is_copy && !is_free_of_numbers(s.value, of_component)) is_copied_only = false;
     });
     if (!is_copied_only || !type_is_free_of_numbers(type, of_component))
@@ -226,6 +228,11 @@ class LikenessCheck {
     }
     return {kNoRow, 0};
   }
+  // The variable that a transfer's statement assigns; kNoRow: none of an atom's port.
+  [[nodiscard]] std::pair<u32, u32> target_of(const Connector& connector, const Stmt& s) const {
+    const std::optional<u32> bind = model::assigned_variable(s, Op::LoadBind);
+    return bind ? variable_of(connector, *bind) : std::pair<u32, u32>{kNoRow, 0};
+  }
   [[nodiscard]] Classify use_in(const Connector& connector) const {
     return [this, &connector](const Expr& e) {
       if (e.op != Op::LoadBind) return NumberUse::None;
@@ -247,8 +254,7 @@ class LikenessCheck {
         if (!body_is_free_of_numbers(clause.up, use_of)) return false;
         model::for_each_stmt(system_.code, clause.down, [&](const Stmt& s) {
           const bool is_number = s.value.is_valid() && use_of(system_.code.exprs[s.value]) == NumberUse::OfComponent;
-          const std::pair<u32, u32> to =
-              s.op == StmtOp::StoreBind ? variable_of(connector, s.index) : std::pair<u32, u32>{kNoRow, 0};
+          const std::pair<u32, u32> to = target_of(connector, s);
           if (is_number && to.first != kNoRow && !is_like(to.first)) like_.number_outside.insert(to);
           else if (!is_free_of_numbers(s.value, use_of)) is_fine_so_far = false;
         });
@@ -267,8 +273,7 @@ class LikenessCheck {
         bool is_fine_so_far = true;
         model::for_each_stmt(system_.code, clause.down, [&](const Stmt& s) {
           const bool is_valid = s.value.is_valid();
-          const std::pair<u32, u32> to =
-              s.op == StmtOp::StoreBind ? variable_of(connector, s.index) : std::pair<u32, u32>{kNoRow, 0};
+          const std::pair<u32, u32> to = target_of(connector, s);
           const bool holds_number = to.first != kNoRow && like_.number_outside.contains(to);
           const bool is_number = is_valid && use_of(system_.code.exprs[s.value]) == NumberUse::OfComponent;
           if (holds_number ? !is_number && !is_constant_beside(s.value)
@@ -292,7 +297,8 @@ class LikenessCheck {
     bool is_fine_so_far = true;
     const auto see_body = [&](StmtId body) {
       model::for_each_stmt(system_.code, body, [&](const Stmt& s) {
-        const bool is_kept = s.op == StmtOp::StoreSelf && like_.number_outside.contains({atom, s.index});
+        const std::optional<u32> stored = model::assigned_variable(s, Op::LoadSelf);
+        const bool is_kept = stored && like_.number_outside.contains({atom, *stored});
         if (is_kept ? !is_constant_beside(s.value) : !is_fine(s.value, use_of)) is_fine_so_far = false;
       });
     };

@@ -248,9 +248,7 @@ void Neighbours::walk(const System& system, Top& top) {
     };
     for (const Clause& clause : type.clauses) {
       for (const StmtId body : {clause.up, clause.down}) {
-        for_each_stmt(system.code, body, [&](const Stmt& s) {
-          if (s.op == StmtOp::StoreBind) write(s.index);
-        });
+        model::for_each_assigned(system.code, body, Op::LoadBind, write);
       }
     }
   }

@@ -205,8 +205,12 @@ class PairProver {
     bool is_said = true;
     for (const Clause& original : type.clauses) {
       model::for_each_stmt(simple_.code, original.down, [&](const Stmt& s) {
-        if (s.op == StmtOp::If || s.op == StmtOp::Call) is_said = false;
-        if (s.op != StmtOp::StoreBind) return;
+        switch (s.op) {
+          case StmtOp::StoreBind: break;
+          case StmtOp::StoreSelf: return;
+          case StmtOp::If:
+          case StmtOp::Call: is_said = false; return;
+        }
         std::size_t param = type.params.size() - 1;
         while (type.params[param].first_bind > s.index) --param;
         const PortRef& ref = connector.ports[param];

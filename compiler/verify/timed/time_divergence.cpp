@@ -61,8 +61,9 @@ std::optional<std::int64_t> limit_of(const System& system, const AtomType& type,
   std::optional<double> value;
   for (StmtId id = when.measure; id.is_valid(); id = system.code.stmts[id].next) {
     const Stmt& s = system.code.stmts[id];
-    if (s.op != StmtOp::StoreSelf) return std::nullopt;
-    if (s.index == bound.variable) value = value_of(system.code, s.value, args, 0);
+    const std::optional<u32> stored = model::assigned_variable(s, Op::LoadSelf);
+    if (!stored) return std::nullopt;
+    if (*stored == bound.variable) value = value_of(system.code, s.value, args, 0);
   }
   std::int64_t ticks = 0;
   if (!value || !to_ticks(*value, type.clocks[bound.clock].unit, ticks)) return std::nullopt;
@@ -99,9 +100,10 @@ std::string unfollowed_of(const System& system, const AtomType& type) {
   std::string found;
   const auto visit = [&](StmtId body) {
     for_each_stmt(system.code, body, [&](const Stmt& s) {
-      if (s.op != StmtOp::StoreSelf) return;
+      const std::optional<u32> stored = model::assigned_variable(s, Op::LoadSelf);
+      if (!stored) return;
       for (const Clock& clock : type.clocks) {
-        if (s.index == clock.variable + static_cast<u32>(ClockVariable::Speed))
+        if (*stored == clock.variable + static_cast<u32>(ClockVariable::Speed))
           found = fmt::format("clock `{}` of `{}`{} gets a speed", clock.name, type.name, place_of(system, s.loc));
       }
     });

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include <functional>
+#include <utility>
 
 #include "compiler/system/bsys.hpp"
 #include "tests/unit/system/bsys_sample.hpp"
@@ -138,6 +139,13 @@ const std::vector<Break>& breaks() {
       {"no variable", [](System& s) { s.code.stmts[worker(s).initial_action].index = 40; }},
       {"another type", [](System& s) { s.code.stmts[worker(s).initial_action].index = 2; }},
       {"read-only", [](System& s) { s.code.stmts[worker(s).initial_action].index = 0; }},
+      {"a statement has no operator",
+       [](System& s) { s.code.stmts[worker(s).initial_action].op = static_cast<StmtOp>(99); }},
+      {"a statement without a condition has branches",
+       [](System& s) {
+         Stmt& first = s.code.stmts[worker(s).initial_action];
+         first.then_body = std::exchange(first.next, {});
+       }},
       {"outside `down`", [](System& s) { std::swap(gather(s).clauses[1].up, gather(s).clauses[1].down); }},
   };
   return list;
