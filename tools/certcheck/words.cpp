@@ -256,9 +256,9 @@ class Words {
   }
 
  private:
-  // A part as a letter has it.
+  // Which value of a letter a part changes.
   struct Read {
-    std::size_t event = 0, slot = 0, atom = 0, port = 0;
+    std::size_t event = 0, value = 0, atom = 0, port = 0;
     bool is_trigger = false;
   };
 
@@ -308,9 +308,9 @@ class Words {
           most - least > margin_)
         throw Rejected("elements of a loop are too far from each other");
       base_.push_back(least);
-      slot_.push_back(slots_);
+      first_value_.push_back(letter_size_);
       width_.push_back(static_cast<std::size_t>(most - least + 1));
-      slots_ += width_.back();
+      letter_size_ += width_.back();
       reach_ = std::max(reach_, width_.back() - 1);
       bool wraps = false;
       for (int back = 1; back < static_cast<int>(width_.back()); ++back) wraps = wraps || begins(e, size_ - back);
@@ -332,7 +332,7 @@ class Words {
     const std::size_t atom = pattern_.atom(p < 0 ? std::string(part.path) : element(part.path, p));
     const std::size_t place = part.where == Where::At ? static_cast<std::size_t>(part.offset - base_[e]) : 0;
     reads.push_back(
-        {e, slot_[e] + place, atom, row_of(m_.type_of(atom).ports, part.port, &Port::name), part.is_trigger});
+        {e, first_value_[e] + place, atom, row_of(m_.type_of(atom).ports, part.port, &Port::name), part.is_trigger});
   }
   // Does a round of the loop begin its window there?
   [[nodiscard]] bool begins(std::size_t e, int position) const {
@@ -351,18 +351,18 @@ class Words {
   // `does`: what an atom's port does.
   template <class Does>
   [[nodiscard]] Letter letter(int position, bool adds, const Does& does) const {
-    Letter result(slots_);
+    Letter result(letter_size_);
     for (const Read& read : reads_.at(position)) {
       const int value = does(read.atom, read.port);
       const bool is_choice = events_[read.event].has_triggers;
       const Value one{is_choice ? std::max(value, 0) : value, is_choice && read.is_trigger ? value : kBlocked};
-      result[read.slot] = joined(adds, result[read.slot], one);
+      result[read.value] = joined(adds, result[read.value], one);
     }
     return result;
   }
   [[nodiscard]] Memory begin(bool adds, bool flag, const Letter& letter) const {
     Memory memory{adds, flag, {}, {}, {}};
-    for (std::size_t e = 0; e < events_.size(); ++e) memory.values.push_back(letter[slot_[e]]);
+    for (std::size_t e = 0; e < events_.size(); ++e) memory.values.push_back(letter[first_value_[e]]);
     return memory;
   }
   [[nodiscard]] bool acts_from(const Memory& memory, const std::vector<Seen>& word, std::size_t e,
@@ -370,7 +370,7 @@ class Words {
     if (!begins(e, word[first].position)) return false;
     Value value = memory.values[e];
     for (std::size_t k = 0; k < width_[e]; ++k)
-      value = joined(memory.adds, value, word[first + k].letter[slot_[e] + k]);
+      value = joined(memory.adds, value, word[first + k].letter[first_value_[e] + k]);
     return acts(e, value);
   }
   // False: an event has been seen as a whole, and acts. Steps: only if that is sure.
@@ -384,21 +384,21 @@ class Words {
         if (count >= width_[e] && acts_from(memory, memory.latest, e, count - width_[e])) return false;
         continue;
       }
-      value = joined(memory.adds, value, letter[slot_[e]]);
+      value = joined(memory.adds, value, letter[first_value_[e]]);
       // A sum that is too small is taken as a greater one. One that is too great may become small again, and counts.
       if (value.sum > kMostSum && !events_[e].has_triggers) return false;
       if (value.sum != kBlocked) value.sum = std::clamp(value.sum, -kMostSum, kMostSum);
     }
     // What is remembered are windows that go on.
     for (std::size_t e = 0; e < events_.size(); ++e) {
-      const auto slots = memory.latest.back().letter.begin() + static_cast<long>(slot_[e]);
-      if (width_[e] == 1 || (is_step && !events_[e].is_sure)) std::fill_n(slots, width_[e], Value());
+      const auto window = memory.latest.back().letter.begin() + static_cast<long>(first_value_[e]);
+      if (width_[e] == 1 || (is_step && !events_[e].is_sure)) std::fill_n(window, width_[e], Value());
     }
     if (memory.first.size() < reach_) {
       memory.first.push_back(memory.latest.back());
       for (std::size_t e = 0; e < events_.size(); ++e) {
-        const auto slots = memory.first.back().letter.begin() + static_cast<long>(slot_[e]);
-        if (!wraps_[e]) std::fill_n(slots, width_[e], Value());
+        const auto window = memory.first.back().letter.begin() + static_cast<long>(first_value_[e]);
+        if (!wraps_[e]) std::fill_n(window, width_[e], Value());
       }
     }
     if (memory.latest.size() > reach_) memory.latest.erase(memory.latest.begin());
@@ -632,10 +632,10 @@ class Words {
   Pattern pattern_;
   Terms terms_;
   std::vector<Event> events_;
-  std::vector<int> base_;    // by event: where its windows begin
-  Rows slot_, width_;        // by event: of its first place in a letter; how many it has
-  std::vector<bool> wraps_;  // by event: do windows go on at the first position?
-  std::size_t slots_ = 0, reach_ = 0;
+  std::vector<int> base_;     // by event: where its windows begin
+  Rows first_value_, width_;  // by event: its first value in a letter; how many it has
+  std::vector<bool> wraps_;   // by event: do windows go on at the first position?
+  std::size_t letter_size_ = 0, reach_ = 0;
   std::map<int, std::vector<Read>> reads_;  // by position; -1: of atoms alone
   std::map<int, Rows> atoms_at_;
   std::vector<AtomMoves> moves_;
