@@ -83,14 +83,15 @@ bool is_address(std::string_view text) {
 
 class PlacementReader {
  public:
-  PlacementReader(Compilation& c, FileId file, rt::Placement& placement) : c_(c), file_(file), placement_(placement) {
+  PlacementReader(Compilation& c, FileId file, rt::Placement& placement)
+      : compilation_(c), file_(file), placement_(placement) {
     const rt::Image& image = c.lowered->image;
     for (std::uint32_t atom = 0; atom < image.atoms.size; ++atom) paths_.push_back(image.atoms[atom].path());
     placement.home.assign(paths_.size(), rt::kNone);
   }
 
   bool read() {
-    const std::string_view text = c_.sources.text(file_);
+    const std::string_view text = compilation_.sources.text(file_);
     for (std::size_t begin = 0; begin < text.size();) {
       const std::size_t end = std::min(text.find('\n', begin), text.size());
       split(text, begin, end);
@@ -100,16 +101,17 @@ class PlacementReader {
       else if (!words_.empty()) home();
       begin = end + 1;
     }
-    if (c_.diags.has_errors()) return false;
+    if (compilation_.diags.has_errors()) return false;
     BIP_ASSERT(placement_.addresses.size() == placement_.nodes.size() && placement_.home.size() == paths_.size(),
                "{} addresses of {} nodes", placement_.addresses.size(), placement_.nodes.size());
     if (placement_.nodes.empty()) {
-      c_.diags.report(Diag::kB5073, {}, fmt::format("`{}` declares no node", c_.sources.name(file_)));
+      compilation_.diags.report(Diag::kB5073, {},
+                                fmt::format("`{}` declares no node", compilation_.sources.name(file_)));
       return false;
     }
     const auto without = std::find(placement_.home.begin(), placement_.home.end(), rt::kNone);
     if (without == placement_.home.end()) return place_free();
-    c_.diags.report(Diag::kB5076, {}, paths_[static_cast<std::size_t>(without - placement_.home.begin())])
+    compilation_.diags.report(Diag::kB5076, {}, paths_[static_cast<std::size_t>(without - placement_.home.begin())])
         .help(fmt::format("`* on {}` as the last line places whatever is left", placement_.nodes.front()));
     return false;
   }
@@ -135,20 +137,20 @@ class PlacementReader {
 
   void node() {
     if (words_.size() != 2 && !(words_.size() == 4 && words_[2].text == "host")) {
-      c_.diags.report(Diag::kB5073, line(), "expected `node NAME` or `node NAME host ADDRESS:PORT`");
+      compilation_.diags.report(Diag::kB5073, line(), "expected `node NAME` or `node NAME host ADDRESS:PORT`");
       return;
     }
     const std::string name(words_[1].text);
     if (words_.size() == 4 && !is_address(words_[3].text)) {
-      c_.diags.report(Diag::kB5073, words_[3].range, fmt::format("`{}` is no `ADDRESS:PORT`", words_[3].text))
+      compilation_.diags.report(Diag::kB5073, words_[3].range, fmt::format("`{}` is no `ADDRESS:PORT`", words_[3].text))
           .help("for example `10.0.0.7:7701`, `lab.example:7701` or `[fd00::7]:7701`");
     }
     if (name.find_first_of("-,*[]") != std::string::npos) {
-      c_.diags.report(Diag::kB5073, words_[1].range, fmt::format("`{}` is no name of a node", name));
+      compilation_.diags.report(Diag::kB5073, words_[1].range, fmt::format("`{}` is no name of a node", name));
     } else if (std::find(placement_.nodes.begin(), placement_.nodes.end(), name) != placement_.nodes.end()) {
-      c_.diags.report(Diag::kB5073, words_[1].range, fmt::format("node `{}` is declared twice", name));
+      compilation_.diags.report(Diag::kB5073, words_[1].range, fmt::format("node `{}` is declared twice", name));
     } else if (placement_.nodes.size() == rt::kMostNodes) {
-      c_.diags.report(Diag::kB5073, words_[1].range, fmt::format("more than {} nodes", rt::kMostNodes));
+      compilation_.diags.report(Diag::kB5073, words_[1].range, fmt::format("more than {} nodes", rt::kMostNodes));
     } else {
       placement_.nodes.push_back(name);
       placement_.addresses.emplace_back(words_.size() == 4 ? words_[3].text : std::string_view());
@@ -165,12 +167,12 @@ class PlacementReader {
       const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), placement_.split_above);
       if (error == std::errc() && end == text.data() + text.size()) return;
     }
-    c_.diags.report(Diag::kB5073, line(), "expected `split above NUMBER` or `split never`")
+    compilation_.diags.report(Diag::kB5073, line(), "expected `split above NUMBER` or `split never`")
         .help("for example `split above 100`: conflict sets of more than 100 interactions get several coordinators");
   }
 
   void counts() {
-    const std::filesystem::path folder = std::filesystem::path(c_.sources.name(file_)).parent_path();
+    const std::filesystem::path folder = std::filesystem::path(compilation_.sources.name(file_)).parent_path();
     counts_at_ = words_[1].range;
     counts_path_ = (folder / words_[1].text).string();
   }
@@ -180,14 +182,14 @@ class PlacementReader {
     const bool is_any = std::find(placement_.home.begin(), placement_.home.end(), kAnywhere) != placement_.home.end();
     if (!is_any && counts_path_.empty()) return true;
     std::replace(placement_.home.begin(), placement_.home.end(), kAnywhere, rt::kNone);
-    const rt::Tables tables = rt::link(c_.lowered->image, rt::MaximalProgress::On);
+    const rt::Tables tables = rt::link(compilation_.lowered->image, rt::MaximalProgress::On);
     if (!counts_path_.empty()) {
       const std::optional<std::string> bytes = read_file(counts_path_);
       Result<std::vector<std::uint64_t>> counts = Failure{"it cannot be read"};
       if (bytes) counts = read_counts(tables, *bytes);
       if (!counts) {
-        c_.diags.report(Diag::kB5073, counts_at_,
-                        fmt::format("`{}` holds no counts: {}", counts_path_, counts.error()));
+        compilation_.diags.report(Diag::kB5073, counts_at_,
+                                  fmt::format("`{}` holds no counts: {}", counts_path_, counts.error()));
         return false;
       }
       placement_.counts = std::move(*counts);
@@ -200,13 +202,13 @@ class PlacementReader {
     const bool is_anywhere = words_.size() == 2 && words_[1].text == "anywhere";
     if (is_anywhere) return give_home(kAnywhere);
     if (words_.size() != 3 || words_[1].text != "on") {
-      c_.diags.report(Diag::kB5073, line(), "expected `COMPONENT on NODE` or `node NAME`")
+      compilation_.diags.report(Diag::kB5073, line(), "expected `COMPONENT on NODE` or `node NAME`")
           .help("for example `table.phil[0..2] on field`, `* on lab` or `* anywhere`");
       return;
     }
     const auto node = std::find(placement_.nodes.begin(), placement_.nodes.end(), words_[2].text);
     if (node == placement_.nodes.end()) {
-      c_.diags.report(Diag::kB5074, words_[2].range, words_[2].text)
+      compilation_.diags.report(Diag::kB5074, words_[2].range, words_[2].text)
           .help(fmt::format("`node {}` in a line above", words_[2].text));
       return;
     }
@@ -221,10 +223,10 @@ class PlacementReader {
       std::uint32_t& home = placement_.home[atom];
       if (home == rt::kNone) home = node;
     }
-    if (!is_known) c_.diags.report(Diag::kB5075, words_[0].range, words_[0].text);
+    if (!is_known) compilation_.diags.report(Diag::kB5075, words_[0].range, words_[0].text);
   }
 
-  Compilation& c_;
+  Compilation& compilation_;
   FileId file_;
   rt::Placement& placement_;
   std::vector<std::string> paths_;

@@ -23,13 +23,13 @@ std::optional<std::size_t> CodelArguments::follow(const std::vector<idl::Member>
   std::optional<std::size_t> type;
   for (const std::string& step : path) {
     if (step.starts_with("[")) {
-      if (!type || c_.plain(*type).kind != Kind::Array) return std::nullopt;
-      type = c_.plain(*type).element;
+      if (!type || component_.plain(*type).kind != Kind::Array) return std::nullopt;
+      type = component_.plain(*type).element;
       text += step;
     } else {
       if (type) {
-        if (c_.plain(*type).kind != Kind::Struct) return std::nullopt;
-        here = &c_.plain(*type).members;
+        if (component_.plain(*type).kind != Kind::Struct) return std::nullopt;
+        here = &component_.plain(*type).members;
       }
       const auto found = std::find_if(here->begin(), here->end(), [&](const auto& m) { return m.name == step; });
       if (found == here->end()) return std::nullopt;
@@ -48,47 +48,49 @@ std::vector<idl::Member> CodelArguments::locals_of(const idl::Service& s) const 
 }
 std::optional<std::size_t> CodelArguments::type_of(const idl::Service& s, const idl::Parameter& p) const {
   std::string ignored;
-  return s.is_attribute ? follow(c_.ids, p.path, ignored) : std::optional(p.type);
+  return s.is_attribute ? follow(component_.ids, p.path, ignored) : std::optional(p.type);
 }
 
 std::optional<CodelArgument> CodelArguments::argument(const idl::Argument& a,
                                                       const std::vector<idl::Member>& locals) const {
-  const std::string ids = "ids_" + c_.name;
+  const std::string ids = "ids_" + component_.name;
   if (a.place == idl::Place::Remote) {
-    if (a.path.size() != 1 || find_row(c_.remotes, a.path.front()) == nullptr)
-      return c_.knows_remotes ? std::nullopt : std::optional(CodelArgument{});
-    const std::string type = fmt::format("const {}_{}", c_.name, a.path.front()),
-                      object = fmt::format("remote_{}_{}", c_.name, a.path.front());
-    return CodelArgument{type + (c_.is_cxx ? "&" : " *"), (c_.is_cxx ? "" : "&") + object};
+    if (a.path.size() != 1 || find_row(component_.remotes, a.path.front()) == nullptr)
+      return component_.knows_remotes ? std::nullopt : std::optional(CodelArgument{});
+    const std::string type = fmt::format("const {}_{}", component_.name, a.path.front()),
+                      object = fmt::format("remote_{}_{}", component_.name, a.path.front());
+    return CodelArgument{type + (component_.is_cxx ? "&" : " *"), (component_.is_cxx ? "" : "&") + object};
   }
-  if (a.path.empty() && c_.is_cxx)
-    return CodelArgument{(a.direction == Direction::In ? "const " : "") + c_.name + "_ids&", ids};
+  if (a.path.empty() && component_.is_cxx)
+    return CodelArgument{(a.direction == Direction::In ? "const " : "") + component_.name + "_ids&", ids};
   if (a.path.empty())
-    return CodelArgument{(a.direction == Direction::In ? "const " : "") + c_.name + "_ids *", "&" + ids};
+    return CodelArgument{(a.direction == Direction::In ? "const " : "") + component_.name + "_ids *", "&" + ids};
   const auto data = [&](const std::vector<idl::Member>& members,
                         const std::string& base) -> std::optional<CodelArgument> {
     std::string value = base;
     const std::optional<std::size_t> type = follow(members, a.path, value);
     if (!type) return std::nullopt;
-    if (c_.is_cxx) return CodelArgument{cxx_parameter_type(c_, *type, a.direction), value};
-    const idl::Type& t = c_.plain(*type);
+    if (component_.is_cxx) return CodelArgument{cxx_parameter_type(component_, *type, a.direction), value};
+    const idl::Type& t = component_.plain(*type);
     const bool is_plain =
         decays(t) || (a.direction == Direction::In && (is_passed_by_value(t) || t.kind == Kind::String));
-    return CodelArgument{c_parameter(c_, *type, a.direction, ""), is_plain ? value : "&" + value};
+    return CodelArgument{c_parameter(component_, *type, a.direction, ""), is_plain ? value : "&" + value};
   };
   using enum idl::Place;
   if (a.place == Any || a.place == Local) {
     if (auto found = data(locals, "data_@")) return found;
   }
   if (a.place == Any || a.place == Ids) {
-    if (auto found = data(c_.ids, ids)) return found;
+    if (auto found = data(component_.ids, ids)) return found;
   }
   if (a.place == Any || a.place == Port) {
-    for (const idl::Port& p : c_.ports) {
+    for (const idl::Port& p : component_.ports) {
       if (p.name != a.path.front() || a.path.size() != 1) continue;
-      if (c_.is_cxx)
-        return CodelArgument{fmt::format("const {}_{}&", c_.name, p.name), fmt::format("port_{}_{}", c_.name, p.name)};
-      return CodelArgument{fmt::format("const {}_{} *", c_.name, p.name), fmt::format("&port_{}_{}", c_.name, p.name)};
+      if (component_.is_cxx)
+        return CodelArgument{fmt::format("const {}_{}&", component_.name, p.name),
+                             fmt::format("port_{}_{}", component_.name, p.name)};
+      return CodelArgument{fmt::format("const {}_{} *", component_.name, p.name),
+                           fmt::format("&port_{}_{}", component_.name, p.name)};
     }
   }
   return std::nullopt;

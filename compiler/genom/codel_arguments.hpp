@@ -20,7 +20,7 @@ struct CodelArgument {
 /// Names of one component.
 class CodelArguments {
  public:
-  explicit CodelArguments(const idl::Component& c) : c_(c) {}
+  explicit CodelArguments(const idl::Component& c) : component_(c) {}
 
   /// The type of the member that a path leads to from one of `members`, its expression goes to `text`. Nothing if it
   /// leads nowhere.
@@ -35,7 +35,7 @@ class CodelArguments {
                                                       const std::vector<idl::Member>& locals) const;
 
  private:
-  const idl::Component& c_;
+  const idl::Component& component_;
 };
 
 /// The row of that name; null: there is none.

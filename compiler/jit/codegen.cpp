@@ -25,12 +25,12 @@ class UnitBuilder {
       : code_(lowered.system->code),
         sites_(lowered.site_of_expr),
         function_(function),
-        b_(llvm::BasicBlock::Create(function->getContext(), "entry", function)),
-        i32_(b_.getInt32Ty()),
+        builder_(llvm::BasicBlock::Create(function->getContext(), "entry", function)),
+        i32_(builder_.getInt32Ty()),
         debug_(debug),
         on_cells_(distance != 0),
         distance_(on_cells_ ? distance : 1),
-        cell_type_(on_cells_ ? i32_ : b_.getInt64Ty()),
+        cell_type_(on_cells_ ? i32_ : builder_.getInt64Ty()),
         cell_align_(on_cells_ ? 4 : 8) {
     self_ = function->getArg(1);
     all_ = function->getArg(2);
@@ -39,16 +39,16 @@ class UnitBuilder {
 
   /// What follows is from there.
   void place(Loc loc) {
-    if (debug_ != nullptr && loc.line != 0) b_.SetCurrentDebugLocation(debug_->at(*function_, loc));
+    if (debug_ != nullptr && loc.line != 0) builder_.SetCurrentDebugLocation(debug_->at(*function_, loc));
   }
   void guard(ExprId id) {
     place(code_.exprs[id].loc);
-    b_.CreateRet(b_.CreateZExt(expr(id), i32_));
+    builder_.CreateRet(builder_.CreateZExt(expr(id), i32_));
     limit_passes();
   }
   void action(StmtId first) {
     body(first);
-    b_.CreateRet(b_.getInt32(1));
+    builder_.CreateRet(builder_.getInt32(1));
     limit_passes();
   }
 
@@ -62,44 +62,47 @@ class UnitBuilder {
     function_->addFnAttr(llvm::Attribute::NoInline);
   }
 
-  llvm::BasicBlock* new_block(const char* name) { return llvm::BasicBlock::Create(b_.getContext(), name, function_); }
+  llvm::BasicBlock* new_block(const char* name) {
+    return llvm::BasicBlock::Create(builder_.getContext(), name, function_);
+  }
 
   llvm::Value* self_variable(std::uint32_t index) {
-    return b_.CreateConstInBoundsGEP1_64(cell_type_, self_, std::uint64_t{index} * distance_);
+    return builder_.CreateConstInBoundsGEP1_64(cell_type_, self_, std::uint64_t{index} * distance_);
   }
   llvm::Value* bind_cell(std::uint32_t index) {
-    llvm::Value* entry = b_.CreateConstInBoundsGEP1_64(i32_, bind_, index);
-    llvm::Value* row = b_.CreateZExt(b_.CreateAlignedLoad(i32_, entry, llvm::Align(4)), b_.getInt64Ty());
-    return b_.CreateInBoundsGEP(cell_type_, all_, row);
+    llvm::Value* entry = builder_.CreateConstInBoundsGEP1_64(i32_, bind_, index);
+    llvm::Value* row =
+        builder_.CreateZExt(builder_.CreateAlignedLoad(i32_, entry, llvm::Align(4)), builder_.getInt64Ty());
+    return builder_.CreateInBoundsGEP(cell_type_, all_, row);
   }
   llvm::Value* load(Type type, llvm::Value* cell) {
-    if (type == Type::Float) return b_.CreateAlignedLoad(b_.getDoubleTy(), cell, cell_align_);
+    if (type == Type::Float) return builder_.CreateAlignedLoad(builder_.getDoubleTy(), cell, cell_align_);
     // The address of the object.
-    if (is_ffi(type)) return b_.CreateAlignedLoad(b_.getInt64Ty(), cell, cell_align_);
+    if (is_ffi(type)) return builder_.CreateAlignedLoad(builder_.getInt64Ty(), cell, cell_align_);
     // All of the cell, as it is stored: loops over neighbouring cells become vectors.
-    llvm::Value* low = b_.CreateTrunc(b_.CreateAlignedLoad(cell_type_, cell, cell_align_), i32_);
-    return type == Type::Bool ? b_.CreateICmpNE(low, b_.getInt32(0)) : low;
+    llvm::Value* low = builder_.CreateTrunc(builder_.CreateAlignedLoad(cell_type_, cell, cell_align_), i32_);
+    return type == Type::Bool ? builder_.CreateICmpNE(low, builder_.getInt32(0)) : low;
   }
   void store(Type type, llvm::Value* value, llvm::Value* cell) {
     // Unused bits of a cell are zero.
-    if (type != Type::Float && !is_ffi(type)) value = b_.CreateZExt(value, cell_type_);
-    b_.CreateAlignedStore(value, cell, cell_align_);
+    if (type != Type::Float && !is_ffi(type)) value = builder_.CreateZExt(value, cell_type_);
+    builder_.CreateAlignedStore(value, cell, cell_align_);
   }
 
   llvm::Value* expr(ExprId id) {
     const Expr& e = code_.exprs[id];
     switch (e.op) {
       case Op::ConstInt:
-      case Op::ConstString: return b_.getInt32(static_cast<std::uint32_t>(e.int_value));
-      case Op::ConstBool: return b_.getInt1(e.int_value != 0);
-      case Op::ConstFloat: return llvm::ConstantFP::get(b_.getDoubleTy(), e.float_value);
+      case Op::ConstString: return builder_.getInt32(static_cast<std::uint32_t>(e.int_value));
+      case Op::ConstBool: return builder_.getInt1(e.int_value != 0);
+      case Op::ConstFloat: return llvm::ConstantFP::get(builder_.getDoubleTy(), e.float_value);
       case Op::LoadSelf: return load(e.type, self_variable(e.index));
       case Op::LoadBind: return load(e.type, bind_cell(e.index));
       case Op::Call: return call(id, e);
-      case Op::IntToFloat: return b_.CreateSIToFP(expr(e.a), b_.getDoubleTy());
-      case Op::Neg: return e.type == Type::Float ? b_.CreateFNeg(expr(e.a)) : b_.CreateNeg(expr(e.a));
+      case Op::IntToFloat: return builder_.CreateSIToFP(expr(e.a), builder_.getDoubleTy());
+      case Op::Neg: return e.type == Type::Float ? builder_.CreateFNeg(expr(e.a)) : builder_.CreateNeg(expr(e.a));
       case Op::Not:
-      case Op::BitNot: return b_.CreateNot(expr(e.a));
+      case Op::BitNot: return builder_.CreateNot(expr(e.a));
       case Op::And:
       case Op::Or:
         return short_circuit(e);
@@ -119,7 +122,7 @@ class UnitBuilder {
   }
   /// What the process gives: a function, or data.
   llvm::Constant* process_symbol(const std::string& name) {
-    return function_->getParent()->getOrInsertGlobal(name, b_.getInt8Ty());
+    return function_->getParent()->getOrInsertGlobal(name, builder_.getInt8Ty());
   }
   // One frame for all cells and their addresses of a call, at the function's start: loops there are none.
   llvm::Value* frame(llvm::Type* type, std::size_t size) {
@@ -129,10 +132,10 @@ class UnitBuilder {
 
   /// The cell of the object that an FFI result is assigned to: the thread's own.
   llvm::Value* result_object(ExprId call, Type result) {
-    auto* type = llvm::FunctionType::get(b_.getPtrTy(), {b_.getPtrTy(), i32_, i32_}, false);
-    llvm::Value* row = b_.getInt32(static_cast<std::uint32_t>(ffi_row(result)));
-    llvm::CallInst* cell =
-        b_.CreateCall(type, process_symbol(kResultName), {process_symbol(kLoweredName), b_.getInt32(call.value), row});
+    auto* type = llvm::FunctionType::get(builder_.getPtrTy(), {builder_.getPtrTy(), i32_, i32_}, false);
+    llvm::Value* row = builder_.getInt32(static_cast<std::uint32_t>(ffi_row(result)));
+    llvm::CallInst* cell = builder_.CreateCall(type, process_symbol(kResultName),
+                                               {process_symbol(kLoweredName), builder_.getInt32(call.value), row});
     cell->setDoesNotThrow();
     return cell;
   }
@@ -142,8 +145,8 @@ class UnitBuilder {
     const Function& function = code_.functions[e.index];
     const std::span<const ExprId> args = code_.args_of(e);
     BIP_ASSERT(args.size() == function.params.size(), "{} arguments for `{}`", args.size(), function.name);
-    llvm::Type* i64 = b_.getInt64Ty();
-    llvm::Type* pointer = b_.getPtrTy();
+    llvm::Type* i64 = builder_.getInt64Ty();
+    llvm::Type* pointer = builder_.getPtrTy();
     llvm::Value* values = frame(i64, args.size() + 2);
     llvm::Value* cells = frame(pointer, args.size() + 1);
     for (std::size_t k = 0; k < args.size(); ++k) {
@@ -153,68 +156,70 @@ class UnitBuilder {
         cell = interaction_of(arg);
       } else {
         llvm::Value* value = expr(args[k]);
-        cell = b_.CreateConstInBoundsGEP1_64(i64, values, k + 1);
+        cell = builder_.CreateConstInBoundsGEP1_64(i64, values, k + 1);
         store(arg.type, value, cell);
       }
-      b_.CreateStore(cell, b_.CreateConstInBoundsGEP1_64(pointer, cells, k));
+      builder_.CreateStore(cell, builder_.CreateConstInBoundsGEP1_64(pointer, cells, k));
     }
-    llvm::Value* site = b_.CreateConstInBoundsGEP1_64(i64, values, args.size() + 1);
-    b_.CreateStore(b_.getInt64(sites_[id.value]), site);
-    b_.CreateStore(site, b_.CreateConstInBoundsGEP1_64(pointer, cells, args.size()));
+    llvm::Value* site = builder_.CreateConstInBoundsGEP1_64(i64, values, args.size() + 1);
+    builder_.CreateStore(builder_.getInt64(sites_[id.value]), site);
+    builder_.CreateStore(site, builder_.CreateConstInBoundsGEP1_64(pointer, cells, args.size()));
     llvm::Value* result = values;
     if (function.has_result && is_ffi(function.result)) result = result_object(id, function.result);
     auto* type = llvm::FunctionType::get(i32_, {pointer, pointer, pointer}, false);
-    llvm::CallInst* status = b_.CreateCall(type, process_symbol(kFunctionName + std::to_string(e.index)),
-                                           {process_symbol(kFfiContextName), result, cells});
+    llvm::CallInst* status = builder_.CreateCall(type, process_symbol(kFunctionName + std::to_string(e.index)),
+                                                 {process_symbol(kFfiContextName), result, cells});
     status->setDoesNotThrow();
     llvm::BasicBlock* faulty = new_block("exception");
     llvm::BasicBlock* sound = new_block("called");
-    b_.CreateCondBr(b_.CreateICmpNE(status, b_.getInt32(0)), faulty, sound);
-    b_.SetInsertPoint(faulty);
-    b_.CreateRet(b_.getInt32(static_cast<std::uint32_t>(rt::fault_status(sites_[id.value], rt::FaultKind{}))));
-    b_.SetInsertPoint(sound);
-    return function.has_result ? load(function.result, result) : b_.getInt32(0);
+    builder_.CreateCondBr(builder_.CreateICmpNE(status, builder_.getInt32(0)), faulty, sound);
+    builder_.SetInsertPoint(faulty);
+    builder_.CreateRet(
+        builder_.getInt32(static_cast<std::uint32_t>(rt::fault_status(sites_[id.value], rt::FaultKind{}))));
+    builder_.SetInsertPoint(sound);
+    return function.has_result ? load(function.result, result) : builder_.getInt32(0);
   }
   /// An assignment between variables of an FFI type copies the object.
   void assign(Type type, llvm::Value* value, llvm::Value* cell) {
     if (!is_ffi(type)) return store(type, value, cell);
-    llvm::Type* pointer = b_.getPtrTy();
-    auto* copy = llvm::FunctionType::get(b_.getVoidTy(), {pointer, pointer}, false);
-    llvm::Value* to = b_.CreateIntToPtr(load(type, cell), pointer);
-    b_.CreateCall(copy, process_symbol(kCopyName + std::to_string(ffi_row(type))),
-                  {to, b_.CreateIntToPtr(value, pointer)})
+    llvm::Type* pointer = builder_.getPtrTy();
+    auto* copy = llvm::FunctionType::get(builder_.getVoidTy(), {pointer, pointer}, false);
+    llvm::Value* to = builder_.CreateIntToPtr(load(type, cell), pointer);
+    builder_
+        .CreateCall(copy, process_symbol(kCopyName + std::to_string(ffi_row(type))),
+                    {to, builder_.CreateIntToPtr(value, pointer)})
         ->setDoesNotThrow();
   }
 
   llvm::Value* short_circuit(const Expr& e) {
     llvm::Value* a = expr(e.a);
-    llvm::BasicBlock* decided = b_.GetInsertBlock();
+    llvm::BasicBlock* decided = builder_.GetInsertBlock();
     llvm::BasicBlock* rest = new_block(e.op == Op::And ? "and" : "or");
     llvm::BasicBlock* join = new_block("join");
-    b_.CreateCondBr(a, e.op == Op::And ? rest : join, e.op == Op::And ? join : rest);
-    b_.SetInsertPoint(rest);
+    builder_.CreateCondBr(a, e.op == Op::And ? rest : join, e.op == Op::And ? join : rest);
+    builder_.SetInsertPoint(rest);
     llvm::Value* b = expr(e.b);
-    llvm::BasicBlock* rest_end = b_.GetInsertBlock();
-    b_.CreateBr(join);
-    b_.SetInsertPoint(join);
-    llvm::PHINode* phi = b_.CreatePHI(b_.getInt1Ty(), 2);
-    phi->addIncoming(b_.getInt1(e.op == Op::Or), decided);
+    llvm::BasicBlock* rest_end = builder_.GetInsertBlock();
+    builder_.CreateBr(join);
+    builder_.SetInsertPoint(join);
+    llvm::PHINode* phi = builder_.CreatePHI(builder_.getInt1Ty(), 2);
+    phi->addIncoming(builder_.getInt1(e.op == Op::Or), decided);
     phi->addIncoming(b, rest_end);
     return phi;
   }
 
   llvm::Value* float_binary(Op op, llvm::Value* a, llvm::Value* b) {
     switch (op) {
-      case Op::Add: return b_.CreateFAdd(a, b);
-      case Op::Sub: return b_.CreateFSub(a, b);
-      case Op::Mul: return b_.CreateFMul(a, b);
-      case Op::Div: return b_.CreateFDiv(a, b);
-      case Op::Eq: return b_.CreateFCmpOEQ(a, b);
-      case Op::Ne: return b_.CreateFCmpUNE(a, b);
-      case Op::Lt: return b_.CreateFCmpOLT(a, b);
-      case Op::Gt: return b_.CreateFCmpOGT(a, b);
-      case Op::Le: return b_.CreateFCmpOLE(a, b);
-      case Op::Ge: return b_.CreateFCmpOGE(a, b);
+      case Op::Add: return builder_.CreateFAdd(a, b);
+      case Op::Sub: return builder_.CreateFSub(a, b);
+      case Op::Mul: return builder_.CreateFMul(a, b);
+      case Op::Div: return builder_.CreateFDiv(a, b);
+      case Op::Eq: return builder_.CreateFCmpOEQ(a, b);
+      case Op::Ne: return builder_.CreateFCmpUNE(a, b);
+      case Op::Lt: return builder_.CreateFCmpOLT(a, b);
+      case Op::Gt: return builder_.CreateFCmpOGT(a, b);
+      case Op::Le: return builder_.CreateFCmpOLE(a, b);
+      case Op::Ge: return builder_.CreateFCmpOGE(a, b);
       case Op::Mod:
         BIP_LEAF_OPS(BIP_OP_CASE)
         BIP_UNARY_OPS(BIP_OP_CASE)
@@ -227,19 +232,19 @@ class UnitBuilder {
   /// int, and what bool and string share with it: == and !=.
   llvm::Value* int_binary(Op op, llvm::Value* a, llvm::Value* b) {
     switch (op) {
-      case Op::Add: return b_.CreateAdd(a, b);
-      case Op::Sub: return b_.CreateSub(a, b);
-      case Op::Mul: return b_.CreateMul(a, b);
-      case Op::BitAnd: return b_.CreateAnd(a, b);
-      case Op::BitOr: return b_.CreateOr(a, b);
-      case Op::BitXor: return b_.CreateXor(a, b);
-      case Op::Eq: return b_.CreateICmpEQ(a, b);
-      case Op::Ne: return b_.CreateICmpNE(a, b);
-      case Op::Lt: return b_.CreateICmpSLT(a, b);
-      case Op::Gt: return b_.CreateICmpSGT(a, b);
-      case Op::Le: return b_.CreateICmpSLE(a, b);
+      case Op::Add: return builder_.CreateAdd(a, b);
+      case Op::Sub: return builder_.CreateSub(a, b);
+      case Op::Mul: return builder_.CreateMul(a, b);
+      case Op::BitAnd: return builder_.CreateAnd(a, b);
+      case Op::BitOr: return builder_.CreateOr(a, b);
+      case Op::BitXor: return builder_.CreateXor(a, b);
+      case Op::Eq: return builder_.CreateICmpEQ(a, b);
+      case Op::Ne: return builder_.CreateICmpNE(a, b);
+      case Op::Lt: return builder_.CreateICmpSLT(a, b);
+      case Op::Gt: return builder_.CreateICmpSGT(a, b);
+      case Op::Le: return builder_.CreateICmpSLE(a, b);
       case Op::Ge:
-        return b_.CreateICmpSGE(a, b);
+        return builder_.CreateICmpSGE(a, b);
         BIP_LEAF_OPS(BIP_OP_CASE)
         BIP_UNARY_OPS(BIP_OP_CASE)
         BIP_DIVISION_OPS(BIP_OP_CASE)
@@ -254,19 +259,20 @@ class UnitBuilder {
     const std::uint32_t site = sites_[id.value];
     BIP_ASSERT(site != rt::kNone, "a division without a site, expression {}", id);
     const auto status = [&](rt::FaultKind kind) {
-      return b_.getInt32(static_cast<std::uint32_t>(rt::fault_status(site, kind)));
+      return builder_.getInt32(static_cast<std::uint32_t>(rt::fault_status(site, kind)));
     };
-    llvm::Value* lowest = b_.getInt32(static_cast<std::uint32_t>(std::numeric_limits<std::int32_t>::min()));
-    llvm::Value* by_zero = b_.CreateICmpEQ(b, b_.getInt32(0));
-    llvm::Value* overflow = b_.CreateAnd(b_.CreateICmpEQ(a, lowest), b_.CreateICmpEQ(b, b_.getInt32(0xffffffffu)));
+    llvm::Value* lowest = builder_.getInt32(static_cast<std::uint32_t>(std::numeric_limits<std::int32_t>::min()));
+    llvm::Value* by_zero = builder_.CreateICmpEQ(b, builder_.getInt32(0));
+    llvm::Value* overflow =
+        builder_.CreateAnd(builder_.CreateICmpEQ(a, lowest), builder_.CreateICmpEQ(b, builder_.getInt32(0xffffffffu)));
     llvm::BasicBlock* faulty = new_block("fault");
     llvm::BasicBlock* sound = new_block("sound");
-    b_.CreateCondBr(b_.CreateOr(by_zero, overflow), faulty, sound);
-    b_.SetInsertPoint(faulty);
-    b_.CreateRet(
-        b_.CreateSelect(by_zero, status(rt::FaultKind::DivisionByZero), status(rt::FaultKind::DivisionOverflow)));
-    b_.SetInsertPoint(sound);
-    return op == Op::Div ? b_.CreateSDiv(a, b) : b_.CreateSRem(a, b);
+    builder_.CreateCondBr(builder_.CreateOr(by_zero, overflow), faulty, sound);
+    builder_.SetInsertPoint(faulty);
+    builder_.CreateRet(
+        builder_.CreateSelect(by_zero, status(rt::FaultKind::DivisionByZero), status(rt::FaultKind::DivisionOverflow)));
+    builder_.SetInsertPoint(sound);
+    return op == Op::Div ? builder_.CreateSDiv(a, b) : builder_.CreateSRem(a, b);
   }
 
   void body(StmtId first) {
@@ -286,20 +292,20 @@ class UnitBuilder {
     llvm::BasicBlock* then_block = new_block("then");
     llvm::BasicBlock* else_block = new_block("else");
     llvm::BasicBlock* join = new_block("fi");
-    b_.CreateCondBr(condition, then_block, else_block);
-    b_.SetInsertPoint(then_block);
+    builder_.CreateCondBr(condition, then_block, else_block);
+    builder_.SetInsertPoint(then_block);
     body(s.then_body);
-    b_.CreateBr(join);
-    b_.SetInsertPoint(else_block);
+    builder_.CreateBr(join);
+    builder_.SetInsertPoint(else_block);
     body(s.else_body);
-    b_.CreateBr(join);
-    b_.SetInsertPoint(join);
+    builder_.CreateBr(join);
+    builder_.SetInsertPoint(join);
   }
 
   const CodeTable& code_;
   const std::vector<std::uint32_t>& sites_;
   llvm::Function* function_;
-  llvm::IRBuilder<> b_;
+  llvm::IRBuilder<> builder_;
   llvm::Type* i32_;
   DebugInfo* debug_;
   bool on_cells_;

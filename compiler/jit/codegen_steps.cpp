@@ -24,7 +24,7 @@ class StepBuilder {
  public:
   StepBuilder(llvm::IRBuilder<>& b, const lower::LoweredSystem& lowered, const lower::StepShape& shape,
               const StepFrame& frame, const std::vector<StepOperandValue>& operands, DebugInfo* debug)
-      : b_(b),
+      : builder_(b),
         function_(b.GetInsertBlock()->getParent()),
         module_(*function_->getParent()),
         lowered_(lowered),
@@ -53,7 +53,7 @@ class StepBuilder {
       if (op.kind == StepOpKind::Copy) copy(op);
       if (op.kind == StepOpKind::Code) loop(op, [&](Value* t) { code(op, t); });
       if (op.kind == StepOpKind::Place)
-        loop(op, [&](Value* t) { b_.CreateStore(number(op, 1, t), cell(places_, op, 0, t)); });
+        loop(op, [&](Value* t) { builder_.CreateStore(number(op, 1, t), cell(places_, op, 0, t)); });
       if (op.kind == StepOpKind::Ready) ready(op);
       if ((op.kind == StepOpKind::Interaction || op.kind == StepOpKind::Count) && op.delta != 0)
         loop(op, [&](Value* t) { grow(op, 0, t); });
@@ -67,8 +67,10 @@ class StepBuilder {
   }
 
  private:
-  llvm::BasicBlock* new_block(const char* name) { return llvm::BasicBlock::Create(b_.getContext(), name, function_); }
-  Value* constant(std::uint32_t value) { return b_.getInt32(value); }
+  llvm::BasicBlock* new_block(const char* name) {
+    return llvm::BasicBlock::Create(builder_.getContext(), name, function_);
+  }
+  Value* constant(std::uint32_t value) { return builder_.getInt32(value); }
 
   // ---- operands: ref k of an operation, which in a loop moves with t (64 bits; null outside of loops)
   static std::uint32_t operand(const StepOp& op, std::uint32_t k) { return op.first_ref + (op.repeats ? 1 : 0) + k; }
@@ -78,20 +80,22 @@ class StepBuilder {
     Value* base = operands_[operand(op, k)].number;
     BIP_ASSERT(operand(op, k) < operands_.size(), "operand {} of {}", operand(op, k), operands_.size());
     if (stride(op, k) == 0 || t == nullptr) return base;
-    return b_.CreateAdd(base,
-                        b_.CreateMul(b_.CreateTrunc(t, i32_), constant(static_cast<std::uint32_t>(stride(op, k)))));
+    return builder_.CreateAdd(
+        base, builder_.CreateMul(builder_.CreateTrunc(t, i32_), constant(static_cast<std::uint32_t>(stride(op, k)))));
   }
   Value* index(const StepOp& op, std::uint32_t k, Value* t) {
     Value* base = operands_[operand(op, k)].index;
     if (stride(op, k) == 0 || t == nullptr) return base;
-    return b_.CreateAdd(base, b_.CreateMul(t, llvm::ConstantInt::getSigned(i64_, stride(op, k))));
+    return builder_.CreateAdd(base, builder_.CreateMul(t, llvm::ConstantInt::getSigned(i64_, stride(op, k))));
   }
   Value* cell(Value* array, const StepOp& op, std::uint32_t k, Value* t) {
-    return b_.CreateInBoundsGEP(i32_, array, index(op, k, t));
+    return builder_.CreateInBoundsGEP(i32_, array, index(op, k, t));
   }
-  Value* cell(Value* array, Value* row) { return b_.CreateInBoundsGEP(i32_, array, b_.CreateZExt(row, i64_)); }
+  Value* cell(Value* array, Value* row) {
+    return builder_.CreateInBoundsGEP(i32_, array, builder_.CreateZExt(row, i64_));
+  }
   Value* data(const StepOp& op, std::uint32_t k, Value* t) {
-    return b_.CreateInBoundsGEP(cell_type_, all_, index(op, k, t));
+    return builder_.CreateInBoundsGEP(cell_type_, all_, index(op, k, t));
   }
 
   // Vectors of rows that are no neighbours would be gathered and scattered, which costs more than it saves.
@@ -102,26 +106,26 @@ class StepBuilder {
     return true;
   }
   void keep_scalar(llvm::Instruction* branch) {
-    llvm::LLVMContext& context = b_.getContext();
+    llvm::LLVMContext& context = builder_.getContext();
     llvm::Metadata* off[] = {llvm::MDString::get(context, "llvm.loop.vectorize.enable"),
-                             llvm::ConstantAsMetadata::get(b_.getFalse())};
+                             llvm::ConstantAsMetadata::get(builder_.getFalse())};
     llvm::MDNode* loop = llvm::MDNode::getDistinct(context, {nullptr, llvm::MDNode::get(context, off)});
     loop->replaceOperandWith(0, loop);
     branch->setMetadata(llvm::LLVMContext::MD_loop, loop);
   }
   llvm::Instruction* count_up(Value* count, const std::function<void(Value*)>& body) {
-    llvm::BasicBlock* before = b_.GetInsertBlock();
+    llvm::BasicBlock* before = builder_.GetInsertBlock();
     llvm::BasicBlock* inside = new_block("loop");
     llvm::BasicBlock* after = new_block("after");
-    b_.CreateCondBr(b_.CreateICmpNE(count, llvm::ConstantInt::get(i64_, 0)), inside, after);
-    b_.SetInsertPoint(inside);
-    llvm::PHINode* t = b_.CreatePHI(i64_, 2);
+    builder_.CreateCondBr(builder_.CreateICmpNE(count, llvm::ConstantInt::get(i64_, 0)), inside, after);
+    builder_.SetInsertPoint(inside);
+    llvm::PHINode* t = builder_.CreatePHI(i64_, 2);
     t->addIncoming(llvm::ConstantInt::get(i64_, 0), before);
     body(t);
-    Value* next = b_.CreateNUWAdd(t, llvm::ConstantInt::get(i64_, 1));
-    t->addIncoming(next, b_.GetInsertBlock());
-    llvm::Instruction* branch = b_.CreateCondBr(b_.CreateICmpULT(next, count), inside, after);
-    b_.SetInsertPoint(after);
+    Value* next = builder_.CreateNUWAdd(t, llvm::ConstantInt::get(i64_, 1));
+    t->addIncoming(next, builder_.GetInsertBlock());
+    llvm::Instruction* branch = builder_.CreateCondBr(builder_.CreateICmpULT(next, count), inside, after);
+    builder_.SetInsertPoint(after);
     return branch;
   }
   void loop(const StepOp& op, const std::function<void(Value*)>& body) {
@@ -142,13 +146,16 @@ class StepBuilder {
   }
   // By its row of codes, so that the row may change between steps.
   Value* call_row(std::uint32_t row, Value* self, Value* all, Value* bind) {
-    Value* code = b_.CreateConstInBoundsGEP1_64(b_.getInt8Ty(), module_.getOrInsertGlobal(kCodesName, b_.getInt8Ty()),
-                                                std::uint64_t{row} * sizeof(rt::Code));
-    Value* fn = b_.CreateLoad(b_.getPtrTy(), code);
-    Value* context =
-        b_.CreateLoad(b_.getPtrTy(), b_.CreateConstInBoundsGEP1_64(b_.getInt8Ty(), code, offsetof(rt::Code, context)));
-    auto* type = llvm::FunctionType::get(i32_, {b_.getPtrTy(), b_.getPtrTy(), b_.getPtrTy(), b_.getPtrTy()}, false);
-    llvm::CallInst* result = b_.CreateCall(type, fn, {context, self, all, bind});
+    Value* code = builder_.CreateConstInBoundsGEP1_64(builder_.getInt8Ty(),
+                                                      module_.getOrInsertGlobal(kCodesName, builder_.getInt8Ty()),
+                                                      std::uint64_t{row} * sizeof(rt::Code));
+    Value* fn = builder_.CreateLoad(builder_.getPtrTy(), code);
+    Value* context = builder_.CreateLoad(
+        builder_.getPtrTy(),
+        builder_.CreateConstInBoundsGEP1_64(builder_.getInt8Ty(), code, offsetof(rt::Code, context)));
+    auto* type = llvm::FunctionType::get(
+        i32_, {builder_.getPtrTy(), builder_.getPtrTy(), builder_.getPtrTy(), builder_.getPtrTy()}, false);
+    llvm::CallInst* result = builder_.CreateCall(type, fn, {context, self, all, bind});
     result->setDoesNotThrow();
     return result;
   }
@@ -159,7 +166,7 @@ class StepBuilder {
     BIP_ASSERT(k + 1 + binds.size() <= refs(op), "unit {} reads {} bound variables, {} operands follow", op.unit,
                binds.size(), refs(op) - k - 1);
     Value* all = all_;
-    Value* bind = llvm::ConstantPointerNull::get(b_.getPtrTy());
+    Value* bind = llvm::ConstantPointerNull::get(builder_.getPtrTy());
     if (!binds.empty()) {
       bool together = true;
       for (std::uint32_t n = 0; n < binds.size(); ++n)
@@ -168,37 +175,39 @@ class StepBuilder {
       BIP_ASSERT(std::is_sorted(binds.begin(), binds.end()), "bound variables of unit {} are not in order", op.unit);
       bind = start.CreateAlloca(llvm::ArrayType::get(i32_, binds.back() + 1));
       for (std::uint32_t n = 0; n < binds.size(); ++n) {
-        b_.CreateStore(number(op, k + 1 + n, together ? nullptr : t),
-                       b_.CreateConstInBoundsGEP1_64(i32_, bind, binds[n]));
+        builder_.CreateStore(number(op, k + 1 + n, together ? nullptr : t),
+                             builder_.CreateConstInBoundsGEP1_64(i32_, bind, binds[n]));
       }
       if (together && t != nullptr && stride(op, k + 1) != 0) {
-        all = b_.CreateInBoundsGEP(cell_type_, all_,
-                                   b_.CreateMul(t, llvm::ConstantInt::getSigned(i64_, stride(op, k + 1))));
+        all = builder_.CreateInBoundsGEP(cell_type_, all_,
+                                         builder_.CreateMul(t, llvm::ConstantInt::getSigned(i64_, stride(op, k + 1))));
       }
     }
     if (lowered_.calls_rows) return call_row(op.unit, data(op, k, t), all, bind);
-    return b_.CreateCall(unit(op.unit), {llvm::ConstantPointerNull::get(b_.getPtrTy()), data(op, k, t), all, bind});
+    return builder_.CreateCall(unit(op.unit),
+                               {llvm::ConstantPointerNull::get(builder_.getPtrTy()), data(op, k, t), all, bind});
   }
   void zero(const StepOp& op, std::uint32_t k, Value* t) {
     if (op.zeroed == 0) return;
     Value* self = data(op, k, t);
     for (std::uint32_t n = 0; n < op.zeroed; ++n) {
-      b_.CreateAlignedStore(llvm::ConstantInt::get(cell_type_, 0), b_.CreateConstInBoundsGEP1_64(cell_type_, self, n),
-                            cell_align_);
+      builder_.CreateAlignedStore(llvm::ConstantInt::get(cell_type_, 0),
+                                  builder_.CreateConstInBoundsGEP1_64(cell_type_, self, n), cell_align_);
     }
   }
   // ---- what is executed only if atoms are where it says
   void test(const StepOp& op) {
     if (holds_ == nullptr) {
       llvm::IRBuilder<> start(&function_->getEntryBlock(), function_->getEntryBlock().begin());
-      holds_ = start.CreateAlloca(b_.getInt1Ty());
-      b_.CreateStore(b_.getTrue(), holds_);
+      holds_ = start.CreateAlloca(builder_.getInt1Ty());
+      builder_.CreateStore(builder_.getTrue(), holds_);
     }
     const llvm::CmpInst::Predicate as_said =
         op.kind == StepOpKind::At ? llvm::CmpInst::ICMP_EQ : llvm::CmpInst::ICMP_NE;
     loop(op, [&](Value* t) {
-      Value* is_so = b_.CreateICmp(as_said, b_.CreateLoad(i32_, cell(places_, op, 0, t)), constant(op.from));
-      b_.CreateStore(b_.CreateAnd(b_.CreateLoad(b_.getInt1Ty(), holds_), is_so), holds_);
+      Value* is_so =
+          builder_.CreateICmp(as_said, builder_.CreateLoad(i32_, cell(places_, op, 0, t)), constant(op.from));
+      builder_.CreateStore(builder_.CreateAnd(builder_.CreateLoad(builder_.getInt1Ty(), holds_), is_so), holds_);
     });
   }
   void open_guarded() {
@@ -206,13 +215,13 @@ class StepBuilder {
     BIP_ASSERT(holds_ != nullptr, "guarded operations without a test");
     llvm::BasicBlock* inside = new_block("guarded");
     after_guarded_ = new_block("unguarded");
-    b_.CreateCondBr(b_.CreateLoad(b_.getInt1Ty(), holds_), inside, after_guarded_);
-    b_.SetInsertPoint(inside);
+    builder_.CreateCondBr(builder_.CreateLoad(builder_.getInt1Ty(), holds_), inside, after_guarded_);
+    builder_.SetInsertPoint(inside);
   }
   void close_guarded() {
     if (after_guarded_ == nullptr) return;
-    b_.CreateBr(after_guarded_);
-    b_.SetInsertPoint(after_guarded_);
+    builder_.CreateBr(after_guarded_);
+    builder_.SetInsertPoint(after_guarded_);
     holds_ = nullptr;
     after_guarded_ = nullptr;
   }
@@ -220,26 +229,27 @@ class StepBuilder {
   // in its place.
   Value* to_word(const StepOp& op, Value* cell) {
     const bool compares = op.reduction == lower::Reduction::Min || op.reduction == lower::Reduction::Max;
-    Value* bits = b_.CreateAlignedLoad(cell_type_, cell, cell_align_);
-    return compares && !on_cells_ ? b_.CreateShl(bits, 32) : bits;
+    Value* bits = builder_.CreateAlignedLoad(cell_type_, cell, cell_align_);
+    return compares && !on_cells_ ? builder_.CreateShl(bits, 32) : bits;
   }
   Value* joined(const StepOp& op, Value* a, Value* b) {
     switch (op.reduction) {
-      case lower::Reduction::Add: return b_.CreateAdd(a, b);
-      case lower::Reduction::Mul: return b_.CreateMul(a, b);
-      case lower::Reduction::And: return b_.CreateAnd(a, b);
-      case lower::Reduction::Or: return b_.CreateOr(a, b);
-      case lower::Reduction::Xor: return b_.CreateXor(a, b);
-      case lower::Reduction::Min: return b_.CreateBinaryIntrinsic(llvm::Intrinsic::smin, a, b);
-      case lower::Reduction::Max: return b_.CreateBinaryIntrinsic(llvm::Intrinsic::smax, a, b);
+      case lower::Reduction::Add: return builder_.CreateAdd(a, b);
+      case lower::Reduction::Mul: return builder_.CreateMul(a, b);
+      case lower::Reduction::And: return builder_.CreateAnd(a, b);
+      case lower::Reduction::Or: return builder_.CreateOr(a, b);
+      case lower::Reduction::Xor: return builder_.CreateXor(a, b);
+      case lower::Reduction::Min: return builder_.CreateBinaryIntrinsic(llvm::Intrinsic::smin, a, b);
+      case lower::Reduction::Max: return builder_.CreateBinaryIntrinsic(llvm::Intrinsic::smax, a, b);
     }
     return a;
   }
   void store_word(const StepOp& op, Value* word, Value* cell) {
-    if (on_cells_) return void(b_.CreateAlignedStore(word, cell, cell_align_));
+    if (on_cells_) return void(builder_.CreateAlignedStore(word, cell, cell_align_));
     const bool compares = op.reduction == lower::Reduction::Min || op.reduction == lower::Reduction::Max;
-    Value* bits = compares ? b_.CreateLShr(word, 32) : b_.CreateAnd(word, llvm::ConstantInt::get(i64_, 0xffffffffu));
-    b_.CreateAlignedStore(bits, cell, llvm::Align(8));
+    Value* bits =
+        compares ? builder_.CreateLShr(word, 32) : builder_.CreateAnd(word, llvm::ConstantInt::get(i64_, 0xffffffffu));
+    builder_.CreateAlignedStore(bits, cell, llvm::Align(8));
   }
   void reduce(const StepOp& op) {
     if (!op.repeats || stride(op, 0) != 0) {
@@ -251,26 +261,29 @@ class StepBuilder {
     }
     llvm::IRBuilder<> start(&function_->getEntryBlock(), function_->getEntryBlock().begin());
     Value* word = start.CreateAlloca(cell_type_);
-    b_.CreateStore(to_word(op, data(op, 0, nullptr)), word);
+    builder_.CreateStore(to_word(op, data(op, 0, nullptr)), word);
     count_up(operands_[op.first_ref].index, [&](Value* t) {
-      b_.CreateStore(joined(op, b_.CreateLoad(cell_type_, word), to_word(op, data(op, 1, t))), word);
+      builder_.CreateStore(joined(op, builder_.CreateLoad(cell_type_, word), to_word(op, data(op, 1, t))), word);
     });
-    store_word(op, b_.CreateLoad(cell_type_, word), data(op, 0, nullptr));
+    store_word(op, builder_.CreateLoad(cell_type_, word), data(op, 0, nullptr));
   }
 
   // What stays where it is, is read once; with a code, in its loop.
   void copy(const StepOp& op) {
-    const auto read = [&](Value* t) { return b_.CreateAlignedLoad(cell_type_, data(op, 1, t), cell_align_); };
+    const auto read = [&](Value* t) { return builder_.CreateAlignedLoad(cell_type_, data(op, 1, t), cell_align_); };
     Value* moved = stride(op, 1) == 0 ? read(nullptr) : nullptr;
     if (op.inlined) return inlined_.push_back({op.offset, moved});
-    loop(op, [&](Value* t) { b_.CreateAlignedStore(moved != nullptr ? moved : read(t), data(op, 0, t), cell_align_); });
+    loop(op, [&](Value* t) {
+      builder_.CreateAlignedStore(moved != nullptr ? moved : read(t), data(op, 0, t), cell_align_);
+    });
   }
 
   void code(const StepOp& op, Value* t) {
     zero(op, 0, t);
     BIP_ASSERT(inlined_.empty() || (op.repeats && op.unit != rt::kNone), "copies before code that does not repeat");
     for (const auto& [offset, value] : inlined_)
-      b_.CreateAlignedStore(value, b_.CreateConstInBoundsGEP1_64(cell_type_, data(op, 0, t), offset), cell_align_);
+      builder_.CreateAlignedStore(value, builder_.CreateConstInBoundsGEP1_64(cell_type_, data(op, 0, t), offset),
+                                  cell_align_);
     inlined_.clear();
     if (op.unit != rt::kNone) call(op, 0, t);
   }
@@ -278,82 +291,85 @@ class StepBuilder {
   // ---- the list
   void grow(const StepOp& op, std::uint32_t k, Value* t) {
     Value* at = cell(values_, op, k, t);
-    b_.CreateStore(b_.CreateAdd(b_.CreateLoad(i32_, at), constant(static_cast<std::uint32_t>(op.delta))), at);
+    builder_.CreateStore(
+        builder_.CreateAdd(builder_.CreateLoad(i32_, at), constant(static_cast<std::uint32_t>(op.delta))), at);
   }
   void enters(Value* interaction) {
-    Value* count = b_.CreateLoad(i32_, count_);
-    b_.CreateStore(count, cell(position_, interaction));
-    b_.CreateStore(interaction, cell(members_, count));
-    b_.CreateStore(b_.CreateAdd(count, constant(1)), count_);
+    Value* count = builder_.CreateLoad(i32_, count_);
+    builder_.CreateStore(count, cell(position_, interaction));
+    builder_.CreateStore(interaction, cell(members_, count));
+    builder_.CreateStore(builder_.CreateAdd(count, constant(1)), count_);
   }
   void leaves(Value* interaction) {
-    Value* count = b_.CreateSub(b_.CreateLoad(i32_, count_), constant(1));
-    b_.CreateStore(count, count_);
-    Value* at = b_.CreateLoad(i32_, cell(position_, interaction));
-    Value* last = b_.CreateLoad(i32_, cell(members_, count));
-    b_.CreateStore(last, cell(members_, at));
-    b_.CreateStore(at, cell(position_, last));
-    b_.CreateStore(constant(rt::kAbsentInteraction), cell(position_, interaction));
+    Value* count = builder_.CreateSub(builder_.CreateLoad(i32_, count_), constant(1));
+    builder_.CreateStore(count, count_);
+    Value* at = builder_.CreateLoad(i32_, cell(position_, interaction));
+    Value* last = builder_.CreateLoad(i32_, cell(members_, count));
+    builder_.CreateStore(last, cell(members_, at));
+    builder_.CreateStore(at, cell(position_, last));
+    builder_.CreateStore(constant(rt::kAbsentInteraction), cell(position_, interaction));
   }
   void list(const StepOp& op, Value* t) {
     Value* interaction = number(op, 0, t);
     if (op.change == lower::InteractionChange::Enters) return enters(interaction);
     if (op.change == lower::InteractionChange::Leaves) return leaves(interaction);
-    Value* is_on =
-        op.is_sure ? b_.getTrue() : b_.CreateICmpSGE(b_.CreateLoad(i32_, cell(values_, op, 0, t)), constant(0));
+    Value* is_on = op.is_sure ? builder_.getTrue()
+                              : builder_.CreateICmpSGE(builder_.CreateLoad(i32_, cell(values_, op, 0, t)), constant(0));
     for (std::uint32_t k = refs(op) - op.hiders; k < refs(op); ++k) {
-      is_on = b_.CreateAnd(is_on, b_.CreateICmpSLT(b_.CreateLoad(i32_, cell(values_, op, k, t)), constant(0)));
+      is_on = builder_.CreateAnd(
+          is_on, builder_.CreateICmpSLT(builder_.CreateLoad(i32_, cell(values_, op, k, t)), constant(0)));
     }
     if (op.unit != rt::kNone) {
       zero(op, 1, t);
-      is_on = b_.CreateAnd(is_on, b_.CreateICmpNE(call(op, 1, t), constant(0)));
+      is_on = builder_.CreateAnd(is_on, builder_.CreateICmpNE(call(op, 1, t), constant(0)));
     }
     // The sign says it: one comparison of two signs is all that is left of both conditions, where a comparison with
     // kAbsentInteraction would need it in a register.
-    Value* was_on = b_.CreateICmpSGE(b_.CreateLoad(i32_, cell(position_, interaction)), constant(0));
+    Value* was_on = builder_.CreateICmpSGE(builder_.CreateLoad(i32_, cell(position_, interaction)), constant(0));
     llvm::BasicBlock* change = new_block("change");
     llvm::BasicBlock* enter = new_block("enter");
     llvm::BasicBlock* leave = new_block("leave");
     llvm::BasicBlock* same = new_block("same");
-    b_.CreateCondBr(b_.CreateICmpEQ(is_on, was_on), same, change);
-    b_.SetInsertPoint(change);
-    b_.CreateCondBr(is_on, enter, leave);
-    b_.SetInsertPoint(enter);
+    builder_.CreateCondBr(builder_.CreateICmpEQ(is_on, was_on), same, change);
+    builder_.SetInsertPoint(change);
+    builder_.CreateCondBr(is_on, enter, leave);
+    builder_.SetInsertPoint(enter);
     enters(interaction);
-    b_.CreateBr(same);
-    b_.SetInsertPoint(leave);
+    builder_.CreateBr(same);
+    builder_.SetInsertPoint(leave);
     leaves(interaction);
-    b_.CreateBr(same);
-    b_.SetInsertPoint(same);
+    builder_.CreateBr(same);
+    builder_.SetInsertPoint(same);
   }
 
   // rt::settle_interaction.
   void settle(Value* interaction) {
-    Value* count = b_.CreateLoad(i32_, count_);
-    Value* position = b_.CreateLoad(i32_, cell(position_, interaction));
-    Value* off = b_.CreateAShr(b_.CreateLoad(i32_, cell(values_, interaction)), 31);
-    Value* was = b_.CreateNot(b_.CreateAShr(position, 31));
-    Value* leaves = b_.CreateAnd(was, off);
-    b_.CreateStore(interaction, cell(members_, count));
-    Value* end = b_.CreateAdd(count, leaves);
-    Value* last = b_.CreateLoad(i32_, cell(members_, end));
-    Value* hole = b_.CreateXor(count, b_.CreateAnd(b_.CreateXor(count, position), leaves));
-    b_.CreateStore(last, cell(members_, hole));
-    b_.CreateStore(hole, cell(position_, last));
-    Value* there = b_.CreateOr(b_.CreateAnd(position, was), b_.CreateAnd(count, b_.CreateNot(was)));
-    b_.CreateStore(b_.CreateOr(there, off), cell(position_, interaction));
-    b_.CreateStore(b_.CreateSub(end, b_.CreateNot(b_.CreateOr(was, off))), count_);
+    Value* count = builder_.CreateLoad(i32_, count_);
+    Value* position = builder_.CreateLoad(i32_, cell(position_, interaction));
+    Value* off = builder_.CreateAShr(builder_.CreateLoad(i32_, cell(values_, interaction)), 31);
+    Value* was = builder_.CreateNot(builder_.CreateAShr(position, 31));
+    Value* leaves = builder_.CreateAnd(was, off);
+    builder_.CreateStore(interaction, cell(members_, count));
+    Value* end = builder_.CreateAdd(count, leaves);
+    Value* last = builder_.CreateLoad(i32_, cell(members_, end));
+    Value* hole = builder_.CreateXor(count, builder_.CreateAnd(builder_.CreateXor(count, position), leaves));
+    builder_.CreateStore(last, cell(members_, hole));
+    builder_.CreateStore(hole, cell(position_, last));
+    Value* there =
+        builder_.CreateOr(builder_.CreateAnd(position, was), builder_.CreateAnd(count, builder_.CreateNot(was)));
+    builder_.CreateStore(builder_.CreateOr(there, off), cell(position_, interaction));
+    builder_.CreateStore(builder_.CreateSub(end, builder_.CreateNot(builder_.CreateOr(was, off))), count_);
   }
   void settle_in_order(const StepOp& op) {
     llvm::IRBuilder<> start(&function_->getEntryBlock(), function_->getEntryBlock().begin());
     Value* changed = start.CreateAlloca(llvm::ArrayType::get(i32_, op.refs - 1));
-    Value* order = b_.CreateLoad(i32_, cell(scratch_, op, 0, nullptr));
+    Value* order = builder_.CreateLoad(i32_, cell(scratch_, op, 0, nullptr));
     for (std::uint32_t k = 1; k < op.refs; ++k)
-      b_.CreateStore(number(op, k, nullptr), b_.CreateConstInBoundsGEP1_64(i32_, changed, k - 1));
+      builder_.CreateStore(number(op, k, nullptr), builder_.CreateConstInBoundsGEP1_64(i32_, changed, k - 1));
     const auto settle_those = [&](Value* word, std::uint32_t first_bit, std::uint32_t count) {
       for (std::uint32_t k = 0; k < count; ++k) {
-        Value* row = b_.CreateAnd(b_.CreateLShr(word, first_bit + 4 * k), constant(15));
-        settle(b_.CreateLoad(i32_, cell(changed, row)));
+        Value* row = builder_.CreateAnd(builder_.CreateLShr(word, first_bit + 4 * k), constant(15));
+        settle(builder_.CreateLoad(i32_, cell(changed, row)));
       }
     };
     const bool is_folded = std::any_of(shape_.ops.begin(), shape_.ops.end(), [](const StepOp& count) {
@@ -362,40 +378,41 @@ class StepBuilder {
     if (op.to == 0 || is_folded) return settle_those(order, 0, op.refs - 1);
     using lower::OrderParts;
     std::uint32_t sure = 0, growing = 0, shrinking = 0;
-    Value* some_grow = b_.getFalse();
-    Value* some_shrink = b_.getFalse();
+    Value* some_grow = builder_.getFalse();
+    Value* some_shrink = builder_.getFalse();
     std::uint32_t next = 1;  // operand
     for (const StepOp& count : shape_.ops) {
       if (count.kind != StepOpKind::Count) continue;
       BIP_ASSERT(next < op.refs, "operand {} of {} that change in order", next, op.refs);
-      Value* value = b_.CreateLoad(i32_, cell(values_, op, next++, nullptr));
+      Value* value = builder_.CreateLoad(i32_, cell(values_, op, next++, nullptr));
       if (count.change != lower::InteractionChange::Look) {
         ++sure;
       } else if (count.delta > 0) {
         ++growing;
-        some_grow = b_.CreateOr(some_grow, b_.CreateICmpSGE(value, constant(0)));
+        some_grow = builder_.CreateOr(some_grow, builder_.CreateICmpSGE(value, constant(0)));
       } else {
         ++shrinking;
-        some_shrink =
-            b_.CreateOr(some_shrink, b_.CreateICmpSGE(value, constant(static_cast<std::uint32_t>(count.delta))));
+        some_shrink = builder_.CreateOr(
+            some_shrink, builder_.CreateICmpSGE(value, constant(static_cast<std::uint32_t>(count.delta))));
       }
     }
     BIP_ASSERT(next == op.refs, "{} values of {}", next, op.refs);
-    Value* second = b_.CreateLoad(i32_, b_.CreateConstInBoundsGEP1_64(i32_, cell(scratch_, op, 0, nullptr), op.to));
+    Value* second =
+        builder_.CreateLoad(i32_, builder_.CreateConstInBoundsGEP1_64(i32_, cell(scratch_, op, 0, nullptr), op.to));
     llvm::BasicBlock* after = new_block("settled");
     const auto either = [&](Value* condition, const std::function<void()>& then, const std::function<void()>& other) {
       llvm::BasicBlock* if_so = new_block("some");
       llvm::BasicBlock* if_not = new_block("none");
-      b_.CreateCondBr(condition, if_so, if_not);
-      b_.SetInsertPoint(if_so);
+      builder_.CreateCondBr(condition, if_so, if_not);
+      builder_.SetInsertPoint(if_so);
       then();
-      b_.SetInsertPoint(if_not);
+      builder_.SetInsertPoint(if_not);
       other();
     };
     const auto part = [&](Value* word, std::uint32_t first_bit, std::uint32_t count) {
       return [=, &settle_those, this] {
         settle_those(word, first_bit, count);
-        b_.CreateBr(after);
+        builder_.CreateBr(after);
       };
     };
     either(
@@ -404,24 +421,24 @@ class StepBuilder {
           either(some_shrink, part(second, OrderParts::kShrinkingAt, sure + shrinking),
                  part(order, OrderParts::kSureAt, sure));
         });
-    b_.SetInsertPoint(after);
+    builder_.SetInsertPoint(after);
   }
 
   // Which are ready is noted first, without branches: a branch would not be predicted.
   void ready(const StepOp& op) {
     llvm::IRBuilder<> start(&function_->getEntryBlock(), function_->getEntryBlock().begin());
     Value* count = start.CreateAlloca(i32_);
-    b_.CreateStore(constant(0), count);
+    builder_.CreateStore(constant(0), count);
     loop(op, [&](Value* t) {
-      Value* found = b_.CreateLoad(i32_, count);
-      b_.CreateStore(b_.CreateTrunc(t, i32_), cell(scratch_, found));
-      Value* is_there = b_.CreateICmpEQ(b_.CreateLoad(i32_, cell(places_, op, 0, t)), constant(op.from));
-      b_.CreateStore(b_.CreateAdd(found, b_.CreateZExt(is_there, i32_)), count);
+      Value* found = builder_.CreateLoad(i32_, count);
+      builder_.CreateStore(builder_.CreateTrunc(t, i32_), cell(scratch_, found));
+      Value* is_there = builder_.CreateICmpEQ(builder_.CreateLoad(i32_, cell(places_, op, 0, t)), constant(op.from));
+      builder_.CreateStore(builder_.CreateAdd(found, builder_.CreateZExt(is_there, i32_)), count);
     });
-    count_up(b_.CreateZExt(b_.CreateLoad(i32_, count), i64_), [&](Value* k) {
-      Value* t = b_.CreateZExt(b_.CreateLoad(i32_, b_.CreateInBoundsGEP(i32_, scratch_, k)), i64_);
+    count_up(builder_.CreateZExt(builder_.CreateLoad(i32_, count), i64_), [&](Value* k) {
+      Value* t = builder_.CreateZExt(builder_.CreateLoad(i32_, builder_.CreateInBoundsGEP(i32_, scratch_, k)), i64_);
       if (op.unit != rt::kNone) call(op, 1, t);
-      if (op.from != op.to) b_.CreateStore(constant(op.to), cell(places_, op, 0, t));
+      if (op.from != op.to) builder_.CreateStore(constant(op.to), cell(places_, op, 0, t));
       if (op.delta == 0) return;
       grow(op, refs(op) - 1, t);
       if (op.delta > 0) enters(number(op, refs(op) - 1, t));
@@ -429,7 +446,7 @@ class StepBuilder {
     });
   }
 
-  llvm::IRBuilder<>& b_;
+  llvm::IRBuilder<>& builder_;
   llvm::Function* function_;
   llvm::Module& module_;
   const lower::LoweredSystem& lowered_;

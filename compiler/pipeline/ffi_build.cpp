@@ -70,7 +70,7 @@ constexpr const char* kCompilerVariables[] = {"CPATH",        "C_INCLUDE_PATH", 
 class LibraryBuild {
  public:
   LibraryBuild(Compilation& c, const emit_cpp::CppBuild& cpp, const TemporaryDirectory& work)
-      : c_(c), cpp_(cpp), work_(work.path()) {}
+      : compilation_(c), cpp_(cpp), work_(work.path()) {}
 
   // The library's path in the folder for temporary files; empty after a report.
   std::string run(const CacheOptions& options) {
@@ -99,12 +99,12 @@ class LibraryBuild {
     std::string tried;
     if (runtime.directory.empty()) {
       for (const std::string& path : runtime.tried) tried += (tried.empty() ? "" : "`, `") + path;
-      c_.diags.report(Diag::kB5006, {}, tried);
+      compilation_.diags.report(Diag::kB5006, {}, tried);
       return false;
     }
     compiler_ = find_host_compiler(tried);
     if (compiler_.empty()) {
-      c_.diags.report(Diag::kB5002, {}, tried)
+      compilation_.diags.report(Diag::kB5002, {}, tried)
           .help("the model calls C++, which must be compiled; install one (`apt-get install g++`)");
       return false;
     }
@@ -116,7 +116,7 @@ class LibraryBuild {
     for (const std::string& dir : cpp_.include_dirs) flags_.push_back("-I" + dir);
     // Last, so that a model's own files of these names are found first.
     flags_.push_back("-I" + runtime.directory + "/include/published");
-    shim_ = emit_cpp::shim_text(*c_.system, cpp_.const_names);
+    shim_ = emit_cpp::shim_text(*compilation_.system, cpp_.const_names);
     return true;
   }
 
@@ -199,8 +199,8 @@ class LibraryBuild {
     command.insert(command.end(), arguments.begin(), arguments.end());
     const Result<int> status = run_program(command, said);
     if (status && *status == 0) return true;
-    if (!status) c_.diags.report(Diag::kB5012, {}, "cannot be compiled: " + status.error());
-    else report_cpp_failure(c_, text_of(said), near_miss(text_of(said)));
+    if (!status) compilation_.diags.report(Diag::kB5012, {}, "cannot be compiled: " + status.error());
+    else report_cpp_failure(compilation_, text_of(said), near_miss(text_of(said)));
     return false;
   }
   // A function with C linkage in a header, which a source defines with other parameters: for C++ that is another one.
@@ -224,11 +224,11 @@ class LibraryBuild {
   }
   bool write(const std::string& path, const std::string& text) {
     const Result<bool> written = write_file(path, text);
-    if (!written) c_.diags.report(Diag::kB5004, {}, path, written.error());
+    if (!written) compilation_.diags.report(Diag::kB5004, {}, path, written.error());
     return static_cast<bool>(written);
   }
 
-  Compilation& c_;
+  Compilation& compilation_;
   const emit_cpp::CppBuild& cpp_;
   const std::string work_, library_ = work_ + "/library.so", shim_path_ = work_ + "/shim.cpp";
   std::vector<std::string> compiler_, flags_;

@@ -15,7 +15,7 @@ namespace {
 
 class PropertyFileReader {
  public:
-  PropertyFileReader(Compilation& c, FileId file) : c_(c), file_(file), text_(c.sources.text(file)) {}
+  PropertyFileReader(Compilation& c, FileId file) : compilation_(c), file_(file), text_(c.sources.text(file)) {}
 
   bool run() {
     for (skip_blanks(); at_ < text_.size(); skip_blanks()) {
@@ -59,7 +59,7 @@ class PropertyFileReader {
     return {file_, static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end)};
   }
   bool fail(std::size_t at, const char* what) {
-    c_.diags.report(Diag::kB4031, range(at, std::min(std::max(at_, at + 1), text_.size())), what);
+    compilation_.diags.report(Diag::kB4031, range(at, std::min(std::max(at_, at + 1), text_.size())), what);
     return false;
   }
 
@@ -77,14 +77,14 @@ class PropertyFileReader {
     const std::size_t end = find_brace(begin);
     if (end == std::string_view::npos) return fail(begin - 1, "no `}` closes this property");
     at_ = end + 1;
-    std::vector<StatedProperty>& properties = c_.system->properties;
+    std::vector<StatedProperty>& properties = compilation_.system->properties;
     if (std::any_of(properties.begin(), properties.end(), [&](const StatedProperty& p) { return p.name == name; })) {
-      c_.diags.report(Diag::kB4015, range(name_begin, name_end), name);
+      compilation_.diags.report(Diag::kB4015, range(name_begin, name_end), name);
       return false;
     }
     Result<system::ExpandedProperty> expanded = system::expand_property(text_.substr(begin, end - begin), "", {}, {});
     if (!expanded) {
-      c_.diags.report(Diag::kB4030, range(begin, end), name, expanded.error());
+      compilation_.diags.report(Diag::kB4030, range(begin, end), name, expanded.error());
       return false;
     }
     StatedProperty& stated = properties.emplace_back();
@@ -96,7 +96,7 @@ class PropertyFileReader {
     return true;
   }
 
-  Compilation& c_;
+  Compilation& compilation_;
   FileId file_;
   std::string_view text_;
   std::size_t at_ = 0;

@@ -10,7 +10,7 @@ namespace bip::rt {
 
 bool Node::start(const State& state) {
   const u32 atoms = core_.image().atoms.size;
-  n_.assign(atoms, 0);
+  participations_.assign(atoms, 0);
   BIP_ASSERT(distribution_.history.empty() || distribution_.history.size() == atoms, "{} atoms have a history",
              distribution_.history.size());
   history_ = distribution_.history;
@@ -83,7 +83,7 @@ void Node::change(u32 atom) {
   PartialSteps& partial = core_.partial();
   const bool is_home = distribution_.home(atom) == self_;
   if (is_home) {
-    ++n_[atom];
+    ++participations_[atom];
     partial.begin_change(atom, moment_.step);
   }
   const bool returns = is_home && core_.actions().is_at_work(atom) && core_.time().busy_until(atom) <= moment_.instant;
@@ -107,7 +107,7 @@ void Node::change(u32 atom) {
 
 void Node::take(const Offer& offer) {
   pass_to(offer.moment);
-  if (offer.n <= n_[offer.atom]) {
+  if (offer.n <= participations_[offer.atom]) {
     ++counts_.stale;
     return;
   }
@@ -121,7 +121,7 @@ void Node::take(const Offer& offer) {
 
 void Node::receive(const Offer& offer) {
   BIP_ASSERT(distribution_.home(offer.atom) != self_, "atom {} is at home here", offer.atom);
-  n_[offer.atom] = offer.n;
+  participations_[offer.atom] = offer.n;
   where_[offer.atom] = Where::Here;
   is_in_core_[offer.atom] = 1;
   const Span<u32> cells = distribution_.cells[offer.atom];
@@ -134,7 +134,7 @@ void Node::receive(const Offer& offer) {
 // The atom is at rest here, and offered elsewhere or locked for the interaction.
 bool Node::may_take_up(const Part& part, u32 interaction) const {
   const u32 atom = part.atom;
-  if (distribution_.home(atom) != self_ || part.n != n_[atom] || is_in_core_[atom] != 0) return false;
+  if (distribution_.home(atom) != self_ || part.n != participations_[atom] || is_in_core_[atom] != 0) return false;
   const bool is_locked_for_it = where_[atom] == Where::Locked && taken_by_[atom] == interaction;
   if (where_[atom] != Where::Away && !is_locked_for_it) return false;
   const Tables& tables = core_.tables();
@@ -145,7 +145,7 @@ bool Node::may_take_up(const Part& part, u32 interaction) const {
 void Node::take(const Begin& begin) {
   pass_to(begin.moment);
   for (const Part& part : begin.parts) {
-    if (part.n < n_[part.atom]) {
+    if (part.n < participations_[part.atom]) {
       ++counts_.stale;
       continue;
     }
@@ -153,7 +153,7 @@ void Node::take(const Begin& begin) {
       ++counts_.refused;
       continue;
     }
-    ++n_[part.atom];
+    ++participations_[part.atom];
     where_[part.atom] = Where::Working;
     tell(NodeEvent::Kind::Taken, part.atom, begin.interaction);
     const Span<u32> cells = distribution_.cells[part.atom];
@@ -181,7 +181,7 @@ bool Node::begin(EnabledSet::Position at, u64 step, std::vector<u32>& atoms) {
     tell(NodeEvent::Kind::Begun, work.atom, at.interaction);
     if (home == self_) {
       tell(NodeEvent::Kind::Taken, work.atom, at.interaction);
-      ++n_[work.atom];
+      ++participations_[work.atom];
       note_history(work.atom, *work.transition, at.interaction);
       works_.push_back(work);
       ++order;
@@ -193,8 +193,11 @@ bool Node::begin(EnabledSet::Position at, u64 step, std::vector<u32>& atoms) {
       outbox_.push_back({home, Begin{step, {}, at.interaction, moment_}});
       ++counts_.begins;
     }
-    Part part{
-        work.atom, n_[work.atom], static_cast<u32>(work.transition - core_.tables().transitions.data()), order++, {}};
+    Part part{work.atom,
+              participations_[work.atom],
+              static_cast<u32>(work.transition - core_.tables().transitions.data()),
+              order++,
+              {}};
     for (const u32 cell : distribution_.cells[work.atom]) part.cells.push_back(core_.cell(cell).bits);
     std::get<Begin>(outbox_[to].message).parts.push_back(std::move(part));
   }
@@ -276,7 +279,7 @@ void Node::come_to_rest(u32 atom) {
     note_change(atom);
     return;
   }
-  Offer offer{atom, n_[atom], {}, {}, moment_};
+  Offer offer{atom, participations_[atom], {}, {}, moment_};
   if (!partial.offer_away(atom, offer.offer)) return stop();
   if (coordinator == kNone) return;
   BIP_ASSERT(coordinator < distribution_.placement.nodes.size(), "atom {} is offered to node {}", atom, coordinator);

@@ -217,8 +217,8 @@ class Node {
   const Distribution& distribution_;
   u32 self_;
   Core core_;
-  std::vector<u64> n_;        // by atom: at home, how often it took part; elsewhere, as its last offer said
-  std::vector<u32> history_;  // by atom at home: the connector that tells its next moves apart (NextMove)
+  std::vector<u64> participations_;  // by atom: at home, how often it took part; elsewhere, as its last offer said
+  std::vector<u32> history_;         // by atom at home: the connector that tells its next moves apart (NextMove)
   std::vector<Work> works_, begun_;
   std::vector<Outgoing> outbox_;
   std::vector<u64> landed_;

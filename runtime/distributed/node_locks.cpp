@@ -172,7 +172,7 @@ void Node::lend(u32 atom, Lock& lock) {
   }
   offer.step = partial.state()->last_step[atom];
   offer.order = partial.state()->order[atom];
-  Offer& held = lock.held.emplace_back(Offer{atom, n_[atom], offer, {}});
+  Offer& held = lock.held.emplace_back(Offer{atom, participations_[atom], offer, {}});
   for (const u32 cell : distribution_.cells[atom]) held.cells.push_back(core_.cell(cell).bits);
   partial.send_away(atom);
   is_in_core_[atom] = 0;
@@ -217,7 +217,7 @@ bool Node::may_hold(const Lock& lock) const {
     const u32 atom = offer.atom;
     if (is_in_core_[atom] != 0) return false;
     if (distribution_.home(atom) != self_) return true;
-    return offer.n == n_[atom] &&
+    return offer.n == participations_[atom] &&
            (where_[atom] == Where::Away || (where_[atom] == Where::Locked && taken_by_[atom] == lock.interaction));
   });
 }
@@ -257,7 +257,7 @@ void Node::go_on(Lock lock, u32 served) {
       // At its coordinator a refusal costs no message: what it has is offered here.
       if (distribution_.coordinator_of[lock.interaction] != self_) return park(atom, std::move(lock));
       tell(NodeEvent::Kind::Refused, atom, lock.interaction);
-      watch(atom, lock.interaction, n_[atom]);
+      watch(atom, lock.interaction, participations_[atom]);
       return refuse(lock, false);
     }
     std::erase_if(watchers_[atom], [&](const Watcher& at) { return at.interaction == lock.interaction; });
@@ -304,7 +304,7 @@ void Node::end_parking(u64 number) {
   // It was not asked in this state if the atom is at work, where it is counted as taking part for the next time
   // already, or locked by another attempt, which may give it back as it is.
   const bool was_asked = where_[atom] == Where::Here || where_[atom] == Where::Away;
-  watch(atom, lock.interaction, was_asked ? n_[atom] : n_[atom] - 1);
+  watch(atom, lock.interaction, was_asked ? participations_[atom] : participations_[atom] - 1);
   refuse(lock, false);
   serve();
 }
@@ -419,7 +419,7 @@ void Node::take_back(const Release& release) {
     where_[atom] = Where::Here;
     taken_by_[atom] = kNone;
     if (!is_home) continue;
-    if (release.is_watched) watch(atom, interaction, n_[atom]);
+    if (release.is_watched) watch(atom, interaction, participations_[atom]);
     served_.push_back(atom);
   }
   if (!is_coordinator) return;
@@ -450,7 +450,7 @@ void Node::watch(u32 atom, u32 interaction, u64 n) {
 // The atom is offered at home.
 void Node::wake_watchers(u32 atom) {
   std::erase_if(watchers_[atom], [&](const Watcher& watcher) {
-    if (watcher.n == n_[atom] || !fits(watcher.interaction, atom)) return false;
+    if (watcher.n == participations_[atom] || !fits(watcher.interaction, atom)) return false;
     const u32 coordinator = distribution_.coordinator_of[watcher.interaction];
     tell(NodeEvent::Kind::Woken, atom, watcher.interaction);
     if (coordinator == self_) {

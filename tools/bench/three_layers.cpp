@@ -59,7 +59,7 @@ class ThreeLayers {
     known_.resize(nodes);
     working_.resize(nodes);
     newest_.assign(nodes, std::vector<u64>(image.atoms.size, 0));
-    n_.assign(image.atoms.size, 1);
+    participations_.assign(image.atoms.size, 1);
     used_.assign(image.atoms.size, 0);
     for (u32 atom = 0; atom < image.atoms.size; ++atom) place_.push_back(tables_.atom_type(atom).initial[0]);
     asked_.assign(count, 0);
@@ -140,7 +140,7 @@ class ThreeLayers {
         return look(to);
       case Says::Notify:
         for (const Part& part : begin.parts) {
-          ++n_[part.atom];
+          ++participations_[part.atom];
           place_[part.atom] = part.transition;
           working_[to].push_back(part.atom);
           network_.await_turn(to);
@@ -156,7 +156,7 @@ class ThreeLayers {
       const u32 to = protocol_[interaction];
       if (is_told[to] != 0 || !can(atom, place_[atom], interaction)) continue;
       is_told[to] = 1;
-      Offer offered{atom, n_[atom], {}, {}};
+      Offer offered{atom, participations_[atom], {}, {}};
       offered.offer.place = place_[atom];
       send(placement_.home[atom], to, std::move(offered));
     }
@@ -248,7 +248,7 @@ class ThreeLayers {
   Csr interactions_;                         // by atom
   std::vector<std::map<u32, Known>> known_;  // by node: offers
   std::vector<std::vector<u64>> newest_;     // by node and atom: number of the newest offer
-  std::vector<u64> n_, used_;                // by atom
+  std::vector<u64> participations_, used_;   // by atom
   std::vector<u32> place_;
   std::vector<std::uint8_t> asked_;       // by interaction
   std::vector<std::deque<u32>> working_;  // by node: components whose actions take their time

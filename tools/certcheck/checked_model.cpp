@@ -13,40 +13,40 @@ void only(const Tree& list, const std::vector<Text>& known, std::size_t first, T
 
 class ModelReader {
  public:
-  explicit ModelReader(Model& model) : m_(model) {}
+  explicit ModelReader(Model& model) : model_(model) {}
 
   void run() {
-    if (m_.tree.items.empty() || m_.tree.items[0].head() != "bsys" || m_.tree.items[0].at(1).text != "1")
+    if (model_.tree.items.empty() || model_.tree.items[0].head() != "bsys" || model_.tree.items[0].at(1).text != "1")
       throw Rejected("not `(bsys 1)`");
-    for (const Tree* row : m_.tree.all("string"))
-      m_.strings.emplace(row->at(2).text, static_cast<int>(row->at(1).row()));
-    m_.functions = m_.tree.all("function");
-    for (const Tree* row : m_.functions)
+    for (const Tree* row : model_.tree.all("string"))
+      model_.strings.emplace(row->at(2).text, static_cast<int>(row->at(1).row()));
+    model_.functions = model_.tree.all("function");
+    for (const Tree* row : model_.functions)
       if (!(*row)["ref"].items.empty() && !row->has_word("draw", 3))
         throw NotCheckable("C++ functions get references to variables");
-    for (const Tree* row : m_.tree.all("atom-type")) {
+    for (const Tree* row : model_.tree.all("atom-type")) {
       try {
         atom_type(*row);
       } catch (const NotCheckable& e) {
-        m_.atom_types.emplace_back().unfollowed = e.what();
+        model_.atom_types.emplace_back().unfollowed = e.what();
       }
     }
-    for (const Tree* row : m_.tree.all("atom")) atom(*row);
-    m_.first_port.push_back(m_.nodes.size());
-    for (const Tree* row : m_.tree.all("connector")) connector(*row, *connector_types_.at(row->at(3).row()));
-    m_.priorities = m_.tree.all("priority");
+    for (const Tree* row : model_.tree.all("atom")) atom(*row);
+    model_.first_port.push_back(model_.nodes.size());
+    for (const Tree* row : model_.tree.all("connector")) connector(*row, *connector_types_.at(row->at(3).row()));
+    model_.priorities = model_.tree.all("priority");
     // Hidden below another connector: then an interaction that is offered need not be a step.
-    for (const Tree* row : m_.priorities) {
+    for (const Tree* row : model_.priorities) {
       for (const Tree* side : {&(*row)["low"], &(*row)["high"]}) {
         for (std::size_t c : shown_) {
           const bool is_any = side->at(1).text == "any";
-          if (is_any ? m_.connectors.at(c).compound == (*row)["in"].at(1).row() : side->at(1).row() == c)
+          if (is_any ? model_.connectors.at(c).compound == (*row)["in"].at(1).row() : side->at(1).row() == c)
             throw NotCheckable("a priority orders connectors that export a port");
         }
       }
     }
-    for (std::size_t row = 0; row < m_.nodes.size(); ++row) {
-      for (const Edge& edge : m_.nodes[row].children) m_.nodes[edge.node].parents.push_back(row);
+    for (std::size_t row = 0; row < model_.nodes.size(); ++row) {
+      for (const Edge& edge : model_.nodes[row].children) model_.nodes[edge.node].parents.push_back(row);
     }
   }
 
@@ -95,7 +95,7 @@ class ModelReader {
         throw Rejected(quoted(type.name) + " writes to a parameter");
     }
     time(row, type);
-    m_.atom_types.push_back(std::move(type));
+    model_.atom_types.push_back(std::move(type));
   }
 
   void time(const Tree& row, AtomType& type) {
@@ -122,31 +122,32 @@ class ModelReader {
   }
 
   void atom(const Tree& row) {
-    const AtomType& type = m_.atom_types.at(row.at(3).row());
+    const AtomType& type = model_.atom_types.at(row.at(3).row());
     if (!type.unfollowed.empty()) throw NotCheckable(type.unfollowed);
-    m_.first_port.push_back(m_.nodes.size());
+    model_.first_port.push_back(model_.nodes.size());
     for (const Port& port : type.ports) {
-      m_.nodes.emplace_back().is_step = !port.is_exported;
-      m_.atom_of_port.push_back(m_.atoms.size());
+      model_.nodes.emplace_back().is_step = !port.is_exported;
+      model_.atom_of_port.push_back(model_.atoms.size());
     }
-    m_.atoms.push_back({row.at(2).text, row.at(3).row(), &row["args"]});
-    m_.is_timed = m_.is_timed || m_.type_of(m_.atoms.size() - 1).is_timed;
+    model_.atoms.push_back({row.at(2).text, row.at(3).row(), &row["args"]});
+    model_.is_timed = model_.is_timed || model_.type_of(model_.atoms.size() - 1).is_timed;
   }
 
   std::size_t add(Kind kind, std::vector<Edge> children) {
     if (children.empty()) throw Rejected("a group of nothing");
-    m_.nodes.push_back({kind, std::move(children), {}});
-    return m_.nodes.size() - 1;
+    model_.nodes.push_back({kind, std::move(children), {}});
+    return model_.nodes.size() - 1;
   }
 
   Edge binding(const Tree& b) {
     const Text head = b.head();
     const std::size_t row = b.at(1).row();
     if (head == "maximal") shown_.insert(row);
-    if (head == "connector" || head == "maximal") return {m_.connectors.at(row).root, false, head == "maximal"};
+    if (head == "connector" || head == "maximal") return {model_.connectors.at(row).root, false, head == "maximal"};
     if (head == "atom") {
-      const std::size_t port = m_.first_port.at(row) + b.at(2).row();
-      return port < m_.first_port.at(row + 1) ? Edge{port} : throw Rejected("a binding to a port that there is not");
+      const std::size_t port = model_.first_port.at(row) + b.at(2).row();
+      return port < model_.first_port.at(row + 1) ? Edge{port}
+                                                  : throw Rejected("a binding to a port that there is not");
     }
     if (head != "choice") throw Rejected("a binding " + quoted(head));
     if (choice_node_.at(row) == kNone) {
@@ -189,8 +190,8 @@ class ModelReader {
     }
     const Edge whole = group(define, c);
     c.root = define.at(1).is_list ? whole.node : add(Kind::All, {whole});
-    m_.nodes[c.root].connector = m_.connectors.size();
-    m_.nodes[c.root].is_step = type["export"].items.empty();
+    model_.nodes[c.root].connector = model_.connectors.size();
+    model_.nodes[c.root].is_step = type["export"].items.empty();
     for (const Tree* list : type.all("clause")) {
       const Clause& clause =
           c.clauses.emplace_back(Clause{(*list)["params"].rows(), &(*list)["guard"], &(*list)["up"], &(*list)["down"]});
@@ -201,23 +202,24 @@ class ModelReader {
         write(c.params[param].node, variable);
       }
     }
-    m_.connectors.push_back(std::move(c));
+    model_.connectors.push_back(std::move(c));
   }
   // A transfer does, to a variable of a port or of what an inner connector exports, which passes it on by a transfer of
   // its own.
   void write(std::size_t row, std::size_t variable) {
-    const Node& node = m_.nodes[row];
+    const Node& node = model_.nodes[row];
     for (const Edge& edge : node.connector == kNone ? node.children : std::vector<Edge>()) write(edge.node, variable);
     if (node.kind != Kind::Port) return;
-    AtomType& type = m_.atom_types[m_.atoms[m_.atom_of_port[row]].type];
-    Port& port = type.ports[row - m_.first_port[m_.atom_of_port[row]]];
+    AtomType& type = model_.atom_types[model_.atoms[model_.atom_of_port[row]].type];
+    Port& port = type.ports[row - model_.first_port[model_.atom_of_port[row]]];
     if (type.variables.at(port.variables.at(variable)).is_param) throw Rejected("a transfer writes to a parameter");
     port.written.insert(port.variables[variable]);
   }
 
-  Model& m_;
-  const std::vector<const Tree*> port_types_ = m_.tree.all("port-type"),
-                                 connector_types_ = m_.tree.all("connector-type"), choices_ = m_.tree.all("choice");
+  Model& model_;
+  const std::vector<const Tree*> port_types_ = model_.tree.all("port-type"),
+                                 connector_types_ = model_.tree.all("connector-type"),
+                                 choices_ = model_.tree.all("choice");
   std::set<std::size_t> shown_;  // connectors whose ports compounds export
   Rows choice_node_ = Rows(choices_.size(), kNone);
 };

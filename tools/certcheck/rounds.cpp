@@ -5,22 +5,27 @@
 namespace certcheck {
 
 Rounds::Rounds(const Model& model, const Certificate& certificate, const Tree& claim, const Terms& terms)
-    : m_(model), c_(certificate), t_(terms), formula_(claim), is_strong_(c_.fairness.starts_with("strong")) {
+    : model_(model),
+      certificate_(certificate),
+      terms_(terms),
+      formula_(claim),
+      is_strong_(certificate_.fairness.starts_with("strong")) {
   if (claim.head() != "runs") throw NotCheckable("a claim about points without a list of states");
-  if (c_.fairness == "none" && !c_.turns.empty()) throw Rejected("without fairness no turn is expected");
-  for (const Turn& turn : c_.turns)
-    if (turn.is_atom != c_.fairness.ends_with(":atoms")) throw Rejected("a turn of another kind of fairness");
-  demands_ = formula_.promises() + c_.turns.size();
-  const std::size_t most = std::max({formula_.bits(), demands_, *c_.rounds + 1});
-  for (const Fact& fact : c_.facts)
+  if (certificate_.fairness == "none" && !certificate_.turns.empty())
+    throw Rejected("without fairness no turn is expected");
+  for (const Turn& turn : certificate_.turns)
+    if (turn.is_atom != certificate_.fairness.ends_with(":atoms")) throw Rejected("a turn of another kind of fairness");
+  demands_ = formula_.promises() + certificate_.turns.size();
+  const std::size_t most = std::max({formula_.bits(), demands_, *certificate_.rounds + 1});
+  for (const Fact& fact : certificate_.facts)
     for (const Case& row : fact.cases)
       for (const Literal& l : row.literals)
-        if (l.atom == m_.atoms.size() && l.variable >= Monitor::row(Monitor::Bit, most))
+        if (l.atom == model_.atoms.size() && l.variable >= Monitor::row(Monitor::Bit, most))
           throw Rejected(fact.line + ": the monitor has no such bit");
 }
 
 Local Rounds::bits(bool are_first) const {
-  const std::size_t most = std::max({formula_.bits(), demands_, *c_.rounds + 1});
+  const std::size_t most = std::max({formula_.bits(), demands_, *certificate_.rounds + 1});
   Local bits;
   for (std::size_t k = 0; k < most; ++k) {
     for (std::size_t kind = 0; kind < Monitor::kKinds; ++kind) {
@@ -28,56 +33,56 @@ Local Rounds::bits(bool are_first) const {
       const std::optional<bool> first = kind == Monitor::Bit && k < formula_.bits() ? formula_.first(k)
                                         : kind == Monitor::Never                    ? std::nullopt
                                                                                     : std::optional(false);
-      bits.push_back(are_first && first ? t_.truth(*first) : t_.fresh("bool"));
+      bits.push_back(are_first && first ? terms_.truth(*first) : terms_.fresh("bool"));
     }
   }
   return bits;
 }
 
-expr Rounds::is_bad(const Local& now) const { return now[Monitor::row(Monitor::Over, *c_.rounds)]; }
+expr Rounds::is_bad(const Local& now) const { return now[Monitor::row(Monitor::Over, *certificate_.rounds)]; }
 
 // Is the step one of the atom, or the interaction with exactly these ports?
 expr Rounds::takes_turn(const Turn& turn, const Step& step) const {
   if (turn.is_atom)
-    return t_.some(step.parts, [&](const auto& part) {
-      return m_.atom_of_port[part.first] == turn.row ? part.second : t_.truth(false);
+    return terms_.some(step.parts, [&](const auto& part) {
+      return model_.atom_of_port[part.first] == turn.row ? part.second : terms_.truth(false);
     });
   const bool are_there = std::ranges::all_of(turn.ports, [&](std::size_t port) { return step.parts.contains(port); });
-  if (step.connector != turn.row || !are_there) return t_.truth(false);
-  return t_.all(step.parts,
-                [&](const auto& part) { return contains(turn.ports, part.first) ? part.second : no(part.second); });
+  if (step.connector != turn.row || !are_there) return terms_.truth(false);
+  return terms_.all(step.parts,
+                    [&](const auto& part) { return contains(turn.ports, part.first) ? part.second : no(part.second); });
 }
 
 void Rounds::add_monitor(const Local& now, System& system, std::vector<Step>& steps) const {
   const auto bit = [&](Monitor::Kind kind, std::size_t k) -> const expr& { return now[Monitor::row(kind, k)]; };
   Local possible;
-  for (const Turn& turn : c_.turns)
-    possible.push_back(t_.some(
+  for (const Turn& turn : certificate_.turns)
+    possible.push_back(terms_.some(
         steps, [&](const Step& step) { return both(both(step.sure, no(step.fault)), takes_turn(turn, step)); }));
   // The last state of a run repeats.
-  const expr ends = no(system.has_step()), never = t_.truth(false);
+  const expr ends = no(system.has_step()), never = terms_.truth(false);
   steps.push_back({ends, ends, never, never, kNone, {}, {}, {}});
   Local bits, later;
   for (std::size_t k = 0; k < formula_.bits(); ++k) {
     bits.push_back(bit(Monitor::Bit, k));
-    later.push_back(t_.fresh("bool"));
+    later.push_back(terms_.fresh("bool"));
   }
   // Rounds begin at any time, and with them the guesses count.
-  const expr started = is_strong_ ? bit(Monitor::Started, 0) : t_.truth(true),
-             starts = either(started, t_.fresh("bool"));
+  const expr started = is_strong_ ? bit(Monitor::Started, 0) : terms_.truth(true),
+             starts = either(started, terms_.fresh("bool"));
   for (Step& step : steps) {
     const bool is_end = &step == &steps.back();
     Local leaves;
     for (const Tree& leaf : formula_.leaves()) {
       if (!Formula::is_about_step(leaf)) leaves.push_back(system.claim(leaf));
-      else leaves.push_back(is_end ? t_.truth(false) : happens(m_, t_, leaf, step.connector, step.parts));
+      else leaves.push_back(is_end ? terms_.truth(false) : happens(model_, terms_, leaf, step.connector, step.parts));
     }
-    const Formula::Point point = formula_.point(t_, leaves, bits, later);
+    const Formula::Point point = formula_.point(terms_, leaves, bits, later);
     expr allowed = point.possible;
     Local met;
     for (const expr& pending : point.pending) met.push_back(no(pending));
-    for (std::size_t k = 0; k < c_.turns.size(); ++k) {
-      const expr taken = is_end ? t_.truth(false) : takes_turn(c_.turns[k], step);
+    for (std::size_t k = 0; k < certificate_.turns.size(); ++k) {
+      const expr taken = is_end ? terms_.truth(false) : takes_turn(certificate_.turns[k], step);
       const expr is_never = both(started, bit(Monitor::Never, k));
       met.push_back(either(taken, is_strong_ ? bit(Monitor::Never, k) : no(possible[k])));
       if (is_strong_) allowed = both(allowed, no(both(is_never, possible[k])));
@@ -89,13 +94,13 @@ void Rounds::add_monitor(const Local& now, System& system, std::vector<Step>& st
       next[Monitor::row(Monitor::Bit, k)] = formula_.looks_ahead(k) ? later[k] : point.next[k];
     for (std::size_t k = 0; k < met.size(); ++k)
       next[Monitor::row(Monitor::Seen, k)] = both(both(started, no(round)), either(bit(Monitor::Seen, k), met[k]));
-    for (std::size_t k = 0; k <= *c_.rounds; ++k) {
-      const expr before = k == 0 ? t_.truth(true) : bit(Monitor::Over, k - 1);
+    for (std::size_t k = 0; k <= *certificate_.rounds; ++k) {
+      const expr before = k == 0 ? terms_.truth(true) : bit(Monitor::Over, k - 1);
       next[Monitor::row(Monitor::Over, k)] = either(bit(Monitor::Over, k), both(before, round));
     }
     if (is_strong_) next[Monitor::row(Monitor::Started, 0)] = starts;
-    step.next.emplace(m_.atoms.size(), std::move(next));
-    step.now.emplace(m_.atoms.size(), now);
+    step.next.emplace(model_.atoms.size(), std::move(next));
+    step.now.emplace(model_.atoms.size(), now);
     step.possible = both(step.possible, allowed);
     step.offered = both(step.offered, allowed);
   }

@@ -23,9 +23,9 @@ class Rounds {
  private:
   [[nodiscard]] expr takes_turn(const Turn& turn, const Step& step) const;
 
-  const Model& m_;
-  const Certificate& c_;
-  const Terms& t_;
+  const Model& model_;
+  const Certificate& certificate_;
+  const Terms& terms_;
   const Formula formula_;
   std::size_t demands_ = 0;
   bool is_strong_ = false;

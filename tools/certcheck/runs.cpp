@@ -96,11 +96,11 @@ Formula::Point Formula::point(const Terms& terms, const Local& leaves, const Loc
 }
 
 Runs::Runs(const Certificate& certificate, const Tree& claim, const Terms& terms)
-    : c_(certificate),
-      t_(terms),
+    : certificate_(certificate),
+      terms_(terms),
       formula_(claim),
       is_of_points_(claim.head() == "points"),
-      states_(c_.states.begin(), c_.states.end()),
+      states_(certificate_.states.begin(), certificate_.states.end()),
       edges_(states_.size()) {
   // Of each of their values something is computed and stored.
   constexpr std::size_t kMostBits = 20;
@@ -115,7 +115,7 @@ void Runs::enter(const std::u32string& state, System& system) {
   now_ = row_of_state(state);
   truth_.clear();
   for (const Tree& leaf : formula_.leaves()) {
-    const expr holds = Formula::is_about_step(leaf) ? t_.truth(false) : system.claim(leaf);
+    const expr holds = Formula::is_about_step(leaf) ? terms_.truth(false) : system.claim(leaf);
     truth_.push_back(is(holds, true));
     if (!is(holds, true) && !is(holds, false))
       throw NotCheckable("a condition depends on values that are not followed");
@@ -131,12 +131,12 @@ void Runs::add(const Model& model, const Step& step, const std::map<std::size_t,
   if (is_new) {
     Units& units = units_.emplace_back();
     for (std::size_t port : ports) units.insert(model.atom_of_port[port]);
-    if (!c_.fairness.ends_with(":atoms")) units = {at->second};
+    if (!certificate_.fairness.ends_with(":atoms")) units = {at->second};
   }
   std::vector<bool> truth = truth_;
   for (std::size_t k = 0; k < truth.size(); ++k) {
     const Tree& leaf = formula_.leaves()[k];
-    if (Formula::is_about_step(leaf)) truth[k] = is(happens(model, t_, leaf, step.connector, parts), true);
+    if (Formula::is_about_step(leaf)) truth[k] = is(happens(model, terms_, leaf, step.connector, parts), true);
   }
   edges_[now_].push_back(
       {row_of_state(to), at->second, &changes_of(truth), is(step.sure, true) && is(step.fault, false)});
@@ -155,16 +155,16 @@ const Runs::Changes& Runs::changes_of(const std::vector<bool>& truth) {
   const Node count = Node{1} << formula_.bits();
   const auto bits_of = [&](Node node) {
     Local bits;
-    for (std::size_t bit = 0; bit < formula_.bits(); ++bit) bits.push_back(t_.truth((node >> bit & 1) != 0));
+    for (std::size_t bit = 0; bit < formula_.bits(); ++bit) bits.push_back(terms_.truth((node >> bit & 1) != 0));
     return bits;
   };
   Local leaves;
-  for (bool is_true : truth) leaves.push_back(t_.truth(is_true));
+  for (bool is_true : truth) leaves.push_back(terms_.truth(is_true));
   at->second.resize(count);
   // What looks back is known of this point, what looks ahead of the next one: the others follow.
   for (Node known = 0; known < count; ++known) {
     const Local bits = bits_of(known);
-    const Formula::Point point = formula_.point(t_, leaves, bits, bits);
+    const Formula::Point point = formula_.point(terms_, leaves, bits, bits);
     Node from = known, to = known;
     for (std::size_t bit = 0; bit < formula_.bits(); ++bit) {
       Node& other = formula_.looks_ahead(bit) ? from : to;
@@ -282,9 +282,9 @@ Runs::Nodes Runs::fair_part(const Nodes& component) const {
     }
   }
   if (!has_cycle || always_pending != 0) return {};
-  if (c_.fairness == "none") return component;
+  if (certificate_.fairness == "none") return component;
   const auto is_left_out = [&](std::size_t unit) { return !taken.contains(unit); };
-  if (c_.fairness.starts_with("weak")) {
+  if (certificate_.fairness.starts_with("weak")) {
     always = possible_in(component[0]);
     for (Node node : component) {
       const Units possible = possible_in(node);

@@ -94,8 +94,8 @@ class Runs {
   void each_component(const Nodes& nodes, const std::function<void(const Nodes&)>& visit);
   [[nodiscard]] Nodes fair_part(const Nodes& component) const;
 
-  const Certificate& c_;
-  const Terms& t_;
+  const Certificate& certificate_;
+  const Terms& terms_;
   const Formula formula_;
   const bool is_of_points_;
   const std::vector<std::u32string> states_;

@@ -17,11 +17,11 @@ using Effects = std::set<long>;
 class Structure {
  public:
   Structure(const Model& model, const Certificate& certificate, z3::context& z)
-      : m_(model), c_(certificate), terms_(model, z) {}
+      : model_(model), certificate_(certificate), terms_(model, z) {}
 
   std::vector<AtomMoves> moves_by_atom() {
-    for (std::size_t atom = 0; atom < m_.atoms.size(); ++atom)
-      group(m_.atoms[atom], c_.classes.at(c_.class_of[atom]), c_.reachable[atom]);
+    for (std::size_t atom = 0; atom < model_.atoms.size(); ++atom)
+      group(model_.atoms[atom], certificate_.classes.at(certificate_.class_of[atom]), certificate_.reachable[atom]);
     std::vector<AtomMoves> result;
     for (const AtomMoves* group : group_of_) result.push_back(*group);
     return result;
@@ -29,14 +29,14 @@ class Structure {
   void run() {
     (void)moves_by_atom();
     check_reachable();
-    for (const Fact& set : c_.sets) check_set(set);
+    for (const Fact& set : certificate_.sets) check_set(set);
   }
 
  private:
   // Components of one class and with the same arguments that can be in the same modes: modes may overlap, and which one
   // a move meets is judged for those.
   void group(const Atom& atom, const Class& row, const Modes& reachable) {
-    const AtomType& type = m_.atom_types[atom.type];
+    const AtomType& type = model_.atom_types[atom.type];
     std::string args;
     for (const Tree& arg : atom.args->items) args.append(arg.text) += '\n';
     const auto [found, is_new] = groups_.try_emplace({&row, reachable, args});
@@ -88,7 +88,7 @@ class Structure {
       for (std::size_t mode : order) {
         Values said = row.modes[mode];
         if (is_whole)
-          std::fill(said.begin() + static_cast<long>(m_.atom_types[row.type].places), said.end(), std::nullopt);
+          std::fill(said.begin() + static_cast<long>(model_.atom_types[row.type].places), said.end(), std::nullopt);
         const expr in_mode = both(other, terms_.has(local, said));
         if ((is_whole && !reachable.contains(mode)) || !terms_.may_be(in_mode)) continue;
         if (is_whole && terms_.may_be(both(in_mode, no(terms_.has(local, row.modes[mode]))))) continue;
@@ -102,13 +102,13 @@ class Structure {
 
   [[nodiscard]] const Moves& moves(std::size_t row) const {
     static const Moves kNoPort;
-    const std::size_t atom = row < m_.atom_of_port.size() ? m_.atom_of_port[row] : kNone;
-    return atom == kNone ? kNoPort : group_of_[atom]->by_port[row - m_.first_port[atom]];
+    const std::size_t atom = row < model_.atom_of_port.size() ? model_.atom_of_port[row] : kNone;
+    return atom == kNone ? kNoPort : group_of_[atom]->by_port[row - model_.first_port[atom]];
   }
   // What can take part in a step at all; where its ports lead to must be among the reachable modes.
   void check_reachable() {
-    for (std::size_t row = 0; row < m_.nodes.size(); ++row) {
-      const Node& node = m_.nodes[row];
+    for (std::size_t row = 0; row < model_.nodes.size(); ++row) {
+      const Node& node = model_.nodes[row];
       const auto can = [&](const Edge& edge) {
         return possible_[edge.node] && (node.kind != Kind::Trigger || edge.is_trigger);
       };
@@ -117,16 +117,16 @@ class Structure {
         possible_.push_back(std::all_of(node.children.begin(), node.children.end(), can));
       else possible_.push_back(std::any_of(node.children.begin(), node.children.end(), can));
     }
-    used_.assign(m_.nodes.size(), false);
-    for (std::size_t row = m_.nodes.size(); row-- > 0;) {
-      const Node& node = m_.nodes[row];
+    used_.assign(model_.nodes.size(), false);
+    for (std::size_t row = model_.nodes.size(); row-- > 0;) {
+      const Node& node = model_.nodes[row];
       used_[row] = (used_[row] || node.is_step) && possible_[row];
       if (!used_[row]) continue;
       for (const Edge& edge : node.children) used_[edge.node] = true;
       for (const auto& [from, to] : moves(row)) {
-        const std::size_t atom = m_.atom_of_port[row];
-        if (!c_.reachable[atom].contains(to))
-          throw Rejected(quoted(m_.atoms[atom].path) + " can reach a mode that is not among the reachable ones");
+        const std::size_t atom = model_.atom_of_port[row];
+        if (!certificate_.reachable[atom].contains(to))
+          throw Rejected(quoted(model_.atoms[atom].path) + " can reach a mode that is not among the reachable ones");
       }
     }
   }
@@ -145,7 +145,7 @@ class Structure {
       for (std::size_t mode : group_of_[atom]->first) begins.insert(weight(its, mode));
       least += begins.empty() ? 0 : *begins.begin();
       most += begins.empty() ? 0 : *begins.rbegin();
-      for (std::size_t port = m_.first_port[atom]; port < m_.first_port[atom + 1]; ++port) touched.insert(port);
+      for (std::size_t port = model_.first_port[atom]; port < model_.first_port[atom + 1]; ++port) touched.insert(port);
     }
     if (is_trap ? least == 0 : least != *set.total || most != *set.total)
       throw Rejected(set.line + ": not marked at first as it should be");
@@ -153,12 +153,12 @@ class Structure {
     // Children have smaller rows than parents.
     for (; !touched.empty(); touched.erase(touched.begin())) {
       const std::size_t row = *touched.begin();
-      const Node& node = m_.nodes[row];
+      const Node& node = model_.nodes[row];
       if (!used_[row]) continue;
       Effects& effect = effects[row];
       if (node.kind != Kind::Port) effect = combine(is_trap, node, effects);
       for (const auto& [from, to] : moves(row)) {
-        const auto& its = weights[m_.atom_of_port[row]];
+        const auto& its = weights[model_.atom_of_port[row]];
         const long was = weight(its, from), is = weight(its, to);
         effect.insert(!is_trap ? is - was : is != 0 ? 2 : was != 0 ? 1 : 0);
       }
@@ -194,8 +194,8 @@ class Structure {
     return good;
   }
 
-  const Model& m_;
-  const Certificate& c_;
+  const Model& model_;
+  const Certificate& certificate_;
   Terms terms_;
   std::map<std::tuple<const Class*, Modes, std::string>, AtomMoves> groups_;
   std::vector<const AtomMoves*> group_of_;  // by atom

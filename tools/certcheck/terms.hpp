@@ -67,7 +67,7 @@ struct Rule {
 class Terms {
  public:
   Terms(const Model& model, z3::context& z)
-      : m_(model), z_(z), solver_(model.is_timed ? z3::solver(z) : z3::solver(z, "QF_BV")) {}
+      : model_(model), context_(z), solver_(model.is_timed ? z3::solver(z) : z3::solver(z, "QF_BV")) {}
 
   /// The argument of an atom may be any value.
   void let(const Tree* arg, const expr& value) { args_.emplace(arg, value); }
@@ -85,10 +85,10 @@ class Terms {
   /// With what is assumed of some atoms alone, which is much quicker, and false only where it is without, too.
   [[nodiscard]] bool may_be(const expr& e, const std::map<std::size_t, Local>& alone) {
     expr whole = e;
-    if (m_.is_timed) return may_be(e);
+    if (model_.is_timed) return may_be(e);
     for (const auto& [atom, local] : alone)
       for (const expr& fact : assumed_[atom]) whole = both(whole, fact);
-    z3::solver few(z_, "QF_BV");
+    z3::solver few(context_, "QF_BV");
     return is(whole, true) || (!is(whole, false) && can_solve(few, whole));
   }
 
@@ -115,7 +115,7 @@ class Terms {
     solver_.pop();
   }
 
-  [[nodiscard]] expr truth(bool b) const { return z_.bool_val(b); }
+  [[nodiscard]] expr truth(bool b) const { return context_.bool_val(b); }
   /// Do all of them, does one of them?
   template <class Range, class Of>
   [[nodiscard]] expr all(const Range& range, const Of& of) const {
@@ -129,14 +129,14 @@ class Terms {
   }
   /// A constant of its own, of a type of variables.
   [[nodiscard]] expr fresh(Text type) const {
-    const z3::sort sort = type == "bool"    ? z_.bool_sort()
-                          : type == "clock" ? z_.int_sort()
-                                            : z_.bv_sort(is_exact(type) ? 32 : kVagueBits);
-    return expr(z_, Z3_mk_fresh_const(z_, "any", sort));
+    const z3::sort sort = type == "bool"    ? context_.bool_sort()
+                          : type == "clock" ? context_.int_sort()
+                                            : context_.bv_sort(is_exact(type) ? 32 : kVagueBits);
+    return expr(context_, Z3_mk_fresh_const(context_, "any", sort));
   }
   /// An int, a bool or the row of a string.
   [[nodiscard]] expr constant(Text type, int value) const {
-    return type == "bool" ? truth(value != 0) : z_.bv_val(value, 32);
+    return type == "bool" ? truth(value != 0) : context_.bv_val(value, 32);
   }
   /// From variable `first` on, the given values.
   [[nodiscard]] expr has(const Local& local, const Values& values, std::size_t first = 0) const {
@@ -148,8 +148,8 @@ class Terms {
   /// A run ends with an error where `fault` holds then.
   [[nodiscard]] expr evaluate(const Tree& e, const Scope& s, const expr& when, expr& fault) const {
     if (e.is_string) {
-      const auto found = m_.strings.find(e.text);
-      return constant("string", found == m_.strings.end() ? 0 : found->second);
+      const auto found = model_.strings.find(e.text);
+      return constant("string", found == model_.strings.end() ? 0 : found->second);
     }
     if (!e.is_list) {
       if (e.text == "true" || e.text == "false") return truth(e.text == "true");
@@ -166,7 +166,7 @@ class Terms {
     if (op == "call") {
       Local args;
       for (std::size_t k = 2; k < e.items.size(); ++k) args.push_back(evaluate(e.items[k], s, when, fault));
-      const Tree &function = *m_.functions.at(e.at(1).row()), &result = function["result"];
+      const Tree &function = *model_.functions.at(e.at(1).row()), &result = function["result"];
       if (function.has_word("draw", 3)) return drawn(function.at(2).text, result.at(1).text, args, when, fault);
       return fresh(result.items.empty() ? "int" : result.at(1).text);
     }
@@ -197,9 +197,9 @@ class Terms {
         {"gt", Z3_mk_bvsgt},   {"ge", Z3_mk_bvsge}};
     const auto found = kOperations.find(op);
     if (found == kOperations.end()) throw NotCheckable("an expression " + quoted(op));
-    const Z3_ast made = found->second(z_, a, b);
-    z_.check_error();
-    const expr result = expr(z_, made).simplify();
+    const Z3_ast made = found->second(context_, a, b);
+    context_.check_error();
+    const expr result = expr(context_, made).simplify();
     return op == "ne" ? no(result) : result;
   }
   /// Of (guard EXPR); an empty list holds.
@@ -229,7 +229,7 @@ class Terms {
     Local local;
     std::size_t arg = 0;
     expr fault = truth(false);
-    for (const Variable& variable : m_.atom_types[atom.type].variables) {
+    for (const Variable& variable : model_.atom_types[atom.type].variables) {
       const std::optional<int> value = others[local.size()];
       const expr other = value ? constant(variable.type, *value) : fresh(variable.type);
       const auto any = variable.is_param ? args_.find(&atom.args->at(++arg)) : args_.end();
@@ -237,16 +237,16 @@ class Terms {
                       : variable.is_param ? evaluate(atom.args->at(arg), {}, fault, fault)
                                           : other);
     }
-    forget_settings(m_.atom_types[atom.type], local);
+    forget_settings(model_.atom_types[atom.type], local);
     return local;
   }
   [[nodiscard]] Local initial(const Atom& atom, expr& fault) const {
-    const AtomType& type = m_.atom_types[atom.type];
+    const AtomType& type = model_.atom_types[atom.type];
     Values first;
     for (const Variable& variable : type.variables)
       first.push_back(is_exact(variable.type) ? std::optional(0) : std::nullopt);
     Local start = local(atom, first);
-    for (std::size_t k = type.first_clock; k < type.waits; ++k) start[k] = z_.int_val(0);
+    for (std::size_t k = type.first_clock; k < type.waits; ++k) start[k] = context_.int_val(0);
     take(type, type.initial, start, truth(true), fault);
     if (type.is_timed)
       start[type.waits] = constant("int", type.initial.resume->items.empty() ? 0 : count_of(type.transitions) + 1);
@@ -257,7 +257,7 @@ class Terms {
                              expr& fault) const {
     expr result = truth(true);
     each_bound(type, list, local, when, fault, [&](Text op, const expr& clock, bool runs, const expr& limit) {
-      const expr value = runs && later != 0 ? (clock + z_.int_val(later)).simplify() : clock;
+      const expr value = runs && later != 0 ? (clock + context_.int_val(later)).simplify() : clock;
       const expr holds = op == "lt"   ? value < limit
                          : op == "le" ? value <= limit
                          : op == "gt" ? value > limit
@@ -434,7 +434,9 @@ class Terms {
     return std::nullopt;
   }
   // A float that is known, by its bits.
-  [[nodiscard]] expr real(double value) const { return z_.bv_val(std::bit_cast<std::uint64_t>(value), kVagueBits); }
+  [[nodiscard]] expr real(double value) const {
+    return context_.bv_val(std::bit_cast<std::uint64_t>(value), kVagueBits);
+  }
   static std::optional<double> real_of(const expr& e) {
     return is_vague(e) && e.is_numeral() ? std::optional(std::bit_cast<double>(e.get_numeral_uint64())) : std::nullopt;
   }
@@ -551,9 +553,10 @@ class Terms {
     if (!value) throw NotCheckable("clock " + quoted(clock.name) + " meets a value that is not followed");
     if (std::isnan(*value)) return std::nullopt;
     const double exact = *value * static_cast<double>(clock.unit);
-    if (!(std::fabs(exact) <= static_cast<double>(kMost))) return z_.int_val(exact > 0 ? kMost : -kMost);
+    if (!(std::fabs(exact) <= static_cast<double>(kMost))) return context_.int_val(exact > 0 ? kMost : -kMost);
     const bool is_whole = std::fabs(*value) <= kExact && std::floor(*value) == *value;
-    return z_.int_val(is_whole ? static_cast<std::int64_t>(*value) * clock.unit : std::int64_t{std::llround(exact)});
+    return context_.int_val(is_whole ? static_cast<std::int64_t>(*value) * clock.unit
+                                     : std::int64_t{std::llround(exact)});
   }
   // What a clock is set to. Beyond what one can be: an error.
   [[nodiscard]] expr ticks_of(const expr& e, const Clock& clock, const expr& when, expr& fault) const {
@@ -580,15 +583,15 @@ class Terms {
       expr value = local[type.first_clock + row];
       if (!minus.items.empty()) value = (value - local[type.first_clock + minus.at(1).row()]).simplify();
       const std::optional<expr> limit = slot.items.empty()
-                                            ? z_.int_val(bound->items.back().ticks())
+                                            ? context_.int_val(bound->items.back().ticks())
                                             : ticks_of(measured[type.places + slot.at(1).row()], type.clocks[row]);
       if (limit) visit(bound->at(1).text, value, minus.items.empty(), *limit);
-      else visit("lt", z_.int_val(0), false, z_.int_val(0));
+      else visit("lt", context_.int_val(0), false, context_.int_val(0));
     }
   }
 
-  const Model& m_;
-  z3::context& z_;
+  const Model& model_;
+  z3::context& context_;
   z3::solver solver_;
   std::map<std::size_t, std::vector<expr>> assumed_;  // by atom
   std::map<const Tree*, expr> args_;

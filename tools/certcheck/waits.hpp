@@ -9,25 +9,25 @@ namespace certcheck {
 class Waits {
  public:
   Waits(const Model& model, const Certificate& certificate)
-      : m_(model), states_(certificate.states.begin(), certificate.states.end()), of_(states_.size()) {}
+      : model_(model), states_(certificate.states.begin(), certificate.states.end()), of_(states_.size()) {}
 
   /// The state whose steps follow; the system looks at it.
   void enter(const std::u32string& state, const System& system) {
     now_ = row_of_state(state);
-    for (std::size_t a = 0; a < m_.atoms.size(); ++a)
+    for (std::size_t a = 0; a < model_.atoms.size(); ++a)
       if (!is(system.wants(a), false)) of_[now_].wants.insert(a);
   }
   /// A step, perhaps one that ends with an error.
   void take(const Step& step) {
     for (const auto& [node, is_in] : step.parts)
-      if (is(step.sure, true) && is(is_in, true)) of_[now_].moves.insert(m_.atom_of_port[node]);
+      if (is(step.sure, true) && is(is_in, true)) of_[now_].moves.insert(model_.atom_of_port[node]);
   }
   /// The step before leads there, and nowhere else.
   void lead(const Step& step, const std::u32string& to) {
     if (is(step.sure, true) && is(step.fault, false)) of_[row_of_state(to)].before.push_back(now_);
   }
   void check() const {
-    for (std::size_t a = 0; a < m_.atoms.size(); ++a) {
+    for (std::size_t a = 0; a < model_.atoms.size(); ++a) {
       std::vector<bool> can(of_.size(), false);
       Rows todo;
       const auto reach = [&](std::size_t state) {
@@ -43,7 +43,7 @@ class Waits {
       }
       for (std::size_t state = 0; state < of_.size(); ++state)
         if (!can[state] && of_[state].wants.contains(a))
-          throw Rejected(quoted(m_.atoms[a].path) + " may wait for ever in a state that the certificate lists");
+          throw Rejected(quoted(model_.atoms[a].path) + " may wait for ever in a state that the certificate lists");
     }
   }
 
@@ -56,7 +56,7 @@ class Waits {
     return static_cast<std::size_t>(std::ranges::lower_bound(states_, state) - states_.begin());
   }
 
-  const Model& m_;
+  const Model& model_;
   const std::vector<std::u32string> states_;
   std::vector<Listed> of_;
   std::size_t now_ = 0;

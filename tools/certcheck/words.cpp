@@ -35,7 +35,8 @@ std::string element(Text array, int position) { return std::string(array) + '[' 
 /// A system of some size as the rows say it.
 class Pattern {
  public:
-  Pattern(const Model& m, const Tree& rows, int size) : m_(m), rows_(rows), size_(size), taken_(m.connectors.size()) {
+  Pattern(const Model& m, const Tree& rows, int size)
+      : model_(m), rows_(rows), size_(size), taken_(m.connectors.size()) {
     for (std::size_t k = 0; k < m.atoms.size(); ++k) atoms_.emplace(m.atoms[k].path, k);
     for (const Tree* row : rows.all("array")) {
       for (int p = 0; p < size; ++p) positions_.emplace(atom(element(row->at(1).text, p)), p);
@@ -64,12 +65,12 @@ class Pattern {
       all.insert(all.end(), first.begin(), first.end());
     }
     for (std::size_t c = 0; c < taken_.size(); ++c)
-      if (!taken_[c]) throw Rejected(quoted(m_.connectors[c].path) + " is in no row");
+      if (!taken_[c]) throw Rejected(quoted(model_.connectors[c].path) + " is in no row");
     std::set<std::pair<Text, Text>> alone;
-    for (std::size_t a = 0; a < m_.atoms.size(); ++a) {
+    for (std::size_t a = 0; a < model_.atoms.size(); ++a) {
       const bool is_one = position(a) < 0;
-      const Text path = m_.atoms[a].path, owner = is_one ? path : path.substr(0, path.rfind('['));
-      for (const Port& port : m_.type_of(a).ports) {
+      const Text path = model_.atoms[a].path, owner = is_one ? path : path.substr(0, path.rfind('['));
+      for (const Port& port : model_.type_of(a).ports) {
         if (port.is_exported || !alone.emplace(owner, port.name).second) continue;
         all.push_back({{{is_one ? Where::One : Where::At, 0, owner, port.name}}, false, true, !is_one});
       }
@@ -87,7 +88,7 @@ class Pattern {
     const auto bind = [&](const Part& part, const std::string& path) {
       const std::size_t at = atom(path);
       if ((part.where == Where::One) != (position(at) < 0)) throw Rejected(quoted(path) + " has another place");
-      ports.push_back(m_.first_port[at] + row_of(m_.type_of(at).ports, part.port, &Port::name));
+      ports.push_back(model_.first_port[at] + row_of(model_.type_of(at).ports, part.port, &Port::name));
       part_of.push_back(parts.size());
     };
     for (std::size_t k = 2; k < row.items.size(); ++k) {
@@ -130,10 +131,10 @@ class Pattern {
       return events;
     }
     // With all elements of an array: one group, in which they are all alike.
-    const Node& root = m_.nodes[c.root];
+    const Node& root = model_.nodes[c.root];
     std::map<std::size_t, bool> is_trigger;
     for (const Edge& edge : root.children) {
-      if (m_.nodes[edge.node].kind != Kind::Port) throw NotCheckable(quoted(c.path) + " has inner groups");
+      if (model_.nodes[edge.node].kind != Kind::Port) throw NotCheckable(quoted(c.path) + " has inner groups");
       if (is_trigger.emplace(part_of.at(param(edge.node)), edge.is_trigger).first->second != edge.is_trigger)
         throw NotCheckable(quoted(c.path) + " does not treat all elements alike");
     }
@@ -149,8 +150,8 @@ class Pattern {
   // The one of that name, or of an array of that name, that binds these ports, of atoms.
   const Connector& connector(Text name, const Rows& ports) {
     std::size_t found = kNone;
-    for (std::size_t k = 0; k < m_.connectors.size(); ++k) {
-      const Connector& c = m_.connectors[k];
+    for (std::size_t k = 0; k < model_.connectors.size(); ++k) {
+      const Connector& c = model_.connectors[k];
       if (c.path != name && !c.path.starts_with(std::string(name) + '[')) continue;
       if (!std::ranges::equal(c.params, ports, {}, &Edge::node)) continue;
       if (found != kNone) throw NotCheckable("two connectors " + quoted(name) + " join the same ports");
@@ -158,14 +159,14 @@ class Pattern {
     }
     if (found == kNone || taken_[found]) throw Rejected("no connector " + quoted(name) + " joins what its row says");
     if (std::set(ports.begin(), ports.end()).size() != ports.size()) throw NotCheckable("a port is bound twice");
-    if (!m_.nodes[m_.connectors[found].root].is_step) throw NotCheckable("a connector exports a port");
+    if (!model_.nodes[model_.connectors[found].root].is_step) throw NotCheckable("a connector exports a port");
     taken_[found] = true;
-    return m_.connectors[found];
+    return model_.connectors[found];
   }
   // Sets of ports; as `combine` in structure.cpp.
   [[nodiscard]] std::set<Rows> interactions(std::size_t row) const {
     constexpr std::size_t kMost = 4096;
-    const Node& node = m_.nodes[row];
+    const Node& node = model_.nodes[row];
     if (node.kind == Kind::Port) return {{row}};
     if (node.kind == Kind::Any) throw NotCheckable("merged ports");
     const auto join = [](const std::set<Rows>& some, const std::set<Rows>& more, std::set<Rows> into) {
@@ -189,7 +190,7 @@ class Pattern {
     return good;
   }
 
-  const Model& m_;
+  const Model& model_;
   const Tree& rows_;
   int size_ = 0;
   std::vector<bool> taken_;
@@ -225,29 +226,31 @@ struct Memory {
 class Words {
  public:
   Words(const std::vector<const Model*>& models, const Certificate& certificate, z3::context& z)
-      : m_(*models.at(0)),
-        c_(certificate),
-        rows_(m_.tree["for-all"]),
+      : model_(*models.at(0)),
+        certificate_(certificate),
+        rows_(model_.tree["for-all"]),
         size_(rows_.at(2).number()),
         margin_((size_ - 1) / 2),
-        pattern_(m_, rows_, size_),
-        terms_(m_, z) {
+        pattern_(model_, rows_, size_),
+        terms_(model_, z) {
     if (size_ < 3 || size_ % 2 == 0) throw Rejected("the least size is not odd");
-    if (c_.claim != "deadlock-free" || !c_.sets.empty() || !c_.facts.empty() || !c_.states.empty())
-      throw Rejected("of all sizes, this is claimed or told: " + quoted(c_.claim));
-    if (m_.is_timed || c_.classes.empty()) throw NotCheckable("all sizes of a model with time, or without modes");
+    if (certificate_.claim != "deadlock-free" || !certificate_.sets.empty() || !certificate_.facts.empty() ||
+        !certificate_.states.empty())
+      throw Rejected("of all sizes, this is claimed or told: " + quoted(certificate_.claim));
+    if (model_.is_timed || certificate_.classes.empty())
+      throw NotCheckable("all sizes of a model with time, or without modes");
     events_ = pattern_.events();
     for (std::size_t k = 1; k < models.size(); ++k) compare(*models[k]);
     lay_out();
-    moves_ = moves_of(m_, c_, z);
+    moves_ = moves_of(model_, certificate_, z);
   }
 
   void run() {
     for (const auto& [position, reads] : reads_) {
       for (const Read& read : reads) {
         for (const auto& [from, to] : moves_[read.atom].by_port[read.port])
-          if (!c_.reachable[read.atom].contains(to))
-            throw Rejected(quoted(m_.atoms[read.atom].path) + " can reach a mode that is not listed");
+          if (!certificate_.reachable[read.atom].contains(to))
+            throw Rejected(quoted(model_.atoms[read.atom].path) + " can reach a mode that is not listed");
       }
     }
     check_rows();
@@ -270,10 +273,10 @@ class Words {
     const std::string where = "at " + std::string(name) + " = " + std::to_string(size) + ": ";
     if (name != rows_.at(1).text || pattern.events() != events_) throw Rejected(where + "other connectors");
     std::size_t expected = 0;
-    for (std::size_t a = 0; a < m_.atoms.size(); ++a)
+    for (std::size_t a = 0; a < model_.atoms.size(); ++a)
       expected += pattern_.position(a) == margin_ ? static_cast<std::size_t>(size - size_ + 1) : 1;
     if (other.atoms.size() != expected) throw Rejected(where + "other components");
-    const std::vector<const Tree*> types = m_.tree.all("atom-type"), others = other.tree.all("atom-type");
+    const std::vector<const Tree*> types = model_.tree.all("atom-type"), others = other.tree.all("atom-type");
     for (std::size_t a = 0; a < other.atoms.size(); ++a) {
       const Atom& atom = other.atoms[a];
       const int p = pattern.position(a), from_end = size - p;
@@ -282,12 +285,12 @@ class Words {
                                                    : element(array, p < margin_           ? p
                                                                     : from_end <= margin_ ? size_ - from_end
                                                                                           : margin_));
-      const Tree &type = *types.at(m_.atoms[like].type), &its = *others.at(atom.type);
-      const bool is_same = *atom.args == *m_.atoms[like].args &&
+      const Tree &type = *types.at(model_.atoms[like].type), &its = *others.at(atom.type);
+      const bool is_same = *atom.args == *model_.atoms[like].args &&
                            std::equal(type.items.begin() + 2, type.items.end(), its.items.begin() + 2, its.items.end());
       // What connectors may write.
       if (!is_same ||
-          !std::ranges::equal(other.type_of(a).ports, m_.type_of(like).ports, {}, &Port::written, &Port::written))
+          !std::ranges::equal(other.type_of(a).ports, model_.type_of(like).ports, {}, &Port::written, &Port::written))
         throw Rejected(where + quoted(atom.path) + " is another component");
     }
   }
@@ -319,7 +322,7 @@ class Words {
         for (const Part& part : event.parts) add_read(e, part, p);
       }
     }
-    for (std::size_t a = 0; a < m_.atoms.size(); ++a) atoms_at_[pattern_.position(a)].push_back(a);
+    for (std::size_t a = 0; a < model_.atoms.size(); ++a) atoms_at_[pattern_.position(a)].push_back(a);
     atoms_at_[-1];
   }
   void add_read(std::size_t e, const Part& part, int p) {
@@ -331,8 +334,8 @@ class Words {
     if (!is_there) return;
     const std::size_t atom = pattern_.atom(p < 0 ? std::string(part.path) : element(part.path, p));
     const std::size_t place = part.where == Where::At ? static_cast<std::size_t>(part.offset - base_[e]) : 0;
-    reads.push_back(
-        {e, first_value_[e] + place, atom, row_of(m_.type_of(atom).ports, part.port, &Port::name), part.is_trigger});
+    reads.push_back({e, first_value_[e] + place, atom, row_of(model_.type_of(atom).ports, part.port, &Port::name),
+                     part.is_trigger});
   }
   // Does a round of the loop begin its window there?
   [[nodiscard]] bool begins(std::size_t e, int position) const {
@@ -419,7 +422,7 @@ class Words {
 
   // ---- the automaton
   void check_rows() {
-    for (const SetRow& row : c_.set_rows) {
+    for (const SetRow& row : certificate_.set_rows) {
       const int position = row.from == kNone ? -1 : static_cast<int>(row.position);
       if (position >= size_) throw Rejected(row.line + ": no position");
       for (const auto& [atom, modes] : row.modes)
@@ -427,7 +430,7 @@ class Words {
       if (row.from != kNone && position_of_.try_emplace(row.from, position).first->second != position)
         throw Rejected(row.line + ": its state is at two positions");
     }
-    for (const SetRow& row : c_.set_rows) {
+    for (const SetRow& row : certificate_.set_rows) {
       const int position = row.from == kNone ? -1 : static_cast<int>(row.position), next = position_at(row.to);
       if (next != position + 1 && (position != margin_ || next != margin_))
         throw Rejected(row.line + ": leads to another position");
@@ -437,7 +440,7 @@ class Words {
     }
     for (bool is_new = true; is_new;) {
       is_new = false;
-      for (const SetRow& row : c_.set_rows) {
+      for (const SetRow& row : certificate_.set_rows) {
         if (row.from == kNone || !promise_of_.contains(row.from)) continue;
         const auto [at, is_first] = promise_of_.try_emplace(row.to, promise_of_[row.from]);
         if (at->second != promise_of_[row.from]) throw Rejected(row.line + ": another promise");
@@ -488,7 +491,7 @@ class Words {
       return std::ranges::any_of(row.modes, [&](const auto& of) { return has_first(row, of.first, true); });
     };
     std::map<const SetRow*, Letter> letters;
-    for (const SetRow& row : c_.set_rows) {
+    for (const SetRow& row : certificate_.set_rows) {
       if (row.from == kNone) go(row.to, begin(row.promise != "trap", marks(row), letter_of(row, -1, row.promise)));
       else if (promise_of_.contains(row.from))
         letters.emplace(&row, letter_of(row, static_cast<int>(row.position), promise_of_[row.from]));
@@ -528,7 +531,7 @@ class Words {
     for (std::size_t atom : atoms) {
       std::vector<std::map<std::size_t, std::size_t>> longer;
       for (const auto& choice : choices) {
-        for (std::size_t mode : c_.reachable[atom]) longer.emplace_back(choice)[atom] = mode;
+        for (std::size_t mode : certificate_.reachable[atom]) longer.emplace_back(choice)[atom] = mode;
       }
       if (longer.size() > kMostLetters) throw NotCheckable("a position has too many modes");
       choices = std::move(longer);
@@ -539,12 +542,12 @@ class Words {
         return offers(atom, choice.at(atom))[port] ? 1 : kBlocked;
       });
       for (const auto& [atom, mode] : choice) {
-        const Values& values = c_.classes[c_.class_of[atom]].modes[mode];
-        for (std::size_t p = 0; p < m_.type_of(atom).places; ++p)
-          modal.is_final = modal.is_final && (*values[p] == 0 || contains(m_.type_of(atom).finals, p));
-        modal.text += ' ' + std::string(m_.atoms[atom].path) + ':' + std::to_string(mode);
+        const Values& values = certificate_.classes[certificate_.class_of[atom]].modes[mode];
+        for (std::size_t p = 0; p < model_.type_of(atom).places; ++p)
+          modal.is_final = modal.is_final && (*values[p] == 0 || contains(model_.type_of(atom).finals, p));
+        modal.text += ' ' + std::string(model_.atoms[atom].path) + ':' + std::to_string(mode);
       }
-      for (const SetRow& row : c_.set_rows) {
+      for (const SetRow& row : certificate_.set_rows) {
         if ((row.from == kNone ? -1 : static_cast<int>(row.position)) != position || !promise_of_.contains(row.to))
           continue;
         const Text promise = promise_of_[row.to];
@@ -565,8 +568,8 @@ class Words {
   const std::vector<bool>& offers(std::size_t atom, std::size_t mode) {
     const auto [at, is_new] = offers_.try_emplace({atom, mode});
     if (!is_new) return at->second;
-    const AtomType& type = m_.type_of(atom);
-    Local local = terms_.local(m_.atoms[atom], c_.classes[c_.class_of[atom]].modes[mode]);
+    const AtomType& type = model_.type_of(atom);
+    Local local = terms_.local(model_.atoms[atom], certificate_.classes[certificate_.class_of[atom]].modes[mode]);
     expr fault = terms_.truth(false);
     const Offer offer = terms_.offer(type, local, fault);
     const expr is_stable = no(terms_.goes_on(type, local));
@@ -625,8 +628,8 @@ class Words {
     }
   }
 
-  const Model& m_;
-  const Certificate& c_;
+  const Model& model_;
+  const Certificate& certificate_;
   const Tree& rows_;
   const int size_, margin_;
   Pattern pattern_;

@@ -73,12 +73,12 @@ bool says_name(std::string_view argument, std::string_view name) {
 
 class HintCollector {
  public:
-  HintCollector(const Workspace& w, const Document& d) : w_(w), d_(d), index_(d.analysis.index) {}
+  HintCollector(const Workspace& w, const Document& d) : workspace_(w), document_(d), index_(d.analysis.index) {}
 
   void add_instance(const Symbol& s) {
     if (!s.type.is_valid()) return;
     const Symbol& type = index_.symbols[s.type];
-    const std::string_view text = d_.text.str();
+    const std::string_view text = document_.text.str();
     const Arguments arguments = arguments_from(text, s.name_range.end);
     std::size_t k = 0;
     for (const SymbolId member : type.members) {
@@ -94,7 +94,7 @@ class HintCollector {
   }
 
   void add_value(const Symbol& s) {
-    const std::string_view text = d_.text.str();
+    const std::string_view text = document_.text.str();
     const std::size_t next = text.find_first_not_of(" \t\r\n", s.name_range.end);
     if (next != std::string_view::npos && text[next] == '=') return;
     const char* value = s.type_text == "int"      ? "= 0"
@@ -120,14 +120,14 @@ class HintCollector {
         Kind::Value);
   }
   void add(std::uint32_t at, const std::string& label, Kind kind) {
-    Json hint{{"position", json_of(d_.text.position(at, w_.encoding))}, {"label", label}};
+    Json hint{{"position", json_of(document_.text.position(at, workspace_.encoding))}, {"label", label}};
     if (kind == Kind::Parameter) hint["kind"] = 2;
     hint[kind == Kind::Parameter ? "paddingRight" : "paddingLeft"] = true;
     out_.push_back(std::move(hint));
   }
 
-  const Workspace& w_;
-  const Document& d_;
+  const Workspace& workspace_;
+  const Document& document_;
   const Index& index_;
   Json out_ = Json::array();
 };

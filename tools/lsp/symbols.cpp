@@ -72,7 +72,8 @@ std::uint32_t token_type(SymbolKind kind) {
 // The text of an outline, written from its front to its back.
 class OutlineWriter {
  public:
-  OutlineWriter(const Workspace& w, const Document& d) : d_(d), index_(d.analysis.index), encoding_(w.encoding) {}
+  OutlineWriter(const Workspace& w, const Document& d)
+      : document_(d), index_(d.analysis.index), encoding_(w.encoding) {}
 
   std::string run() {
     out_ = '[';
@@ -80,7 +81,7 @@ class OutlineWriter {
     std::size_t open = 0;
     for (const SymbolId id : index_.file_symbols) {
       const Symbol& s = index_.symbols[id];
-      if (s.name_range.file != d_.analysis.file) continue;
+      if (s.name_range.file != document_.analysis.file) continue;
       separate();
       if (s.kind != SymbolKind::Package) {
         write(s);
@@ -143,7 +144,7 @@ class OutlineWriter {
     out_ += '}';
   }
   void write_position(std::uint32_t offset) {
-    const Position at = d_.text.position(offset, encoding_);
+    const Position at = document_.text.position(offset, encoding_);
     out_ += R"({"line":)";
     out_ += std::to_string(at.line);
     out_ += R"(,"character":)";
@@ -151,7 +152,7 @@ class OutlineWriter {
     out_ += '}';
   }
 
-  const Document& d_;
+  const Document& document_;
   const Index& index_;
   Encoding encoding_;
   std::string out_;

@@ -50,15 +50,18 @@ namespace bip::processes {
 class Level {
  public:
   explicit Level(const Description& description)
-      : d_(description), books_(d_.modules.size()), accepted_(d_.owners.size()), told_(d_.posters.size()) {
+      : description_(description),
+        books_(description_.modules.size()),
+        accepted_(description_.owners.size()),
+        told_(description_.posters.size()) {
     // One for each codel that may run at a time, and for what others ask meanwhile.
-    std::vector<std::size_t> owners(d_.modules.size());
-    for (const OwnerRow& row : d_.owner_rows) ++owners[index(row.module)];
+    std::vector<std::size_t> owners(description_.modules.size());
+    for (const OwnerRow& row : description_.owner_rows) ++owners[index(row.module)];
     for (const std::size_t count : owners) width_ = std::max(width_, count + 3);
     for (Book& book : books_) {
       book.is_taken.resize(width_);
-      book.sent.resize(d_.posters.size());
-      book.heard.resize(d_.posters.size());
+      book.sent.resize(description_.posters.size());
+      book.heard.resize(description_.posters.size());
     }
   }
   Level(const Level&) = delete;
@@ -79,7 +82,7 @@ class Level {
   /// An activity is accepted: from now on its codels run in the process that its module has now, or fail.
   void accepted(int owner) {
     if (!start()) return;
-    const OwnerRow& row = d_.owner_rows[index(owner)];
+    const OwnerRow& row = description_.owner_rows[index(owner)];
     notice_death(row.module);
     const std::lock_guard<std::mutex> hold(lock_);
     const std::uint32_t generation = state(row.module).generation;
@@ -88,7 +91,7 @@ class Level {
     // What has judged or taken its input may be gone.
     const bool is_stale = (activity.asked_in != 0 && activity.asked_in != generation) ||
                           (book.input_in != 0 && book.input_in != generation);
-    const bool needs_init = d_.modules[index(row.module)].needs_init && !row.is_init;
+    const bool needs_init = description_.modules[index(row.module)].needs_init && !row.is_init;
     activity = {.runs_in = is_stale ? kNever : generation,
                 .lacks_init = needs_init && book.initialised_in != generation};
     book.input_in = 0;
@@ -96,7 +99,7 @@ class Level {
 
   /// A codel of an activity or a task.
   int step(int function, int owner, int& report) {
-    const OwnerRow& row = d_.owner_rows[index(owner)];
+    const OwnerRow& row = description_.owner_rows[index(owner)];
     Call call{.owner = owner, .report = report};
     std::uint32_t generation = 0;
     Outcome outcome;
@@ -107,7 +110,8 @@ class Level {
     }
     if (outcome.why.empty()) outcome = run(function, row.module, generation, call);
     if (!outcome.why.empty()) {
-      tell_failure(function, owner, row.is_task ? nullptr : &activity_notes(), d_.owners[index(owner)].name, outcome);
+      tell_failure(function, owner, row.is_task ? nullptr : &activity_notes(), description_.owners[index(owner)].name,
+                   outcome);
       return kCodelThrew;
     }
     report = call.report;
@@ -120,16 +124,17 @@ class Level {
 
   /// A codel that judges or does a request at once, or of a task.
   int control(int function, int owner, std::string in = {}) {
-    const OwnerRow& row = d_.owner_rows[index(owner)];
+    const OwnerRow& row = description_.owner_rows[index(owner)];
     Call call{.owner = owner, .in = std::move(in)};
     const Outcome outcome = run(function, row.module, 0, call);
     if (!outcome.why.empty()) {
-      tell_failure(function, owner, row.is_task ? nullptr : &service_notes(), d_.owners[index(owner)].service, outcome);
+      tell_failure(function, owner, row.is_task ? nullptr : &service_notes(), description_.owners[index(owner)].service,
+                   outcome);
       return kCodelRefuses;
     }
     const std::lock_guard<std::mutex> hold(lock_);
     accepted_[index(owner)].asked_in = outcome.generation;
-    if (call.answer == 0 && d_.functions[index(function)].is_repeated)
+    if (call.answer == 0 && description_.functions[index(function)].is_repeated)
       books_[index(row.module)].repeat({function, owner, std::move(call.in)});
     return call.answer;
   }
@@ -139,20 +144,20 @@ class Level {
     Call call{.owner = owner, .in = std::move(in)};
     const Outcome outcome = run(function, module, 0, call);
     if (outcome.why.empty()) return std::move(call.out);
-    std::fprintf(stderr, "warning[R0050]: `%s` of module %s: %s\n", d_.functions[index(function)].name,
-                 d_.modules[index(module)].name, outcome.why.c_str());
-    stop_robot(outcome, function, d_.modules[index(module)].name);
+    std::fprintf(stderr, "warning[R0050]: `%s` of module %s: %s\n", description_.functions[index(function)].name,
+                 description_.modules[index(module)].name, outcome.why.c_str());
+    stop_robot(outcome, function, description_.modules[index(module)].name);
     return std::nullopt;
   }
   /// What owner's service was asked with goes to its module.
   void call_of(int owner, int function, std::string in = {}) {
-    (void)call(function, d_.owner_rows[index(owner)].module, std::move(in), owner);
+    (void)call(function, description_.owner_rows[index(owner)].module, std::move(in), owner);
   }
   /// Two texts, of which the first one begins with the module's name and a dot. Nothing: there is no such module.
   std::optional<std::string> call_by_name(int function, const char* name, const char* more) {
     const std::string_view module = std::string_view(name).substr(0, std::string_view(name).find('.'));
-    for (std::size_t m = 0; m < d_.modules.size(); ++m) {
-      if (module != d_.modules[m].name) continue;
+    for (std::size_t m = 0; m < description_.modules.size(); ++m) {
+      if (module != description_.modules[m].name) continue;
       std::string in;
       append_text(in, name);
       append_text(in, more);
@@ -164,8 +169,8 @@ class Level {
   void give_input(int function, const char* service, const char* input) {
     const std::string_view module = std::string_view(service).substr(0, std::string_view(service).find('.'));
     if (!start()) return;
-    for (std::size_t m = 0; m < d_.modules.size(); ++m) {
-      if (module != d_.modules[m].name) continue;
+    for (std::size_t m = 0; m < description_.modules.size(); ++m) {
+      if (module != description_.modules[m].name) continue;
       const std::lock_guard<std::mutex> hold(lock_);
       books_[m].input_in = shared_.state(m).generation;
     }
@@ -224,8 +229,8 @@ class Level {
   // ---- the controller's side: failures
 
   void tell_failure(int function, int owner, ReplyNotes* notes, const char* whose, const Outcome& outcome) {
-    const char* const codel = d_.functions[index(function)].name;
-    const char* const name = d_.owners[index(owner)].name;
+    const char* const codel = description_.functions[index(function)].name;
+    const char* const name = description_.owners[index(owner)].name;
     std::fprintf(stderr, "warning[R0050]: codel `%s` of %s: %s\n", codel, name, outcome.why.c_str());
     if (notes != nullptr && *whose != '\0')
       notes->note(whose, "\"exception\":{\"codel\":" + json_text(codel) + ",\"what\":" + json_text(outcome.why) + "}");
@@ -234,10 +239,11 @@ class Level {
   void stop_robot(const Outcome& outcome, int function, const char* whose) {
     void (*const hook)(const char*) = on_death.load();
     if (!outcome.is_death || hook == nullptr) return;
-    hook((std::string("`") + d_.functions[index(function)].name + "` of " + whose + ": " + outcome.why).c_str());
+    hook((std::string("`") + description_.functions[index(function)].name + "` of " + whose + ": " + outcome.why)
+             .c_str());
   }
   [[nodiscard]] std::string death_of(int module) const {
-    return "the process of module " + std::string(d_.modules[index(module)].name) + " " +
+    return "the process of module " + std::string(description_.modules[index(module)].name) + " " +
            death_text(state(module).status);
   }
   // A process may die between two calls. Whose call has ended it tells of that; a call that is on its way is left to
@@ -263,11 +269,11 @@ class Level {
   Outcome run(int function, int module, std::uint32_t required, Call& call) {
     // What it takes here is what the level waits for: with both switches.
     std::optional<CodelTimer> timer;
-    if (d_.functions[index(function)].is_codel) timer.emplace(d_.functions[index(function)].name);
+    if (description_.functions[index(function)].is_codel) timer.emplace(description_.functions[index(function)].name);
     if (!start()) return {.why = "no process can be started"};
     // A task goes on in another process, if not its own codel has ended this one. If nothing tells what has (SIGKILL
     // when there is no memory, `_exit`), it does so once.
-    int retries = call.owner >= 0 && d_.owner_rows[index(call.owner)].is_task ? 1 : -1;
+    int retries = call.owner >= 0 && description_.owner_rows[index(call.owner)].is_task ? 1 : -1;
     while (true) {
       notice_death(module);
       const std::uint32_t generation = state(module).generation;
@@ -284,8 +290,9 @@ class Level {
       }
       Outcome outcome{.is_death = true, .generation = generation};
       if (end == Wait::TooLate) {
-        outcome.why = "the process of module " + std::string(d_.modules[index(module)].name) + " did not answer for " +
-                      std::to_string(d_.functions[index(function)].limit_ms) + " ms and was ended";
+        outcome.why = "the process of module " + std::string(description_.modules[index(module)].name) +
+                      " did not answer for " + std::to_string(description_.functions[index(function)].limit_ms) +
+                      " ms and was ended";
         state(module).culprit = static_cast<std::uint32_t>(k + 1);
         while (state(module).generation == generation) {
           command('k', module, generation);
@@ -356,7 +363,7 @@ class Level {
 
   // False: the process had died before it got the call.
   bool exchange(int function, int module, std::uint32_t generation, Channel& c, Call& call, Wait& end) {
-    const FunctionRow& row = d_.functions[index(function)];
+    const FunctionRow& row = description_.functions[index(function)];
     std::optional<Clock::time_point> deadline;
     if (row.limit_ms > 0) deadline = Clock::now() + std::chrono::milliseconds(row.limit_ms);
     const std::uint32_t mine = 2 * generation, theirs = mine + 1;
@@ -391,7 +398,7 @@ class Level {
       return true;
     }
     if (call.owner >= 0) {
-      const CodelOwner& owner = d_.owners[index(call.owner)];
+      const CodelOwner& owner = description_.owners[index(call.owner)];
       if (!activity.empty()) activity_notes().note(owner.name, std::string(activity));
       if (!service.empty()) service_notes().note(owner.service, std::string(service));
     }
@@ -412,13 +419,13 @@ class Level {
     std::uint32_t count = 0;
     const std::size_t at = out.size();
     append(out, count);
-    if (d_.readers.empty()) return;
+    if (description_.readers.empty()) return;
     const std::lock_guard<std::mutex> hold(lock_);
     Book& book = books_[index(module)];
     renew(book, generation);
-    for (const ReaderRow& reader : d_.readers) {
+    for (const ReaderRow& reader : description_.readers) {
       if (reader.module != module) continue;
-      const PosterRow& poster = d_.posters[index(reader.poster)];
+      const PosterRow& poster = description_.posters[index(reader.poster)];
       std::uint64_t& sent = book.sent[index(reader.poster)];
       if (poster.version() == sent) continue;
       std::string value;
@@ -440,11 +447,11 @@ class Level {
       std::uint32_t poster = 0;
       std::uint64_t version = 0;
       std::string_view value;
-      if (!taker.take(poster) || !taker.take(version) || !taker.take_text(value) || poster >= d_.posters.size() ||
-          d_.posters[poster].writer != module)
+      if (!taker.take(poster) || !taker.take(version) || !taker.take_text(value) ||
+          poster >= description_.posters.size() || description_.posters[poster].writer != module)
         return false;
       if (version <= book.heard[poster]) continue;
-      if (!d_.posters[poster].unpack(value)) return false;
+      if (!description_.posters[poster].unpack(value)) return false;
       book.heard[poster] = version;
     }
     return true;
@@ -474,7 +481,7 @@ class Level {
 
   bool start() {
     std::call_once(begun_, [this] {
-      if (!shared_.map(d_.modules.size(), width_)) return;
+      if (!shared_.map(description_.modules.size(), width_)) return;
       shared_.while_waiting = [this] { watch_nursery(); };
       own_pid_ = ::getpid();
       open_nursery();
@@ -504,7 +511,7 @@ class Level {
     }
   }
   void notice_deaths() {
-    for (std::size_t m = 0; m < d_.modules.size(); ++m) notice_death(static_cast<int>(m), Calls::AreNone);
+    for (std::size_t m = 0; m < description_.modules.size(); ++m) notice_death(static_cast<int>(m), Calls::AreNone);
   }
 
   void open_nursery() {
@@ -524,7 +531,8 @@ class Level {
     }
     commands_ = ends[0];
     nursery_ = child;
-    for (std::size_t m = 0; m < d_.modules.size(); ++m) command('s', static_cast<int>(m), shared_.state(m).generation);
+    for (std::size_t m = 0; m < description_.modules.size(); ++m)
+      command('s', static_cast<int>(m), shared_.state(m).generation);
   }
 
   void command(char what, int module, std::uint32_t generation) {
@@ -539,7 +547,7 @@ class Level {
     const pid_t ended = ::waitpid(nursery_, nullptr, WNOHANG);
     if (ended == 0 || (ended < 0 && errno != ECHILD)) return;
     ::close(commands_);
-    for (std::size_t m = 0; m < d_.modules.size(); ++m) note_end(static_cast<int>(m), SIGKILL);
+    for (std::size_t m = 0; m < description_.modules.size(); ++m) note_end(static_cast<int>(m), SIGKILL);
     open_nursery();
   }
 
@@ -600,7 +608,7 @@ class Level {
   }
   // The controller is gone, or does not need them any more.
   [[noreturn]] void end_modules() {
-    for (std::size_t m = 0; m < d_.modules.size(); ++m) {
+    for (std::size_t m = 0; m < description_.modules.size(); ++m) {
       if (shared_.state(m).pid > 0) (void)::kill(shared_.state(m).pid, SIGKILL);
     }
     while (::waitpid(-1, nullptr, 0) > 0) {
@@ -608,7 +616,7 @@ class Level {
     ::_exit(0);
   }
   void bury(pid_t pid, int status) {
-    for (std::size_t m = 0; m < d_.modules.size(); ++m) {
+    for (std::size_t m = 0; m < description_.modules.size(); ++m) {
       if (shared_.state(m).pid != pid) continue;
       const bool has_served = shared_.state(m).served.exchange(0) != 0;
       note_end(static_cast<int>(m), status);
@@ -653,7 +661,7 @@ class Level {
     sigset_t none;
     sigemptyset(&none);
     (void)::sigprocmask(SIG_SETMASK, &none, nullptr);
-    (void)::prctl(PR_SET_NAME, d_.modules[index(module)].name);
+    (void)::prctl(PR_SET_NAME, description_.modules[index(module)].name);
     // Handlers and static objects are the controller's.
     (void)::on_exit(
         [](int status, void*) {
@@ -677,8 +685,8 @@ class Level {
     own_generation_ = generation;
     service_caller() = &ask_controller;
     if (generation > 1) {
-      for (const StartRow& row : d_.starts) {
-        if (d_.owner_rows[index(row.owner)].module != module) continue;
+      for (const StartRow& row : description_.starts) {
+        if (description_.owner_rows[index(row.owner)].module != module) continue;
         Call call{.owner = row.owner};
         execute(row.function, call);
       }
@@ -695,7 +703,7 @@ class Level {
     serve(module, generation, 0);
   }
   void limit_memory() const {
-    if (d_.memory_mb <= 0) return;
+    if (description_.memory_mb <= 0) return;
     unsigned long pages[6] = {};
     if (std::FILE* const file = std::fopen("/proc/self/statm", "r"); file != nullptr) {
       for (unsigned long& number : pages) {
@@ -703,14 +711,14 @@ class Level {
       }
       (void)std::fclose(file);
     }
-    const rlim_t limit =
-        pages[5] * static_cast<rlim_t>(::sysconf(_SC_PAGESIZE)) + static_cast<rlim_t>(d_.memory_mb) * 1024 * 1024;
+    const rlim_t limit = pages[5] * static_cast<rlim_t>(::sysconf(_SC_PAGESIZE)) +
+                         static_cast<rlim_t>(description_.memory_mb) * 1024 * 1024;
     const rlimit bound{limit, limit};
     (void)::setrlimit(RLIMIT_DATA, &bound);
   }
 
   void execute(int function, Call& call) const {
-    const FunctionRow& row = d_.functions[index(function)];
+    const FunctionRow& row = description_.functions[index(function)];
     try {
       row.run(call);
     } catch (const std::exception& exception) {
@@ -744,8 +752,8 @@ class Level {
       reply.clear();
       show_posters(module, reply);
       const bool has_owner = call.owner >= 0;
-      append_text(reply, has_owner ? activity_notes().take(d_.owners[index(call.owner)].name) : "");
-      append_text(reply, has_owner ? service_notes().take(d_.owners[index(call.owner)].service) : "");
+      append_text(reply, has_owner ? activity_notes().take(description_.owners[index(call.owner)].name) : "");
+      append_text(reply, has_owner ? service_notes().take(description_.owners[index(call.owner)].service) : "");
       reply += call.out;
       c.answer = call.answer;
       c.report = call.report;
@@ -762,7 +770,7 @@ class Level {
       std::uint64_t version = 0;
       std::string_view value;
       if (!taker.take(poster) || !taker.take(version) || !taker.take_text(value)) return;
-      if (version > told_[poster] && d_.posters[poster].unpack(value)) told_[poster] = version;
+      if (version > told_[poster] && description_.posters[poster].unpack(value)) told_[poster] = version;
     }
   }
   void show_posters(int module, std::string& out) {
@@ -770,8 +778,8 @@ class Level {
     const std::size_t at = out.size();
     append(out, count);
     const std::lock_guard<std::mutex> hold(module_lock_);
-    for (std::size_t k = 0; k < d_.posters.size(); ++k) {
-      const PosterRow& poster = d_.posters[k];
+    for (std::size_t k = 0; k < description_.posters.size(); ++k) {
+      const PosterRow& poster = description_.posters[k];
       if (poster.writer != module || poster.version() == told_[k]) continue;
       std::string value;
       told_[k] = poster.pack(value);
@@ -783,7 +791,7 @@ class Level {
     std::memcpy(out.data() + at, &count, sizeof count);
   }
 
-  const Description d_;
+  const Description description_;
   std::mutex lock_;          // of books and acceptances
   std::mutex nursery_lock_;  // of what is needed to talk to it
   std::mutex module_lock_;   // of `told_`; only modules take it, so that no fork finds it taken

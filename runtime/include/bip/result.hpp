@@ -16,29 +16,29 @@ struct Failure {
 template <class T>
 class [[nodiscard]] Result {
  public:
-  Result(T value) : v_(std::move(value)) {}
-  Result(Failure f) : v_(std::move(f)) {}
-  [[nodiscard]] explicit operator bool() const { return v_.index() == 0; }
+  Result(T value) : outcome_(std::move(value)) {}
+  Result(Failure f) : outcome_(std::move(f)) {}
+  [[nodiscard]] explicit operator bool() const { return outcome_.index() == 0; }
   [[nodiscard]] T& operator*() {
     require_value();
-    return std::get<0>(v_);
+    return std::get<0>(outcome_);
   }
   [[nodiscard]] const T& operator*() const {
     require_value();
-    return std::get<0>(v_);
+    return std::get<0>(outcome_);
   }
   [[nodiscard]] T* operator->() { return &**this; }
   [[nodiscard]] const std::string& error() const {
     BIP_ENSURE(!*this, "asked a value for its error");
-    return std::get<1>(v_).message;
+    return std::get<1>(outcome_).message;
   }
 
  private:
   void require_value() const {
-    BIP_ENSURE(v_.index() == 0, "asked a failure for its value: {}", std::get<1>(v_).message);
+    BIP_ENSURE(outcome_.index() == 0, "asked a failure for its value: {}", std::get<1>(outcome_).message);
   }
 
-  std::variant<T, Failure> v_;
+  std::variant<T, Failure> outcome_;
 };
 
 }  // namespace bip
