@@ -87,8 +87,10 @@ uint64_t bip_late_steps(const bip_execution* system);
 /* With `speed`: aligns the wall clock with the model's instant, as after a pause. */
 void bip_restart_clock(bip_execution* system);
 /* Ends a bip_step that waits, and each one that would wait, with BIP_STOPPED, until bip_go_on. Any thread may call
-   them. */
+   it. */
 void bip_stop(bip_execution* system);
+/* Ends the effect of bip_stop: further calls of bip_step wait again. Changes nothing without a bip_stop before it. Any
+   thread may call it. */
 void bip_go_on(bip_execution* system);
 
 /* A value of an event or of a port's variable; `type` says which member holds it. */
@@ -136,11 +138,13 @@ typedef void (*bip_step_callback)(void* user, const bip_step_view* step);
 /* As bip_on_step, which it replaces: an execution has one callback. */
 void bip_on_step_view(bip_execution* system, bip_step_callback callback, void* user);
 
-/* Read a variable of an atom, by its path. Return 1 and set *value, or return 0 and leave *value unchanged if there is
-   no such variable of this type. */
+/* Reads a variable of type int by its path, "ROOT.a.x". Returns 1 and sets *value, or returns 0 and leaves *value
+   unchanged if there is no such variable of this type. Logarithmic in the number of atoms, linear in the variables of
+   the atom. */
 int bip_read_int(const bip_execution* system, const char* path, int32_t* value);
-/* *value is 0 or 1. */
+/* Reads a variable of type bool as 0 or 1; result, errors and cost as for bip_read_int. */
 int bip_read_bool(const bip_execution* system, const char* path, int* value);
+/* Reads a variable of type float; result, errors and cost as for bip_read_int. */
 int bip_read_float(const bip_execution* system, const char* path, double* value);
 /* Copies a variable of type string. Empty, too, if there is no such variable. */
 size_t bip_read_string(const bip_execution* system, const char* path, char* buffer, size_t size);

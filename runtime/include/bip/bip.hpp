@@ -80,9 +80,13 @@ class Execution {
   Posted post(const std::string& port, std::vector<EventValue> values = {});
   /// Returns a number for post() that saves the look-up of the name; rt::kNone if there is no such port.
   [[nodiscard]] std::uint32_t event_port(const std::string& port) const;
+  /// Posts an event to the port of that number, as event_port() returned it, with one value for each variable of the
+  /// port's type. NoSuchPort: the number is rt::kNone or no port's. May be called by any thread. Linear in the values.
   Posted post(std::uint32_t event_port, std::vector<EventValue> values);
   /// Ends a waiting step(), and each one that would wait, with Stopped, until go_on(). May be called by any thread.
   void stop();
+  /// Ends the effect of stop(): further calls of step() wait again. Changes nothing without a stop() before it. May be
+  /// called by any thread.
   void go_on();
   /// With `speed`: aligns the wall clock with the model's instant, as after a pause. Waiting events arrive now.
   void restart_clock();
@@ -128,11 +132,14 @@ class Execution {
   /// Returns the place of an atom, or the marked places of a Petri net ("A, B"), by its path "ROOT.a"; empty if there
   /// is no such atom.
   [[nodiscard]] std::string place(const std::string& atom_path) const;
-  /// Reads a variable by its path, "ROOT.a.x". Returns false, and leaves `value` unchanged, if there is no such
-  /// variable of this type.
+  /// Reads a variable of type int by its path, "ROOT.a.x". Returns false, and leaves `value` unchanged, if there is no
+  /// such variable of this type. Logarithmic in the number of atoms, linear in the variables of the atom.
   bool read(const std::string& path, std::int32_t& value) const;
+  /// Reads a variable of type bool; result, errors and cost as for int.
   bool read(const std::string& path, bool& value) const;
+  /// Reads a variable of type float; result, errors and cost as for int.
   bool read(const std::string& path, double& value) const;
+  /// Reads a variable of type string into `value`, which then owns a copy; result and errors as for int.
   bool read(const std::string& path, std::string& value) const;
   /// A clock of an atom: it was `value` at the instant `since` and has run with `speed`; both in ns.
   struct ClockReading {
@@ -159,6 +166,9 @@ class Execution {
     struct Impl;
     std::unique_ptr<Impl> impl_;
   };
+  /// Returns a copy of the state, which the caller owns; restore() can take it any number of times. Callbacks and the
+  /// trace are not in it. Objects of C++ types are copied; strings that the state has are never freed from then on.
+  /// Linear in the state.
   [[nodiscard]] Snapshot snapshot() const;
   /// Restores a snapshot of an execution of the same image. With `speed`, the wall clock is aligned with its instant.
   void restore(const Snapshot& snapshot);

@@ -215,6 +215,7 @@ struct CheckResult {
 };
 /// As `bipc check`: a file of types without a root is fine.
 [[nodiscard]] CheckResult check_file(const std::string& path, const CompileOptions& options = {});
+/// As check_file, for a text. `path` is what diagnostics call it; packages are looked for in its folder.
 [[nodiscard]] CheckResult check_text(const std::string& text, const CompileOptions& options = {},
                                      const std::string& path = "model.bip");
 
