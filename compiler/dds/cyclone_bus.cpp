@@ -157,8 +157,8 @@ class CycloneBus final : public ros2::Bus {
     return entities.size() - 1;
   }
   void notify() {
-    const std::uint64_t one = 1;
-    (void)!::write(event_, &one, sizeof one);
+    const std::uint64_t increment = 1;
+    (void)!::write(event_, &increment, sizeof increment);
   }
 
   int event_;

@@ -135,8 +135,8 @@ void DapServer::handle(std::string_view body) {
                    {"command", command},
                    {"success", false}};
   Answer answer;
-  const auto request =
-      std::find_if(requests().begin(), requests().end(), [&](const Request& one) { return command == one.command; });
+  const auto request = std::find_if(requests().begin(), requests().end(),
+                                    [&](const Request& known) { return command == known.command; });
   if (text_of(message, "type") != "request" || command.empty()) {
     answer.problem = "this is no request";
   } else if (request == requests().end()) {

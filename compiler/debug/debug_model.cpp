@@ -22,8 +22,8 @@ constexpr std::uint32_t kNoRow = 0xffffffffu;
 template <class Rows>
 std::uint32_t row_of_path(const Rows& rows, const std::string& path) {
   std::uint32_t row = 0;
-  for (const auto& one : rows) {
-    if (one.path == path) return row;
+  for (const auto& component : rows) {
+    if (component.path == path) return row;
     ++row;
   }
   return kNoRow;

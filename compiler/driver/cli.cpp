@@ -86,13 +86,13 @@ std::vector<std::string> with_whole_options(const CLI::App& app, int argc, char*
     const std::size_t end = std::min(word.find('='), word.size());
     const std::string name = word.substr(0, end);
     std::vector<LongName> meant;
-    for (const LongName& one : known) {
-      if (name.size() > 2 && one.name.starts_with(name)) meant.push_back(one);
+    for (const LongName& long_name : known) {
+      if (name.size() > 2 && long_name.name.starts_with(name)) meant.push_back(long_name);
     }
     const bool is_whole =
-        std::any_of(meant.begin(), meant.end(), [&](const LongName& one) { return one.name == name; });
-    const bool is_clear = !meant.empty() && std::all_of(meant.begin(), meant.end(), [&](const LongName& one) {
-      return one.option == meant.front().option;
+        std::any_of(meant.begin(), meant.end(), [&](const LongName& long_name) { return long_name.name == name; });
+    const bool is_clear = !meant.empty() && std::all_of(meant.begin(), meant.end(), [&](const LongName& long_name) {
+      return long_name.option == meant.front().option;
     });
     if (!is_whole && is_clear) word = meant.front().name + word.substr(end);
     words.push_back(std::move(word));

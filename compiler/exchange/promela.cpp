@@ -516,13 +516,13 @@ std::string PromelaWriter::end() const {
     const AtomId atom(row);
     const AtomType& type = type_of(atom);
     if (type.final_places.empty()) return {};
-    std::string here;
+    std::string at_final;
     for (u32 place = 0; place < type.places.size(); ++place) {
       const bool is_final = std::binary_search(type.final_places.begin(), type.final_places.end(), place);
-      if (type.is_automaton() && is_final) here += (here.empty() ? "" : " || ") + marked(atom, {place});
-      if (!type.is_automaton() && !is_final) here += (here.empty() ? "!" : " && !") + marked(atom, {place});
+      if (type.is_automaton() && is_final) at_final += (at_final.empty() ? "" : " || ") + marked(atom, {place});
+      if (!type.is_automaton() && !is_final) at_final += (at_final.empty() ? "!" : " && !") + marked(atom, {place});
     }
-    if (!here.empty()) all += (all.empty() ? "(" : " && (") + here + ")";
+    if (!at_final.empty()) all += (all.empty() ? "(" : " && (") + at_final + ")";
   }
   return "  :: " + (all.empty() ? "true" : all) + " -> break /* final */\n";
 }

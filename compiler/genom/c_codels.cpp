@@ -207,9 +207,9 @@ class Glue {
     const Component& c = *modules_[i].component;
     const CodelArguments names(c);
     out_ += "\n";
-    const auto one = [&](const std::string& name, const std::vector<idl::Member>& members,
-                         const std::vector<std::size_t>& owners, const Activity& activity,
-                         const std::vector<std::string>& reports) {
+    const auto write_owner = [&](const std::string& name, const std::vector<idl::Member>& members,
+                                 const std::vector<std::size_t>& owners, const Activity& activity,
+                                 const std::vector<std::string>& reports) {
       out_ += fmt::format("struct Data_{}_{} {{\n{}}}", c.name, name,
                           c.is_cxx ? cxx_members(c, members, "  ") : c_members(c, members, "  "));
       std::string list;
@@ -232,13 +232,13 @@ class Glue {
       for (const std::size_t activity : plan.services[s].activities) owners.push_back(plan.owner_of_activity(activity));
       std::vector<std::string> reports;
       for (const Name& r : service.reports) reports.push_back(r.text);
-      one(service.name.text, names.locals_of(parameters), owners, service.activity, reports);
+      write_owner(service.name.text, names.locals_of(parameters), owners, service.activity, reports);
       reads(c, parameters);
     }
     for (std::size_t t = 0; t < plan.module->tasks.size(); ++t) {
       const Task& task = plan.module->tasks[t];
-      one("task_" + task.name.text, find_row(c.tasks, task.name.text)->locals, {plan.owner_of_task(t)}, task.activity,
-          {});
+      write_owner("task_" + task.name.text, find_row(c.tasks, task.name.text)->locals, {plan.owner_of_task(t)},
+                  task.activity, {});
     }
   }
 

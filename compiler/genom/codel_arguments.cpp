@@ -19,7 +19,7 @@ std::string CodelArgument::value_of(std::size_t owner) const {
 
 std::optional<std::size_t> CodelArguments::follow(const std::vector<idl::Member>& members,
                                                   const std::vector<std::string>& path, std::string& text) const {
-  const std::vector<idl::Member>* here = &members;
+  const std::vector<idl::Member>* fields = &members;
   std::optional<std::size_t> type;
   for (const std::string& step : path) {
     if (step.starts_with("[")) {
@@ -29,10 +29,10 @@ std::optional<std::size_t> CodelArguments::follow(const std::vector<idl::Member>
     } else {
       if (type) {
         if (component_.plain(*type).kind != Kind::Struct) return std::nullopt;
-        here = &component_.plain(*type).members;
+        fields = &component_.plain(*type).members;
       }
-      const auto found = std::find_if(here->begin(), here->end(), [&](const auto& m) { return m.name == step; });
-      if (found == here->end()) return std::nullopt;
+      const auto found = std::find_if(fields->begin(), fields->end(), [&](const auto& m) { return m.name == step; });
+      if (found == fields->end()) return std::nullopt;
       type = found->type;
       text += "." + step;
     }

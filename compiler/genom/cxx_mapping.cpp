@@ -133,24 +133,26 @@ std::string union_definition(const Component& c, const idl::Type& t, const std::
 
 std::string cxx_definition(const Component& c, const idl::Type& t) {
   const CxxName name = cxx_name(t);
-  const auto here = [&](const std::string& text) { return guarded_in_cxx(t.c_name, in_namespace(name.scope, text)); };
+  const auto in_its_namespace = [&](const std::string& text) {
+    return guarded_in_cxx(t.c_name, in_namespace(name.scope, text));
+  };
   switch (t.kind) {
     case Kind::Primitive:
     case Kind::String:
     case Kind::Array:
     case Kind::Sequence:
     case Kind::Optional: return {};
-    case Kind::Alias: return here(fmt::format("using {} = {};\n", name.name, cxx_type(c, t.element)));
-    case Kind::Native: return here(fmt::format("struct {};\n", name.name));
+    case Kind::Alias: return in_its_namespace(fmt::format("using {} = {};\n", name.name, cxx_type(c, t.element)));
+    case Kind::Native: return in_its_namespace(fmt::format("struct {};\n", name.name));
     case Kind::Enum: {
       std::string list;
       for (const std::string& e : t.enumerators) list += (list.empty() ? "" : ", ") + enumerator_name(t, e).name;
-      return here(fmt::format("enum {} {{ {} }};\n", name.name, list));
+      return in_its_namespace(fmt::format("enum {} {{ {} }};\n", name.name, list));
     }
     case Kind::Struct:
-      return here(fmt::format("struct {} {{\n{}{}}};\n", name.name, aliases_of(c, t.full_name, "  "),
-                              cxx_members(c, t.members, "  ")));
-    case Kind::Union: return here(union_definition(c, t, name.name));
+      return in_its_namespace(fmt::format("struct {} {{\n{}{}}};\n", name.name, aliases_of(c, t.full_name, "  "),
+                                          cxx_members(c, t.members, "  ")));
+    case Kind::Union: return in_its_namespace(union_definition(c, t, name.name));
   }
   return {};
 }

@@ -415,8 +415,8 @@ class Reader {
   [[nodiscard]] std::vector<std::string> type_names() const {
     std::vector<std::string> all;
     // Without the scope in which they are looked for.
-    const std::string here = scope_.empty() ? "" : scope_.front() + "::";
-    for (const auto& [name, type] : names_) all.push_back(name.starts_with(here) ? name.substr(here.size()) : name);
+    const std::string prefix = scope_.empty() ? "" : scope_.front() + "::";
+    for (const auto& [name, type] : names_) all.push_back(name.starts_with(prefix) ? name.substr(prefix.size()) : name);
     return all;
   }
 

@@ -84,7 +84,7 @@ class LevelWriter {
   // Who asks, by module: one for all, or a mailbox each.
   void executives() {
     if (options_.executive == Executive::Anybody) return;
-    std::string one;
+    std::string executive;
     for (std::size_t m = 0; m < plans_.size(); ++m) {
       requests_.push_back(asked_of(plans_[m], m, constraints_));
       if (is_served()) {
@@ -93,11 +93,11 @@ class LevelWriter {
                             plans_[m].mailbox_type, executives_.back(), 100 + 2 * options_.control_period);
         continue;
       }
-      if (one.empty()) {
-        one = names_.claim("executive", "part");
-        out_ += fmt::format("    component Executive {}()\n", one);
+      if (executive.empty()) {
+        executive = names_.claim("executive", "part");
+        out_ += fmt::format("    component Executive {}()\n", executive);
       }
-      executives_.push_back(one);
+      executives_.push_back(executive);
     }
   }
 

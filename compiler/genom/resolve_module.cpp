@@ -251,17 +251,17 @@ class Resolver {
   // All codels of the module that have a name.
   template <class Visit>
   void for_each_codel(Visit visit) {
-    const auto one = [&](Codel& codel, CodelRole role) {
+    const auto visit_named = [&](Codel& codel, CodelRole role) {
       if (codel.name.is_set()) visit(codel, role);
     };
     for (Service& s : module_.services) {
-      one(s.validate, CodelRole::AtOnce);
-      for (Codel& c : s.body) one(c, CodelRole::AtOnce);
-      for (State& state : s.activity.states) one(state.codel, CodelRole::State);
+      visit_named(s.validate, CodelRole::AtOnce);
+      for (Codel& c : s.body) visit_named(c, CodelRole::AtOnce);
+      for (State& state : s.activity.states) visit_named(state.codel, CodelRole::State);
     }
     for (Task& t : module_.tasks) {
-      one(t.permanent, CodelRole::AtOnce);
-      for (State& state : t.activity.states) one(state.codel, CodelRole::State);
+      visit_named(t.permanent, CodelRole::AtOnce);
+      for (State& state : t.activity.states) visit_named(state.codel, CodelRole::State);
     }
   }
 

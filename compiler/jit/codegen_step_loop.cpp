@@ -330,7 +330,8 @@ class LoopBuilder {
       }
       const lower::OperandTable::Kind& known = table.kinds[kind];
       std::vector<StepOperandValue> operands;
-      for (const lower::OperandTable::Operand& one : known.operands) operands.push_back(operand(one, i, row));
+      for (const lower::OperandTable::Operand& table_operand : known.operands)
+        operands.push_back(operand(table_operand, i, row));
       write_step(builder_, lowered_, known.shape, frame(), operands, nullptr);
       builder_.CreateBr(taken_);
     }

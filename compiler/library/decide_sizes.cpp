@@ -97,16 +97,16 @@ std::string SizeDecider::sizes_text() const {
 }
 
 bool SizeDecider::decide_one(Compilation& c, std::int64_t size) {
-  VerifyRequest one = request_;
-  one.property.clear();
-  one.reuses = false;
-  one.stats = false;
-  if (one.backend == Backend::Auto) one.backend = Backend::Interp;
-  one.timeout = std::max(token_.seconds_left(), 0.0);
+  VerifyRequest request = request_;
+  request.property.clear();
+  request.reuses = false;
+  request.stats = false;
+  if (request.backend == Backend::Auto) request.backend = Backend::Interp;
+  request.timeout = std::max(token_.seconds_left(), 0.0);
   const verify::Question question;
   Verdict verdict;
   if (std::optional<Verdict> fault = decide_initial_fault(c, question)) verdict = std::move(*fault);
-  else verdict = library::decide(one, c, question, "", token_, [](const char*, std::uint64_t, const char*) {});
+  else verdict = library::decide(request, c, question, "", token_, [](const char*, std::uint64_t, const char*) {});
   can_fault_ = can_fault_ || can_end_in_error(*c.system);
   if (verdict.is_answered && verdict.exit_code == kOk) {
     next_ = size + 1;

@@ -101,21 +101,21 @@ void LiveSession::keep(std::uint64_t steps) {
 // Records the moves that led from `before` to here, if they are new ones. A step that the policy chooses is several
 // moves if events come before it: their states are visited again, where the session can go back.
 void LiveSession::note_moves(std::uint64_t before) {
-  const std::uint64_t here = session_.position();
+  const std::uint64_t end = session_.position();
   BIP_ASSERT(before <= steps_.size(), "a move begins at {} of {}", before, steps_.size());
-  if (here == before || before < steps_.size()) return;
+  if (end == before || before < steps_.size()) return;
   // A fault that is no move would be gone.
-  const bool can_return = here > before + 1 && session_.back_refusal().empty() && session_.last_move() != nullptr;
+  const bool can_return = end > before + 1 && session_.back_refusal().empty() && session_.last_move() != nullptr;
   if (can_return && session_.go_to(before) == rt::Halt::Done) {
-    while (session_.position() == steps_.size() && session_.position() < here) {
+    while (session_.position() == steps_.size() && session_.position() < end) {
       (void)session_.step();
       note_move();
     }
   } else {
-    while (steps_.size() < here) note_move();
+    while (steps_.size() < end) note_move();
   }
-  BIP_ASSERT(session_.position() == here && steps_.size() == here && candidates_.size() == here,
-             "{} rows of {} moves, at {}", steps_.size(), here, session_.position());
+  BIP_ASSERT(session_.position() == end && steps_.size() == end && candidates_.size() == end,
+             "{} rows of {} moves, at {}", steps_.size(), end, session_.position());
 }
 
 // Records the move behind the last one that is recorded. Of one that did not lead to where the session is there is

@@ -49,8 +49,8 @@ void Bip2Writer::find_exported(const Decl& d, const Priority& p) {
       for (const Expr& operand : e.operands) open.push_back(&operand);
       if (e.kind != ExprKind::Variable || e.path.size() != 2) continue;
       for (const Instances& list : d.instances) {
-        for (const Instance& one : list.items) {
-          if (one.name.text == e.path[0].text) exported_.emplace(list.type.text, e.path[1].text);
+        for (const Instance& instance : list.items) {
+          if (instance.name.text == e.path[0].text) exported_.emplace(list.type.text, e.path[1].text);
         }
       }
     }
@@ -321,7 +321,7 @@ void Bip2Writer::atom_type(const Decl& d) {
   const std::string head = params(d.params, variables);
   open("atom type " + names_.name(d.name.text) + "(" + head + ")", {d.range.file, d.range.begin, d.name.range.end});
   std::string first_values;
-  for (const Data& one : d.data) first_values += data(one, variables, &d);
+  for (const Data& data_decl : d.data) first_values += data(data_decl, variables, &d);
   for (const Clock& clock : d.clocks) {
     std::string_view unit = clock.unit;
     if (unit.starts_with("1 ")) unit.remove_prefix(2);
@@ -332,9 +332,9 @@ void Bip2Writer::atom_type(const Decl& d) {
     line("clock " + listed(names_, clock.names) + (unit.empty() ? "" : " unit " + std::string(unit)), clock.range);
     for (const Name& name : clock.names) variables[std::string(name.text)] = {{ValueKind::Clock, "", ""}};
   }
-  for (const Port& one : d.ports) port(one, variables);
+  for (const Port& port_decl : d.ports) port(port_decl, variables);
   atom_behavior(d, variables, first_values);
-  for (const Priority& one : d.priorities) priority(one, d);
+  for (const Priority& priority_decl : d.priorities) priority(priority_decl, d);
   close(d.range);
 }
 
@@ -350,8 +350,8 @@ void Bip2Writer::atom_behavior(const Decl& d, const Variables& variables, const 
     const std::string place = names_.fresh("S");
     line("place " + place, {});
     line("initial to " + place, {});
-    for (const Transition& one : d.transitions)
-      no_counterpart(one.range, "a transition without state", "it leads nowhere");
+    for (const Transition& transition_decl : d.transitions)
+      no_counterpart(transition_decl.range, "a transition without state", "it leads nowhere");
     return;
   }
   line("place " + listed(names_, places), {d.range.file, d.places_range.begin, d.places_range.end});
@@ -370,7 +370,7 @@ void Bip2Writer::atom_behavior(const Decl& d, const Variables& variables, const 
     }
     line("initial to " + listed(names_, to) + (body.empty() ? "" : " do { " + body + "}"), first.range);
   }
-  for (const Transition& one : d.transitions) transition(d, one, variables);
+  for (const Transition& transition_decl : d.transitions) transition(d, transition_decl, variables);
 }
 
 void Bip2Writer::transition(const Decl& d, const Transition& t, const Variables& variables) {

@@ -131,8 +131,8 @@ CppFunctions::Body CppFunctions::find_variables(std::string_view code, const Var
       const std::size_t begin = end;
       while (end < code.size() && is_in_word(code[end])) ++end;
       path += code.substr(begin, end - begin);
-      if (const auto here = variables.find(path); here != variables.end() && !is_member) {
-        found = here;
+      if (const auto prefix = variables.find(path); prefix != variables.end() && !is_member) {
+        found = prefix;
         found_end = end;
       }
       if (found_end == at && begin == at) found_end = end;

@@ -15,28 +15,28 @@ void Bip2Writer::compound_type(const Decl& d) {
   open("compound type " + names_.name(d.name.text) + "(" + head + ")", {d.range.file, d.range.begin, d.name.range.end});
   Elements elements;
   for (const Instances& list : d.instances) {
-    for (const Instance& one : list.items) elements.emplace(one.name.text, list.type.text);
+    for (const Instance& instance : list.items) elements.emplace(instance.name.text, list.type.text);
     instances(list, variables);
   }
-  for (const Connector& one : d.connectors) connector(one, elements);
-  for (const Priority& one : d.priorities) priority(one, d);
-  for (const Export& one : d.exports) compound_export(one);
+  for (const Connector& connector_decl : d.connectors) connector(connector_decl, elements);
+  for (const Priority& priority_decl : d.priorities) priority(priority_decl, d);
+  for (const Export& export_decl : d.exports) compound_export(export_decl);
   close(d.range);
 }
 
 void Bip2Writer::instances(const Instances& list, const Variables& variables) {
   const auto type = decls_.find(list.type.text);
   std::string items;
-  for (const Instance& one : list.items) {
+  for (const Instance& instance : list.items) {
     std::string args;
-    for (std::size_t i = 0; i < one.args.size(); ++i) {
+    for (std::size_t i = 0; i < instance.args.size(); ++i) {
       VariableType wanted;
       if (type != decls_.end() && i < type->second->params.size())
         wanted = cpp_.type(type->second->params[i].type.text);
-      const std::string arg = constant(one.args[i], wanted, variables);
+      const std::string arg = constant(instance.args[i], wanted, variables);
       args += (i == 0 ? "" : ", ") + (arg.empty() ? "0" : arg);
     }
-    items += (items.empty() ? "" : ", ") + names_.name(one.name.text) + "(" + args + ")";
+    items += (items.empty() ? "" : ", ") + names_.name(instance.name.text) + "(" + args + ")";
   }
   line("component " + names_.name(list.type.text) + " " + items, list.range);
 }
@@ -46,11 +46,11 @@ void Bip2Writer::add_bound_variables(const Path& port, const Elements& elements,
   const auto element = elements.find(port[0].text);
   const auto type = element == elements.end() ? decls_.end() : decls_.find(element->second);
   if (type == decls_.end()) return;
-  for (const Port& one : type->second->ports) {
-    for (const PortItem& item : one.items) {
-      const syntax::Name& outer = one.exported_as.text.empty() ? item.name : one.exported_as;
+  for (const Port& port_decl : type->second->ports) {
+    for (const PortItem& item : port_decl.items) {
+      const syntax::Name& outer = port_decl.exported_as.text.empty() ? item.name : port_decl.exported_as;
       if (outer.text != port[1].text) continue;
-      if (!one.type.text.empty()) return add_port_variables(joined(port), one.type.text, to);
+      if (!port_decl.type.text.empty()) return add_port_variables(joined(port), port_decl.type.text, to);
       for (const syntax::Name& name : item.vars) {
         for (const Data& data : type->second->data) {
           for (const Var& var : data.vars) {
@@ -92,10 +92,10 @@ void Bip2Writer::priority(const Priority& p, const Decl& owner) {
   for (const Instances& list : owner.instances) {
     const auto type = decls_.find(list.type.text);
     if (type == decls_.end()) continue;
-    for (const Instance& one : list.items) {
+    for (const Instance& instance : list.items) {
       for (const Data& data : type->second->data) {
         for (const Var& var : data.vars)
-          variables[std::string(one.name.text) + "." + std::string(var.name.text)] = {cpp_.type(var.type.text)};
+          variables[std::string(instance.name.text) + "." + std::string(var.name.text)] = {cpp_.type(var.type.text)};
       }
     }
   }
@@ -155,7 +155,7 @@ void Bip2Writer::roots() {
   for (const Instances& list : model_.roots) {
     const auto type = decls_.find(list.type.text);
     is_plain &= type != decls_.end() && type->second->kind == DeclKind::CompoundType;
-    for (const Instance& one : list.items) is_plain &= one.args.empty();
+    for (const Instance& instance : list.items) is_plain &= instance.args.empty();
     instances_of_model += list.items.size();
   }
   if (instances_of_model == 0) return;

@@ -53,17 +53,17 @@ void Bip2Writer::connector_type(const Decl& d) {
 
 void Bip2Writer::connector_body(const ConnectorBody& body, const std::vector<Path>& ports, Variables& variables,
                                 const std::string& owner) {
-  for (const Data& one : body.data) (void)data(one, variables, nullptr);
+  for (const Data& data_decl : body.data) (void)data(data_decl, variables, nullptr);
   const std::string defined = define(body, ports);
   if (!defined.empty()) line("define " + defined, body.define_range);
-  for (const Clause& one : body.clauses) clause(one, variables, !body.exports.empty(), owner);
-  for (const Port& one : body.exports) {
-    if (&one != &body.exports.front()) {
-      no_counterpart(one.range, "a second exported port", "a connector exports one");
+  for (const Clause& clause_decl : body.clauses) clause(clause_decl, variables, !body.exports.empty(), owner);
+  for (const Port& port_decl : body.exports) {
+    if (&port_decl != &body.exports.front()) {
+      no_counterpart(port_decl.range, "a second exported port", "a connector exports one");
       continue;
     }
     // The name behind `is` is the port's only name outside.
-    Port exported = one;
+    Port exported = port_decl;
     exported.is_exported = true;
     if (!exported.exported_as.text.empty() && exported.items.size() == 1) exported.items[0].name = exported.exported_as;
     exported.exported_as = {};
@@ -82,9 +82,9 @@ std::string Bip2Writer::define(const ConnectorBody& body, const std::vector<Path
   }
   terms = without_brackets(std::move(terms));
   std::set<std::string> triggers;
-  for (const Completeness& one : body.completeness) {
-    for (const std::vector<Path>& interaction : one.interactions) {
-      if (!one.is_complete) continue;
+  for (const Completeness& completeness : body.completeness) {
+    for (const std::vector<Path>& interaction : completeness.interactions) {
+      if (!completeness.is_complete) continue;
       if (interaction.size() == 1) {
         triggers.insert(joined(interaction[0]));
         continue;
@@ -99,7 +99,8 @@ std::string Bip2Writer::define(const ConnectorBody& body, const std::vector<Path
         (is_in ? group.children : rest).push_back(std::move(term));
       }
       if (group.children.size() != interaction.size()) {
-        no_counterpart(one.range, "this set of complete interactions", "a port stands in one group of `define`");
+        no_counterpart(completeness.range, "this set of complete interactions",
+                       "a port stands in one group of `define`");
         for (PortTerm& term : group.children) rest.push_back(std::move(term));
       } else {
         rest.insert(rest.begin(), std::move(group));
@@ -109,9 +110,9 @@ std::string Bip2Writer::define(const ConnectorBody& body, const std::vector<Path
   }
   BIP_ASSERT(!terms.empty(), "a connector of {} ports binds none", ports.size());
   std::string out;
-  for (PortTerm& one : terms) {
-    make_triggers(one, triggers);
-    out += (out.empty() ? "" : " ") + term(one);
+  for (PortTerm& port_term : terms) {
+    make_triggers(port_term, triggers);
+    out += (out.empty() ? "" : " ") + term(port_term);
   }
   return out;
 }

@@ -169,8 +169,8 @@ Result<std::size_t> ActionBus::add_writer(const EndpointPlan& plan) {
 }
 
 void ActionBus::wake() const {
-  const std::uint64_t one = 1;
-  (void)!::write(event_, &one, sizeof one);
+  const std::uint64_t increment = 1;
+  (void)!::write(event_, &increment, sizeof increment);
 }
 
 void ActionBus::reset() {

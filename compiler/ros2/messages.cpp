@@ -116,25 +116,25 @@ class Writer {
   void field(const Field& f, const Json& value, const std::string& where) {
     if (f.is_optional) {
       number(value.is_null() ? 0 : 1, 4);
-      if (!value.is_null()) one(f, value, where);
+      if (!value.is_null()) element(f, value, where);
       return;
     }
-    if (f.shape == Shape::One) return one(f, value, where);
+    if (f.shape == Shape::One) return element(f, value, where);
     if (!value.is_array() && !value.is_null()) return fail(where, "is an array");
     const std::size_t length = value.is_null() ? 0 : value.size();
     if (f.shape == Shape::Array) {
       if (length > f.count) return fail(where, "has " + std::to_string(f.count) + " elements");
       const bool is_real = f.kind == Kind::Float32 || f.kind == Kind::Float64;
       const Json zero = is_real ? Json(0.0) : Json();
-      for (std::size_t k = 0; k < f.count; ++k) one(f, k < length ? value[k] : zero, where);
+      for (std::size_t k = 0; k < f.count; ++k) element(f, k < length ? value[k] : zero, where);
       return;
     }
     if (f.shape == Shape::Bounded && length > f.count)
       return fail(where, "has at most " + std::to_string(f.count) + " elements");
     number(length, 4);
-    for (std::size_t k = 0; k < length; ++k) one(f, value[k], where);
+    for (std::size_t k = 0; k < length; ++k) element(f, value[k], where);
   }
-  void one(const Field& f, const Json& value, const std::string& where) {
+  void element(const Field& f, const Json& value, const std::string& where) {
     switch (f.kind) {
       case Kind::Message: return message(f.message, value.is_null() ? Json::object() : value, where);
       case Kind::String:
@@ -245,18 +245,18 @@ class Reader {
     if (wrong_.empty()) wrong_ = what;
   }
   Json field(const Field& f, int depth) {
-    if (f.shape == Shape::One) return one(f, depth);
+    if (f.shape == Shape::One) return element(f, depth);
     std::size_t length = f.count;
     if (f.shape != Shape::Array) length = number(4);
     if (f.shape == Shape::Bounded && length > f.count) fail("a sequence is longer than its bound");
     // An element has a byte at least.
     if (at_ > bytes_.size() || length > bytes_.size() - at_) fail("a sequence is longer than the message");
     Json list = Json::array();
-    for (std::size_t k = 0; k < length && wrong_.empty(); ++k) list.push_back(one(f, depth));
+    for (std::size_t k = 0; k < length && wrong_.empty(); ++k) list.push_back(element(f, depth));
     if (!f.is_optional) return list;
     return list.empty() ? Json() : list[0];
   }
-  Json one(const Field& f, int depth) {
+  Json element(const Field& f, int depth) {
     switch (f.kind) {
       case Kind::Message: return message(f.message, depth + 1);
       case Kind::Bool: return number(1) != 0;

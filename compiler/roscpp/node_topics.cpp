@@ -130,8 +130,8 @@ class NodeTopics final : public ros1::TopicBus {
       const std::lock_guard lock(mutex_);
       subscribers_[row].messages.push_back(std::move(message));
     }
-    const std::uint64_t one = 1;
-    (void)!::write(event_, &one, sizeof one);
+    const std::uint64_t increment = 1;
+    (void)!::write(event_, &increment, sizeof increment);
   }
 
   int event_;

@@ -217,7 +217,7 @@ std::string Requests::abort_activity(const std::string& service, std::uint64_t n
                                      std::uint64_t& count, std::optional<RequestReply>& at_once) {
   const std::string abort = std::string(module_of(service)) + ".Abort";
   const auto box = std::find_if(mailboxes_.begin(), mailboxes_.end(),
-                                [&](const Mailbox& one) { return one.find(abort) != nullptr; });
+                                [&](const Mailbox& mailbox) { return mailbox.find(abort) != nullptr; });
   if (box == mailboxes_.end()) return unknown(service);
   const std::lock_guard<std::mutex> hold(lock_);
   if (box->overtaking.size() >= kMostWaiting)

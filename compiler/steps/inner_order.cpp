@@ -26,18 +26,18 @@ class OrderFinder {
 
   InnerOrder find() {
     list_classes();
-    for (Class& one : classes_) {
-      arrange(one);
-      rank_atoms(one);
+    for (Class& type_class : classes_) {
+      arrange(type_class);
+      rank_atoms(type_class);
     }
     for (u32 atom = 0; atom < rank_.size(); ++atom) rank(atom);
     InnerOrder order;
     for (const std::vector<u32>& atoms : atoms_of_type_)
       order.atoms.insert(order.atoms.end(), atoms.begin(), atoms.end());
-    for (const Class& one : classes_) {
-      order.first_of_class.resize(order.interactions.size() + one.members.size(),
+    for (const Class& type_class : classes_) {
+      order.first_of_class.resize(order.interactions.size() + type_class.members.size(),
                                   static_cast<u32>(order.interactions.size()));
-      order.interactions.insert(order.interactions.end(), one.members.begin(), one.members.end());
+      order.interactions.insert(order.interactions.end(), type_class.members.begin(), type_class.members.end());
     }
     order_cells(order);
     BIP_ASSERT(order.atoms.size() == image_.atoms.size && order.interactions.size() == tables_.interactions.size() &&
@@ -106,47 +106,48 @@ class OrderFinder {
   }
 
   // Along the atoms that have a rank already; else along chains.
-  void arrange(Class& one) {
-    const bool has_ranks = std::any_of(one.members.begin(), one.members.end(), [&](u32 member) {
+  void arrange(Class& type_class) {
+    const bool has_ranks = std::any_of(type_class.members.begin(), type_class.members.end(), [&](u32 member) {
       return std::any_of(atoms_.begin() + first_atom_[member], atoms_.begin() + first_atom_[member + 1],
                          [&](u32 atom) { return rank_[atom] != kNone; });
     });
-    if (!has_ranks) return arrange_in_chains(one);
-    std::stable_sort(one.members.begin(), one.members.end(), [&](u32 a, u32 b) {
-      for (std::size_t k = 0; k < one.parameters; ++k) {
+    if (!has_ranks) return arrange_in_chains(type_class);
+    std::stable_sort(type_class.members.begin(), type_class.members.end(), [&](u32 a, u32 b) {
+      for (std::size_t k = 0; k < type_class.parameters; ++k) {
         if (rank_[atom_of(a, k)] != rank_[atom_of(b, k)]) return rank_[atom_of(a, k)] < rank_[atom_of(b, k)];
       }
       return false;
     });
   }
-  void arrange_in_chains(Class& one) {
-    const std::size_t parameters = std::min(one.parameters, kMostParameters);
+  void arrange_in_chains(Class& type_class) {
+    const std::size_t parameters = std::min(type_class.parameters, kMostParameters);
     for (std::size_t early = 0; early < parameters; ++early) {
       for (std::size_t late = early + 1; late < parameters; ++late) {
-        if (follow_chains(one, early, late)) return;
+        if (follow_chains(type_class, early, late)) return;
       }
     }
   }
   // False: an atom is bound twice to one of the parameters, or no interaction follows another.
-  bool follow_chains(Class& one, std::size_t early, std::size_t late) {
+  bool follow_chains(Class& type_class, std::size_t early, std::size_t late) {
     const auto type_at = [&](std::size_t parameter) {
-      return tables_.atoms[atom_of(one.members.front(), parameter)].type;
+      return tables_.atoms[atom_of(type_class.members.front(), parameter)].type;
     };
     if (type_at(early) != type_at(late)) return false;
     bool is_unique = true;
-    for (const u32 member : one.members) {
+    for (const u32 member : type_class.members) {
       u32& start = starts_at_[atom_of(member, early)];
       is_unique = is_unique && start == kNone;
       start = member;
     }
-    std::vector<u32> next(one.members.size(), kNone);
+    std::vector<u32> next(type_class.members.size(), kNone);
     std::vector<u32> row_of(tables_.interactions.size(), kNone);
-    std::vector<bool> follows(one.members.size(), false);
+    std::vector<bool> follows(type_class.members.size(), false);
     bool is_chained = false;
     if (is_unique) {
-      for (std::size_t row = 0; row < one.members.size(); ++row) row_of[one.members[row]] = static_cast<u32>(row);
-      for (std::size_t row = 0; row < one.members.size() && is_unique; ++row) {
-        const u32 after = starts_at_[atom_of(one.members[row], late)];
+      for (std::size_t row = 0; row < type_class.members.size(); ++row)
+        row_of[type_class.members[row]] = static_cast<u32>(row);
+      for (std::size_t row = 0; row < type_class.members.size() && is_unique; ++row) {
+        const u32 after = starts_at_[atom_of(type_class.members[row], late)];
         if (after == kNone) continue;
         const u32 after_row = row_of[after];
         is_unique = !follows[after_row];
@@ -155,23 +156,23 @@ class OrderFinder {
         is_chained = true;
       }
     }
-    for (const u32 member : one.members) starts_at_[atom_of(member, early)] = kNone;
+    for (const u32 member : type_class.members) starts_at_[atom_of(member, early)] = kNone;
     if (!is_unique || !is_chained) return false;
     std::vector<u32> arranged;
-    std::vector<bool> is_done(one.members.size(), false);
+    std::vector<bool> is_done(type_class.members.size(), false);
     // Chains with a beginning, then cycles.
     for (const bool cycles : {false, true}) {
-      for (std::size_t row = 0; row < one.members.size(); ++row) {
+      for (std::size_t row = 0; row < type_class.members.size(); ++row) {
         if (!cycles && follows[row]) continue;
         for (std::size_t at = row; at != kNone && !is_done[at]; at = next[at]) {
           is_done[at] = true;
-          arranged.push_back(one.members[at]);
+          arranged.push_back(type_class.members[at]);
         }
       }
     }
-    BIP_ASSERT(arranged.size() == one.members.size(), "{} of {} interactions are in chains", arranged.size(),
-               one.members.size());
-    one.members = std::move(arranged);
+    BIP_ASSERT(arranged.size() == type_class.members.size(), "{} of {} interactions are in chains", arranged.size(),
+               type_class.members.size());
+    type_class.members = std::move(arranged);
     return true;
   }
 
@@ -181,9 +182,9 @@ class OrderFinder {
     rank_[atom] = static_cast<u32>(atoms.size());
     atoms.push_back(atom);
   }
-  void rank_atoms(const Class& one) {
-    for (std::size_t parameter = 0; parameter < one.parameters; ++parameter) {
-      for (const u32 member : one.members) rank(atom_of(member, parameter));
+  void rank_atoms(const Class& type_class) {
+    for (std::size_t parameter = 0; parameter < type_class.parameters; ++parameter) {
+      for (const u32 member : type_class.members) rank(atom_of(member, parameter));
     }
   }
 

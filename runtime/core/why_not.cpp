@@ -48,7 +48,7 @@ class WhyNot {
   [[nodiscard]] bool is_enabled(const PortRef& ref) const {
     if (ref.choice != kNone) {
       const Span<PortRef>& ports = image_.choices[ref.choice].ports;
-      return std::any_of(ports.begin(), ports.end(), [this](const PortRef& one) { return is_enabled(one); });
+      return std::any_of(ports.begin(), ports.end(), [this](const PortRef& port) { return is_enabled(port); });
     }
     return ref.atom != kNone ? core_.enabled_transition(ref.atom, ref.port) != kNone : is_available(ref.connector, 0);
   }
@@ -79,7 +79,7 @@ class WhyNot {
   }
   void missing_ref(std::string& out, const PortRef& ref) {
     if (ref.choice != kNone) {
-      for (const PortRef& one : image_.choices[ref.choice].ports) missing_ref(out, one);
+      for (const PortRef& port : image_.choices[ref.choice].ports) missing_ref(out, port);
     } else if (ref.atom != kNone) {
       missing_port(out, ref.atom, ref.port);
     } else {

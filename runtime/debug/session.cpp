@@ -199,13 +199,13 @@ Halt DebugSession::choose(std::uint64_t k) {
 
 bool DebugSession::is_legal_delay(i64 to) {
   std::vector<i64> ends;
-  const DebugSession::Snapshot here{position_, core_.snapshot(), core_.enabled().list_order(), 0};
+  const DebugSession::Snapshot before{position_, core_.snapshot(), core_.enabled().list_order(), 0};
   bool is_legal = true;
   while (is_legal && core_.now() < to) {
     is_legal = to <= core_.time().wait_limit(ends) || core_.time().next_change() <= core_.time().wait_limit(ends);
     is_legal = is_legal && core_.time().advance(std::min(to, core_.time().next_change()));
   }
-  restore(here);
+  restore(before);
   return is_legal;
 }
 
@@ -477,7 +477,7 @@ bool DebugSession::append_trace(std::string& out, TraceFormat format, TraceSink&
     problem_ = "the run ends here with an error: go back one step";
     return false;
   }
-  const std::uint64_t here = position_;
+  const std::uint64_t saved_position = position_;
   RunOptions run;
   run.policy = options_.policy;
   run.asap = options_.asap;
@@ -487,7 +487,7 @@ bool DebugSession::append_trace(std::string& out, TraceFormat format, TraceSink&
   sink.begin(out, head_of(core_.image(), run, options_.seed));
   (void)return_to(0);
   std::uint64_t steps = 0;
-  while (position_ < here) {
+  while (position_ < saved_position) {
     const Move move = moves_[position_];
     if (move.interaction < kAssign) {
       if (core_.is_timed()) sink.foresee(core_);
@@ -529,8 +529,8 @@ const LastMove* DebugSession::last_move() {
   if (position_ == 0) return nullptr;
   if (is_tracked_) return &last_;
   if (!back_refusal().empty() || (is_faulty_ && !is_fault_a_move_)) return nullptr;
-  const std::uint64_t here = position_;
-  (void)return_to(here - 1);
+  const std::uint64_t saved_position = position_;
+  (void)return_to(saved_position - 1);
   (void)forward(Track::Yes);
   return &last_;
 }

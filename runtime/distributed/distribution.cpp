@@ -171,11 +171,11 @@ static ConflictSets conflict_sets(const Tables& tables, const PartialState& part
     const Span<u32> all = interactions_of_port[tables.instance(move.atom, move.port)];
     const bool is_alone = move.connector != kNone;
     if (!is_alone && all.size == 0) continue;
-    const u32 one = is_alone ? tables.interaction_of(move.connector) : all[0];
-    for (u32 k = 0; !is_alone && k < all.size; ++k) sets.join(one, all[k]);
-    if (before != kNone) sets.join(one, before);
-    before = one;
-    result.situations.push_back({move.atom, move.place, move.history, move.port, one});
+    const u32 interaction = is_alone ? tables.interaction_of(move.connector) : all[0];
+    for (u32 k = 0; !is_alone && k < all.size; ++k) sets.join(interaction, all[k]);
+    if (before != kNone) sets.join(interaction, before);
+    before = interaction;
+    result.situations.push_back({move.atom, move.place, move.history, move.port, interaction});
   }
   const auto key = [](const ConflictSets::Situation& at) { return std::tuple(at.atom, at.place, at.history, at.port); };
   std::stable_sort(result.situations.begin(), result.situations.end(),

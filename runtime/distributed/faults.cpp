@@ -51,8 +51,8 @@ bool read_time(std::string_view text, i64& time) {
   do {
     i64 number = 0;
     if (!take_number(text, kMostTime, number)) return false;
-    const auto* unit =
-        std::find_if(std::begin(kUnits), std::end(kUnits), [&](const Unit& one) { return text.starts_with(one.name); });
+    const auto* unit = std::find_if(std::begin(kUnits), std::end(kUnits),
+                                    [&](const Unit& known) { return text.starts_with(known.name); });
     if (unit == std::end(kUnits) || number > (kMostTime - time) / unit->ns) return false;
     time += number * unit->ns;
     text.remove_prefix(unit->name.size());

@@ -76,8 +76,9 @@ void Network::tell_instant(u32 nodes) {
   i64 asked = now_;
   const auto reach = [&](u32 node, i64 from) {
     for (i64 at = from + (node == 0 ? kLeastTurn : delay(0, node));; at = from + delay(0, node)) {
-      const auto cut = std::find_if(faults_.cuts.begin(), faults_.cuts.end(), [&](const NetworkFaults::Cut& one) {
-        return std::min(one.a, one.b) == 0 && std::max(one.a, one.b) == node && one.from <= at && at < one.until;
+      const auto cut = std::find_if(faults_.cuts.begin(), faults_.cuts.end(), [&](const NetworkFaults::Cut& named) {
+        return std::min(named.a, named.b) == 0 && std::max(named.a, named.b) == node && named.from <= at &&
+               at < named.until;
       });
       if (cut == faults_.cuts.end()) return at;
       from = cut->until;

@@ -346,7 +346,8 @@ void add_time(const Core& core, SavedTime time, State& state) {
   std::sort(time.beside.begin(), time.beside.end(), [](const SavedTime::Beside& a, const SavedTime::Beside& b) {
     return std::pair(a.step, a.order) < std::pair(b.step, b.order);
   });
-  for (const SavedTime::Beside& one : time.beside) words.insert(words.end(), one.words.begin(), one.words.end());
+  for (const SavedTime::Beside& beside : time.beside)
+    words.insert(words.end(), beside.words.begin(), beside.words.end());
   words.insert(words.end(), state.time.begin() + static_cast<std::ptrdiff_t>(head), state.time.end());
   state.time = std::move(words);
 }

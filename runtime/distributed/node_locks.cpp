@@ -296,10 +296,10 @@ void Node::end_parking(u64 number) {
   const auto at = parked_at_.find(number);
   if (at == parked_at_.end()) return;
   const u32 atom = at->second;
-  const auto one = std::find_if(parked_[atom].begin(), parked_[atom].end(),
-                                [number](const ParkedLock& parked) { return parked.number == number; });
-  BIP_ASSERT(one != parked_[atom].end(), "no attempt {} is parked at atom {}", number, atom);
-  const Lock lock = take_parked(atom, static_cast<std::size_t>(one - parked_[atom].begin()));
+  const auto parked_lock = std::find_if(parked_[atom].begin(), parked_[atom].end(),
+                                        [number](const ParkedLock& parked) { return parked.number == number; });
+  BIP_ASSERT(parked_lock != parked_[atom].end(), "no attempt {} is parked at atom {}", number, atom);
+  const Lock lock = take_parked(atom, static_cast<std::size_t>(parked_lock - parked_[atom].begin()));
   tell(NodeEvent::Kind::GivenUp, atom, lock.interaction);
   // It was not asked in this state if the atom is at work, where it is counted as taking part for the next time
   // already, or locked by another attempt, which may give it back as it is.

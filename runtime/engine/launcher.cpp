@@ -579,7 +579,7 @@ class Launcher {
     member.has_answered = true;
     if (are_limits) limit_.meet({instant(0), instant(1)});
     else planned_ = std::min(planned_, instant(0));
-    if (!all([](const Member& one) { return one.has_answered; })) return;
+    if (!all([](const Member& member) { return member.has_answered; })) return;
     if (are_limits && plans_) {
       phase_ = RunPhase::Planning;
       return ask_of_time(Control::Kind::Plan, {static_cast<u64>(limit_.last)});
@@ -600,7 +600,7 @@ class Launcher {
     if (is_over) return say_all(Control::Kind::Finish);
     if (next != now_) instant_step_ = step_at(station_->tick_clock(), kMostNodes - 1);
     now_ = next;
-    for (Member& one : members_) one.is_idle = false;
+    for (Member& member : members_) member.is_idle = false;
     say_all(Control::Kind::Instant, {static_cast<u64>(next), instant_step_});
   }
 

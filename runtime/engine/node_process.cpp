@@ -439,11 +439,11 @@ void NodeProcess::append_clocks(ByteWriter& writer, u32 atom, const SavedTime& t
   writer.number(static_cast<u64>(time.now));
   writer.number(time.clocks[atom].size());
   for (const i64 word : time.clocks[atom]) writer.number(static_cast<u64>(word));
-  for (const SavedTime::Beside& one : time.beside) {
-    if (one.words[0] != i64{atom}) continue;
-    writer.number(one.step);
-    writer.number(one.order);
-    for (const i64 word : one.words) writer.number(static_cast<u64>(word));
+  for (const SavedTime::Beside& beside : time.beside) {
+    if (beside.words[0] != i64{atom}) continue;
+    writer.number(beside.step);
+    writer.number(beside.order);
+    for (const i64 word : beside.words) writer.number(static_cast<u64>(word));
   }
 }
 

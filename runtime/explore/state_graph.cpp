@@ -35,11 +35,11 @@ bool StateGraph::initialize() {
   expander_ = std::make_unique<Expander>(space_, 1);
   predicate_options_.reserve(options_.predicates.size());
   for (const GraphPredicate& predicate : options_.predicates) {
-    ExploreOptions& one = predicate_options_.emplace_back();
-    one.predicate = predicate.holds;
-    one.predicate_connectors = predicate.connectors;
-    one.predicate_reads = predicate.atoms;
-    evaluators_.emplace_back(space_, one);
+    ExploreOptions& options = predicate_options_.emplace_back();
+    options.predicate = predicate.holds;
+    options.predicate_connectors = predicate.connectors;
+    options.predicate_reads = predicate.atoms;
+    evaluators_.emplace_back(space_, options);
   }
   out_.words.resize(1);
   first_.assign(1, 0);

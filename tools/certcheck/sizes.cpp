@@ -13,13 +13,13 @@ std::string systems_checked(const std::list<Model>& models, std::istream& text, 
   const Tree* grows = nullptr;
   int least = 0;
   for (const Model& model : models) {
-    const Tree &all = model.tree["for-all"], &one = model.tree["size"];
-    if (all.items.empty() == one.items.empty()) throw Rejected("a system among several does not say its size");
-    const Tree& row = all.items.empty() ? one : all;
+    const Tree &for_all = model.tree["for-for_all"], &size = model.tree["size"];
+    if (for_all.items.empty() == size.items.empty()) throw Rejected("a system among several does not say its size");
+    const Tree& row = for_all.items.empty() ? size : for_all;
     if (!by_size.emplace(row.at(2).number(), &model).second) throw Rejected("a size twice");
-    if (all.items.empty()) continue;
+    if (for_all.items.empty()) continue;
     if (grows != nullptr) throw Rejected("two systems say how they grow");
-    grows = &all;
+    grows = &for_all;
     least = row.at(2).number();
   }
   if (grows == nullptr) throw Rejected("no system says how it grows");

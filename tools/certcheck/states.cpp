@@ -114,8 +114,8 @@ class States {
     const bool is_clear =
         !runs_ || std::ranges::all_of(next[kNone], [](const expr& e) { return value_of(e).has_value(); });
     if (is_clear && goes_to(state, step, next, true)) return;
-    terms_.each_solution(both(step.possible, goes_on), next, [&](const std::map<std::size_t, Local>& one) {
-      if (!goes_to(state, step, one, false)) throw Rejected("a step leads out of what the certificate allows");
+    terms_.each_solution(both(step.possible, goes_on), next, [&](const std::map<std::size_t, Local>& next_state) {
+      if (!goes_to(state, step, next_state, false)) throw Rejected("a step leads out of what the certificate allows");
     });
   }
   bool goes_to(const std::u32string& state, const Step& step, const std::map<std::size_t, Local>& next, bool is_clear) {

@@ -311,12 +311,12 @@ class System {
       const std::size_t atom = model_.atom_of_port[node];
       if (!step.next.contains(atom)) continue;
       const AtomType& type = model_.type_of(atom);
-      expr one = terms_.truth(false);
+      expr waits_for = terms_.truth(false);
       for (std::size_t t = 0; t < type.transitions.size(); ++t)
         if (!type.transitions[t].resume->items.empty())
-          one = either(one, equals(step.next.at(atom)[type.waits], static_cast<int>(t) + 1));
+          waits_for = either(waits_for, equals(step.next.at(atom)[type.waits], static_cast<int>(t) + 1));
       takes_part.emplace(atom, is_in);
-      resumes.emplace(atom, both(is_in, one));
+      resumes.emplace(atom, both(is_in, waits_for));
     }
     expr leader = terms_.constant("int", 0);
     for (auto part = takes_part.rbegin(); part != takes_part.rend(); ++part)

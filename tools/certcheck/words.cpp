@@ -358,8 +358,8 @@ class Words {
     for (const Read& read : reads_.at(position)) {
       const int value = does(read.atom, read.port);
       const bool is_choice = events_[read.event].has_triggers;
-      const Value one{is_choice ? std::max(value, 0) : value, is_choice && read.is_trigger ? value : kBlocked};
-      result[read.value] = joined(adds, result[read.value], one);
+      const Value change{is_choice ? std::max(value, 0) : value, is_choice && read.is_trigger ? value : kBlocked};
+      result[read.value] = joined(adds, result[read.value], change);
     }
     return result;
   }

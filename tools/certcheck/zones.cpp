@@ -248,12 +248,12 @@ class Zones {
   [[nodiscard]] expr number_told(const expr& e, std::size_t a, std::size_t b) const {
     const std::vector<int>& all = pair_->numbers;
     if (const auto known = value_of(e); known && !contains(all, *known)) return e;
-    const expr one = terms_.constant("int", all[0]), two = terms_.constant("int", all[1]),
-               other = terms_.constant("int", all[2]);
+    const expr first = terms_.constant("int", all[0]), second = terms_.constant("int", all[1]),
+               third = terms_.constant("int", all[2]);
     for (std::size_t k = 0; k < 3; ++k)
-      if (z3::eq(e, numbers_[k])) return k == a ? one : k == b ? two : other;
-    return choose((e == numbers_[a]).simplify(), one,
-                  choose((e == numbers_[b]).simplify(), two, choose(is_number(e), other, e)));
+      if (z3::eq(e, numbers_[k])) return k == a ? first : k == b ? second : third;
+    return choose((e == numbers_[a]).simplify(), first,
+                  choose((e == numbers_[b]).simplify(), second, choose(is_number(e), third, e)));
   }
   // Turns the numbers of a listed state of the first two into unknowns, and restricts the third one: with each of the
   // two it is in a listed state, too.

@@ -234,8 +234,8 @@ Reply Server::selection_ranges(const Document& d, const Json& params) {
   const Json* positions = member(params, "positions");
   if (positions == nullptr || !positions->is_array()) return bad_params("`positions` is a list");
   Json out = Json::array();
-  for (const Json& one : *positions) {
-    const auto at = position_of(&one);
+  for (const Json& position : *positions) {
+    const auto at = position_of(&position);
     if (!at) return bad_params("`positions` is a list of positions");
     out.push_back(selection_range(workspace_, d, d.text.clamped_offset(*at, workspace_.encoding)));
   }

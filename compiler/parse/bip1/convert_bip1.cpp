@@ -76,7 +76,7 @@ syntax::bip1::Path Bip1Converter::path(Parser::PathContext* ctx) const { return 
 
 std::vector<syntax::bip1::Path> Bip1Converter::paths(const std::vector<Parser::PathContext*>& list) const {
   std::vector<syntax::bip1::Path> out;
-  for (Parser::PathContext* one : list) out.push_back(path(one));
+  for (Parser::PathContext* path_ctx : list) out.push_back(path(path_ctx));
   return out;
 }
 
@@ -95,7 +95,8 @@ Type Bip1Converter::type(Parser::TypeNameContext* ctx) const {
 std::vector<Param> Bip1Converter::params(Parser::ParamsContext* ctx) {
   std::vector<Param> list;
   if (ctx == nullptr) return list;
-  for (Parser::ParamContext* one : ctx->param()) list.push_back({type(one->typeName()), name(one->id())});
+  for (Parser::ParamContext* param_ctx : ctx->param())
+    list.push_back({type(param_ctx->typeName()), name(param_ctx->id())});
   return list;
 }
 
@@ -106,13 +107,13 @@ Model Bip1Converter::model(Parser::FileContext* ctx) {
   made.file = file_;
   made.name = name(ctx->id());
   made.range = range(ctx);
-  for (Parser::DeclContext* one : ctx->decl()) {
-    if (one->header() != nullptr) made.headers.push_back(code(one->header()->block()));
-    if (one->portType() != nullptr) made.decls.push_back(port_type(one->portType()));
-    if (one->connectorType() != nullptr) made.decls.push_back(connector_type(one->connectorType()));
-    if (one->atomType() != nullptr) made.decls.push_back(atom_type(one->atomType()));
-    if (one->compoundType() != nullptr) made.decls.push_back(compound_type(one->compoundType()));
-    if (one->instances() != nullptr) made.roots.push_back(instances(one->instances()));
+  for (Parser::DeclContext* decl_ctx : ctx->decl()) {
+    if (decl_ctx->header() != nullptr) made.headers.push_back(code(decl_ctx->header()->block()));
+    if (decl_ctx->portType() != nullptr) made.decls.push_back(port_type(decl_ctx->portType()));
+    if (decl_ctx->connectorType() != nullptr) made.decls.push_back(connector_type(decl_ctx->connectorType()));
+    if (decl_ctx->atomType() != nullptr) made.decls.push_back(atom_type(decl_ctx->atomType()));
+    if (decl_ctx->compoundType() != nullptr) made.decls.push_back(compound_type(decl_ctx->compoundType()));
+    if (decl_ctx->instances() != nullptr) made.roots.push_back(instances(decl_ctx->instances()));
   }
   return made;
 }
@@ -142,7 +143,7 @@ ConnectorBody Bip1Converter::connector_body(const std::vector<Parser::ConnectorP
       body.define_range = range(define);
     }
     if (part->completeness() != nullptr) body.completeness.push_back(completeness(part->completeness()));
-    for (Parser::ClauseContext* one : part->clause()) body.clauses.push_back(clause(one));
+    for (Parser::ClauseContext* clause_ctx : part->clause()) body.clauses.push_back(clause(clause_ctx));
   }
   return body;
 }
@@ -160,7 +161,8 @@ Completeness Bip1Converter::completeness(Parser::CompletenessContext* ctx) {
   Completeness made;
   made.range = range(ctx);
   made.is_complete = ctx->COMPLETE() != nullptr;
-  for (Parser::InteractionContext* one : ctx->interaction()) made.interactions.push_back(paths(one->path()));
+  for (Parser::InteractionContext* interaction_ctx : ctx->interaction())
+    made.interactions.push_back(paths(interaction_ctx->path()));
   return made;
 }
 
@@ -168,7 +170,7 @@ Clause Bip1Converter::clause(Parser::ClauseContext* ctx) {
   Clause made;
   made.range = range(ctx);
   made.ports = paths(ctx->path());
-  for (Parser::ProvidedContext* one : ctx->provided()) made.guards.push_back(guard(one->guard()));
+  for (Parser::ProvidedContext* provided_ctx : ctx->provided()) made.guards.push_back(guard(provided_ctx->guard()));
   if (!ctx->up().empty()) made.up = code(ctx->up(0)->block());
   if (!ctx->down().empty()) made.down = code(ctx->down(0)->block());
   // `do` of a connector is its `down`.
@@ -211,10 +213,10 @@ Decl Bip1Converter::atom_type(Parser::AtomTypeContext* ctx) {
     if (item->initial() != nullptr) made.initials.push_back(initial(item->initial()));
     if (item->behavior() != nullptr) behavior(item->behavior(), made);
     if (Parser::ClockContext* clock = item->clock()) {
-      Clock one{.names = names(clock->idList()), .unit = {}, .range = range(clock)};
-      if (clock->INT() != nullptr) one.unit = std::string(text(range(clock->INT()->getSymbol()))) + " ";
-      if (clock->id() != nullptr) one.unit += name(clock->id()).text;
-      made.clocks.push_back(std::move(one));
+      Clock clock_decl{.names = names(clock->idList()), .unit = {}, .range = range(clock)};
+      if (clock->INT() != nullptr) clock_decl.unit = std::string(text(range(clock->INT()->getSymbol()))) + " ";
+      if (clock->id() != nullptr) clock_decl.unit += name(clock->id()).text;
+      made.clocks.push_back(std::move(clock_decl));
     }
   }
   return made;
@@ -245,7 +247,7 @@ void Bip1Converter::behavior(Parser::BehaviorContext* ctx, Decl& to) {
 Initial Bip1Converter::initial(Parser::InitialContext* ctx) {
   Initial made;
   made.range = range(ctx);
-  for (Parser::ToContext* one : ctx->to()) made.to = names(one->idList());
+  for (Parser::ToContext* to_ctx : ctx->to()) made.to = names(to_ctx->idList());
   if (!ctx->action().empty()) made.action = code(ctx->action(0));
   return made;
 }
@@ -255,13 +257,14 @@ Transition Bip1Converter::transition(Parser::TransitionContext* ctx) {
   made.range = range(ctx);
   made.is_internal = ctx->INTERNAL() != nullptr;
   made.port = name(ctx->id());
-  for (Parser::FromContext* one : ctx->from()) made.from = names(one->idList());
-  for (Parser::ToContext* one : ctx->to()) made.to = names(one->idList());
-  for (Parser::ProvidedContext* one : ctx->provided()) made.guards.push_back(guard(one->guard()));
-  for (Parser::WhenContext* one : ctx->when()) made.whens.push_back(when(one));
-  for (Parser::UrgencyContext* one : ctx->urgency()) made.urgency = {text(range(one)), range(one)};
-  for (Parser::IdListContext* one : ctx->idList()) {
-    for (const Name& clock : names(one)) made.resets.push_back(clock);
+  for (Parser::FromContext* from_ctx : ctx->from()) made.from = names(from_ctx->idList());
+  for (Parser::ToContext* to_ctx : ctx->to()) made.to = names(to_ctx->idList());
+  for (Parser::ProvidedContext* provided_ctx : ctx->provided()) made.guards.push_back(guard(provided_ctx->guard()));
+  for (Parser::WhenContext* when_ctx : ctx->when()) made.whens.push_back(when(when_ctx));
+  for (Parser::UrgencyContext* urgency_ctx : ctx->urgency())
+    made.urgency = {text(range(urgency_ctx)), range(urgency_ctx)};
+  for (Parser::IdListContext* clocks_ctx : ctx->idList()) {
+    for (const Name& clock : names(clocks_ctx)) made.resets.push_back(clock);
   }
   if (!ctx->action().empty()) made.action = code(ctx->action(0));
   return made;
@@ -297,10 +300,10 @@ Instances Bip1Converter::instances(Parser::InstancesContext* ctx) {
   Instances made;
   made.type = name(ctx->id());
   made.range = range(ctx);
-  for (Parser::InstanceContext* one : ctx->instance()) {
-    Instance instance{.name = name(one->id()), .args = {}};
-    if (one->args() != nullptr) {
-      for (Parser::ExprContext* arg : one->args()->expr()) instance.args.push_back(guard(arg));
+  for (Parser::InstanceContext* instance_ctx : ctx->instance()) {
+    Instance instance{.name = name(instance_ctx->id()), .args = {}};
+    if (instance_ctx->args() != nullptr) {
+      for (Parser::ExprContext* arg : instance_ctx->args()->expr()) instance.args.push_back(guard(arg));
     }
     made.items.push_back(std::move(instance));
   }
@@ -308,12 +311,12 @@ Instances Bip1Converter::instances(Parser::InstancesContext* ctx) {
 }
 
 void Bip1Converter::typed_connectors(Parser::ConnectorsContext* ctx, Decl& to) {
-  for (Parser::BindingContext* one : ctx->binding()) {
+  for (Parser::BindingContext* binding_ctx : ctx->binding()) {
     Connector made;
     made.type = name(ctx->id());
-    made.name = name(one->id());
-    made.ports = paths(one->path());
-    made.range = one == ctx->binding(0) ? range(ctx) : range(one);
+    made.name = name(binding_ctx->id());
+    made.ports = paths(binding_ctx->path());
+    made.range = binding_ctx == ctx->binding(0) ? range(ctx) : range(binding_ctx);
     to.connectors.push_back(std::move(made));
   }
 }
@@ -332,13 +335,13 @@ Priority Bip1Converter::priority(Parser::PriorityContext* ctx) {
   Priority made;
   made.range = range(ctx);
   made.name = name(ctx->id());
-  for (Parser::ConditionContext* one : ctx->condition()) {
+  for (Parser::ConditionContext* condition_ctx : ctx->condition()) {
     Condition condition;
-    condition.range = range(one);
-    if (one->expr() != nullptr) {
-      condition.guard = guard(one->expr());
+    condition.range = range(condition_ctx);
+    if (condition_ctx->expr() != nullptr) {
+      condition.guard = guard(condition_ctx->expr());
     } else {
-      condition.guard.range = inside(one->block());
+      condition.guard.range = inside(condition_ctx->block());
       with_code(condition.guard.range, &Bip1Parser::guardCode, [&](Parser::GuardCodeContext* tree) {
         condition.guard.expr = expr(tree->expr());
         return condition.guard.expr.has_value();
@@ -418,8 +421,8 @@ Code Bip1Converter::code(Parser::ActionContext* ctx) {
 
 bool Bip1Converter::statements(SourceRange code, std::vector<Stmt>& to) {
   return with_code(code, &Bip1Parser::code, [&](Parser::CodeContext* tree) {
-    for (Parser::StmtContext* one : tree->stmt()) {
-      if (!statement(one, to)) return false;
+    for (Parser::StmtContext* stmt_ctx : tree->stmt()) {
+      if (!statement(stmt_ctx, to)) return false;
     }
     return tree->simple() == nullptr || simple(tree->simple(), to);
   });
@@ -499,9 +502,9 @@ Data Bip1Converter::data(Parser::DataContext* ctx) {
     if (!made.is_readable) made.vars.clear();
     return made;
   }
-  for (Parser::VarContext* one : ctx->var()) {
-    Var var{.type = type(ctx->typeName()), .name = name(one->id()), .init = std::nullopt, .range = range(one)};
-    if (one->expr() != nullptr) var.init = guard(one->expr());
+  for (Parser::VarContext* var_ctx : ctx->var()) {
+    Var var{.type = type(ctx->typeName()), .name = name(var_ctx->id()), .init = std::nullopt, .range = range(var_ctx)};
+    if (var_ctx->expr() != nullptr) var.init = guard(var_ctx->expr());
     made.vars.push_back(std::move(var));
   }
   return made;
@@ -513,10 +516,10 @@ bool Bip1Converter::declarations(SourceRange code, std::vector<Var>& to) {
     Type current;
     for (antlr4::tree::ParseTree* child : tree->children) {
       if (auto* words = dynamic_cast<Parser::TypeNameContext*>(child)) current = type(words);
-      auto* one = dynamic_cast<Parser::VarContext*>(child);
-      if (one == nullptr) continue;
-      Var var{.type = current, .name = name(one->id()), .init = std::nullopt, .range = range(one)};
-      if (one->expr() != nullptr) var.init = guard(one->expr());
+      auto* var_ctx = dynamic_cast<Parser::VarContext*>(child);
+      if (var_ctx == nullptr) continue;
+      Var var{.type = current, .name = name(var_ctx->id()), .init = std::nullopt, .range = range(var_ctx)};
+      if (var_ctx->expr() != nullptr) var.init = guard(var_ctx->expr());
       to.push_back(std::move(var));
     }
     return true;

@@ -126,8 +126,8 @@ class NextMoveProof {
   // The atom is at such a place (of the split system). False: it never is.
   template <class IsPlace>
   bool add_condition(u32 atom, IsPlace is_place) {
-    const Lit here = encoding_.new_switch();
-    std::vector<Lit> clause{-here};
+    const Lit condition = encoding_.new_switch();
+    std::vector<Lit> clause{-condition};
     for (u32 mode = net_.mode_base[atom]; mode < net_.mode_base[atom + 1]; ++mode) {
       const std::vector<u32>& places = net_.class_at(atom).modes[mode - net_.mode_base[atom]].places;
       if (reachable_.is_on(mode) && std::any_of(places.begin(), places.end(), is_place))
@@ -135,7 +135,7 @@ class NextMoveProof {
     }
     if (clause.size() == 1) return false;
     encoding_.add_clause(clause);
-    assumed_.push_back(here);
+    assumed_.push_back(condition);
     return true;
   }
 

@@ -82,9 +82,9 @@ class LassoReplay {
       taken.insert(units.of(labels_[at]).begin(), units.of(labels_[at]).end());
     std::vector<std::size_t> possible(units.size(), 0);
     for (const std::set<std::uint32_t>& labels : possible_) {
-      std::set<std::uint32_t> here;
-      for (const std::uint32_t label : labels) here.insert(units.of(label).begin(), units.of(label).end());
-      for (const std::uint32_t unit : here) ++possible[unit];
+      std::set<std::uint32_t> enabled_units;
+      for (const std::uint32_t label : labels) enabled_units.insert(units.of(label).begin(), units.of(label).end());
+      for (const std::uint32_t unit : enabled_units) ++possible[unit];
     }
     for (std::uint32_t unit = 0; unit < units.size(); ++unit) {
       const bool is_due =

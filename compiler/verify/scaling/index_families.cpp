@@ -83,9 +83,9 @@ std::optional<InstanceView> view_instance(const System& system, const IndexFamil
   std::optional<IndexFamilies> families = find_families(system);
   if (!families) return std::nullopt;
   InstanceView view;
-  std::optional<std::vector<u32>> here = match(large, large_system, *families, system);
-  if (!here) return std::nullopt;
-  view.family_of_large = std::move(*here);
+  std::optional<std::vector<u32>> family_of_large = match(large, large_system, *families, system);
+  if (!family_of_large) return std::nullopt;
+  view.family_of_large = std::move(*family_of_large);
   view.large_family_of.resize(families->rows.size());
   view.lengths.resize(dimensions.count, 0);
   std::vector<std::optional<std::size_t>> growth(dimensions.count);

@@ -391,9 +391,9 @@ std::optional<RunState> WordProver::read(const RunState& state, std::size_t zone
     u8 carried = is_active(e, zone) ? joined(kind, byte(state, kFirstByte + e), part(0)) : kBlocked;
     for (std::size_t k = 1; k < w; ++k) {
       if (carried == kSumTooLarge) return std::nullopt;
-      const u8 here = joined(kind, byte(state, begun + k - 1), part(k));
+      const u8 sum = joined(kind, byte(state, begun + k - 1), part(k));
       set_byte(next, begun + k - 1, carried);
-      carried = here;
+      carried = sum;
     }
     if (is_complete(kind, carried)) return std::nullopt;
     // The one that begins k letters before the end has its place k + p in letter p.

@@ -680,10 +680,10 @@ u64 Clocks::opened_eager() {
 
 bool Clocks::is_before_eager() {
   if (!has_open_eager_ || next_change() != now_ + 1) return false;
-  const State here = core_.snapshot();
+  const State before = core_.snapshot();
   const std::vector<u32> order = core_.keeps_list ? core_.enabled.list_order() : std::vector<u32>{};
   const bool is_before = advance(now_ + 1) && opened_eager() != core_.enabled.total();
-  [[maybe_unused]] const bool is_back = core_.restore(here);
+  [[maybe_unused]] const bool is_back = core_.restore(before);
   BIP_ASSERT(is_back, "a state that was reached cannot be restored");
   if (core_.keeps_list) core_.enabled.list(order, static_cast<u32>(core_.tables.interactions.size()));
   return is_before;
@@ -734,7 +734,7 @@ bool Clocks::fail_late(const Candidate& candidate, i64 last, i64 actual) {
 // Names the atom whose port would be eager from the next tick on.
 void Clocks::describe_open_bound() {
   const i64 end = now_;
-  const State here = core_.snapshot();
+  const State before = core_.snapshot();
   if (!advance(end + 1)) return;
   core_.firing.participants(core_.candidate(core_.enabled.select(opened_eager())), participant_scratch_);
   Participant eager = participant_scratch_.front();
@@ -744,7 +744,7 @@ void Clocks::describe_open_bound() {
   }
   const LinkedTransition& transition =
       core_.tables.transitions[core_.ports.port(core_.tables.instance(eager.atom, eager.port)).transition];
-  if (!core_.restore(here)) return;
+  if (!core_.restore(before)) return;
   core_.fault = {};
   core_.fault.code = FaultCode::TimeLock;
   core_.fault.atom = eager.atom;

@@ -324,7 +324,7 @@ class Level {
       return book.repeated.empty() || book.repeated_in == generation;
     };
     if (is_done()) return Wait::MyTurn;
-    const std::lock_guard<std::mutex> one(book.repeating);
+    const std::lock_guard<std::mutex> repeating(book.repeating);
     if (is_done()) return Wait::MyTurn;
     std::vector<Repeated> calls;
     {
