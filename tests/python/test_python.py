@@ -46,6 +46,25 @@ def test_errors_are_objects():
         raise AssertionError("a wrong word was taken")
 
 
+def test_policies_are_those_of_the_command():
+    """Each name of `bipc run --policy` gives the run of the command; an unknown one lists them all."""
+    shown = subprocess.run([BUILD / "bipc", "run", "--help"], capture_output=True, text=True).stdout
+    names = re.search(r"--policy (\S+)", shown)[1].split("|")
+    assert "fair" in names, names
+    for name in names:
+        done = subprocess.run([BUILD / "bipc", "run", "--root", "Table(5)", "--seed", "7", "--limit", "100", "--no-cache", "--policy", name, PHILOSOPHERS],
+                              capture_output=True, text=True)
+        wanted = re.findall(r"^#\d+ +(\S+)", done.stdout, re.M)
+        trace = [step.interaction for step in bipc.load(PHILOSOPHERS, "Table(5)").start(seed=7, policy=name).trace(100)]
+        assert trace == wanted and len(wanted) > 1, (name, trace, done.stdout[:500])
+    try:
+        bipc.load(PHILOSOPHERS, "Table(3)").start(policy="best")
+    except ValueError as error:
+        assert all(name in str(error) for name in names) and "`best`" in str(error), error
+    else:
+        raise AssertionError("a wrong policy was taken")
+
+
 def test_runs_are_those_of_the_command():
     """Same seed, same interactions as `bipc run`, by JIT and interpreter."""
     done = subprocess.run([BUILD / "bipc", "run", "--root", "Table(5)", "--seed", "7", "--limit", "200", "--no-cache", PHILOSOPHERS], capture_output=True, text=True)

@@ -13,6 +13,7 @@
 #include <variant>
 
 #include "bip/compiler.hpp"
+#include "runtime/engine/policies.hpp"
 
 namespace py = pybind11;
 namespace bc = bip::compiler;
@@ -163,10 +164,12 @@ bc::CompileOptions compile_options(const std::string& root, const std::vector<st
 }
 
 bip::rt::Policy policy_of(const std::string& name) {
-  if (name == "uniform") return bip::rt::Policy::Uniform;
-  if (name == "first") return bip::rt::Policy::First;
-  if (name == "fair") return bip::rt::Policy::Fair;
-  throw py::value_error("policy: uniform, first or fair, not `" + name + "`");
+  if (const bip::rt::PolicyRow* row = bip::rt::find_policy(name)) return row->policy;
+  std::string names;
+  const auto rows = bip::rt::policies();
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    names += (k == 0 ? "" : k + 1 == rows.size() ? " or " : ", ") + std::string(rows[k].name);
+  throw py::value_error("policy: " + names + ", not `" + name + "`");
 }
 
 bc::Reduction reduction_of(const std::string& name) {

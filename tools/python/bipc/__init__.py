@@ -115,7 +115,7 @@ class Model:
     def start(self, seed=0, policy="uniform", *, maximal_progress=True, asap=False, speed=0.0, strict=False):
         """Starts a run and returns a `System`.
 
-        policy: "uniform", "first" or "fair". speed: seconds of model time a second of the wall clock; 0: time passes without waiting.
+        policy: as --policy of `bipc run`. speed: seconds of model time a second of the wall clock; 0: time passes without waiting.
         """
         return System(self, self._model._start(seed, policy, maximal_progress, asap, speed, strict))
 
