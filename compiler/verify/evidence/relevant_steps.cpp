@@ -192,6 +192,11 @@ class RunAtoms {
 // only if it does so with atoms of the run, or if these can do nothing again and again: that others move beside them is
 // no way out. Strong components by depth-first search (Tarjan 1972); an edge is *fair* if it makes its component one in
 // which such a run can stay.
+//
+// StrongComponents (runtime/core/graph_algorithms.hpp) does not fit: it visits all that the start reaches and closes
+// whole components, of nodes that are numbered before. Here states are made while the search goes, it ends at the first
+// fair edge that closes a cycle, often long before that component is complete, and the path at that moment is the
+// answer.
 class Avoidance {
  public:
   enum class Answer : std::uint8_t { Possible, Impossible, Unknown };

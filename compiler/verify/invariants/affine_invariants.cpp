@@ -1,5 +1,16 @@
 // See affine_invariants.hpp. Unknowns: by how much each port changes the sum; the weights of places; the weights of
 // ints. The latter are reluctant pivots, so that each one that stays free gives an equation.
+//
+// Steps, in the words of S. Sankaranarayanan, H. Sipma, Z. Manna (2003):
+//   1. Template: one sum of places and ints with unknown weights.
+//   2. Consecution: each path through the code of a transition or a transfer changes the sum by a constant (the factor
+//      of each variable is 0), and the changes of an interaction's parts cancel out. What guards and places say is
+//      substituted first. Assignments act on affine forms as in M. Karr (1976); a value that is no affine form gives
+//      its variable weight 0.
+//   3. Solve the homogeneous equations over the integers. A solution holds modulo 2^32 as well, as the ring has fewer
+//      inverses but all sums and products (M. Müller-Olm, H. Seidl 2005).
+//   4. Check each solution again in all equations.
+//   5. Initiation: the total is the sum in the initial state (affine_bounds.cpp, set_total).
 #include "compiler/verify/invariants/affine_invariants.hpp"
 
 #include <algorithm>
@@ -36,11 +47,13 @@ class AffineAnalysis {
       first_variable_ += static_cast<u32>(system_.atom_types[atom.type].places.size());
     }
     is_counter_.assign(image.cell_count, 0);
+    // Step 1.
     for (u32 atom = 0; atom < system_.atoms.size(); ++atom) start_.push_back(values_of(atom));
   }
 
   AffineInvariants run(const CancellationToken& cancellation) {
     SparseSystem system(first_variable_ + image_.cell_count, first_variable_, cancellation);
+    // Steps 2 and 3.
     if (!collect(system)) return {};
     system.solve(equations_);
     AffineInvariants facts;
@@ -51,6 +64,7 @@ class AffineAnalysis {
       const std::vector<Term> solution = system.solution(unknown);
       BIP_ASSERT(solution.empty() || solution[0].unknown == unknown, "the solution of unknown {} has another first",
                  unknown);
+      // Step 4.
       if (!solves(solution)) continue;
       AffineEquation equation = equation_of(solution);
       if (!equation.terms.empty() && equation.terms.size() <= kMaxTerms) found.push_back(std::move(equation));
@@ -75,7 +89,7 @@ class AffineAnalysis {
   }
 
  private:
-  // Collects the equations of all transitions and steps. False: there is nothing to find.
+  // Step 2: collects the equations of all transitions and steps. False: there is nothing to find.
   bool collect(SparseSystem& system) {
     if (std::find(is_counter_.begin(), is_counter_.end(), 1) == is_counter_.end()) return false;
     ModeReachability reachable(net_, Direction::Forward, nullptr);
@@ -107,7 +121,7 @@ class AffineAnalysis {
     return first_variable_ + image_.atoms[atom].first_cell + variable;
   }
 
-  // The atom's ints as affine forms: constants, unknowns of their own, or nothing.
+  // Step 1: the atom's ints as affine forms: constants, unknowns of their own, or nothing.
   AffineValues values_of(u32 atom) {
     const AtomType& type = type_of(atom);
     const analysis::DataAccess& access = net_.access[net_.class_at(atom).type.value];
@@ -134,8 +148,8 @@ class AffineAnalysis {
     return values;
   }
 
-  // Requires that the sum changes by a constant, whatever the variables are: the factor of each variable is 0. Returns
-  // that constant as a row. Forms that are 0 (from guards and places) are substituted first.
+  // Step 2, one path: requires that the sum changes by a constant, whatever the variables are: the factor of each
+  // variable is 0. Returns that constant as a row. Forms that are 0 (from guards and places) are substituted first.
   Row changed(std::vector<Term> constant, const Stored& stored, const std::vector<AffineForm>& zeros) {
     std::map<u32, std::vector<Term>> rows;
     for (const auto& [unknown, form] : stored) {
@@ -206,6 +220,8 @@ class AffineAnalysis {
     for (const auto& [variable, value] : values) path.zeros.push_back(zero_of({atom, 0, variable, value}));
   }
 
+  // Step 2, transitions: moving the tokens and executing the action changes the sum by what the port stands for; an
+  // internal transition, which has no port, by nothing.
   void add_atom(u32 atom, const ModeReachability& reachable) {
     const AtomType& type = type_of(atom);
     const analysis::DataAccess& access = net_.access[net_.class_at(atom).type.value];
@@ -258,7 +274,8 @@ class AffineAnalysis {
     }
   }
 
-  // Returns by how much the transfer of a rendezvous changes the sum, one row per path through its code.
+  // Step 2, transfers: returns by how much the transfer of a rendezvous changes the sum, one row per path through its
+  // code.
   std::vector<Row> transfers(u32 node) {
     if (net_.graph.nodes[node].connector == kNoRow) return {};
     const Connector& connector = system_.connectors[ConnectorId(std::size_t{net_.graph.nodes[node].connector})];
@@ -298,7 +315,7 @@ class AffineAnalysis {
     return alternatives;
   }
 
-  // Re-checks a solution: all equations hold. Equations whose unknowns are all 0 do.
+  // Step 4: re-checks a solution: all equations hold. Equations whose unknowns are all 0 do.
   [[nodiscard]] bool solves(const std::vector<Term>& solution) const {
     std::map<u32, std::int64_t> values;
     std::vector<u32> rows;

@@ -1,4 +1,16 @@
 // See place_invariants.hpp.
+//
+// Steps. 1 to 3 solve y · C = 0 (K. Lautenbach 1987) once; 4 to 6 use the solutions for one candidate.
+//   1. The unknowns are by how much each port changes the sum; cycle equations: a cycle of an atom's modes changes it
+//   by
+//      nothing, so that weights y exist at all.
+//   2. Step equations: no interaction changes the sum, the columns of C.
+//   3. Eliminate. Each free port gives one basis vector of the solutions.
+//   4. The candidate M satisfies the marking equation M = M0 + C · x over the rationals exactly if y · (M - M0) = 0 for
+//      all basis vectors (J. Esparza, S. Melzer 2000): compute these residuals for all of them at once.
+//   5. For a residual that is not 0, turn the basis vector into weights of modes, without negative ones and without
+//      common divisors.
+//   6. Check the invariant again by structure.
 #include "compiler/verify/invariants/place_invariants.hpp"
 
 #include <algorithm>
@@ -50,8 +62,8 @@ std::vector<u32> PlaceInvariantFinder::path_to(u32 mode) const {
   return ports;
 }
 
-// A spanning forest of the atom's modes from the initial ones; each move beside it closes a cycle, which changes the
-// sum by nothing.
+// Step 1. A spanning forest of the atom's modes from the initial ones; each move beside it closes a cycle, which
+// changes the sum by nothing.
 void PlaceInvariantFinder::add_cycle_equations(u32 atom, std::vector<SparseSystem::Row>& equations) {
   const u32 base = net_.mode_base[atom];
   std::vector<u32> queue;
@@ -84,7 +96,7 @@ void PlaceInvariantFinder::add_cycle_equations(u32 atom, std::vector<SparseSyste
   }
 }
 
-// Cycle and step equations, solved once for all candidates.
+// Steps 1 to 3: cycle and step equations, solved once for all candidates.
 void PlaceInvariantFinder::solve() {
   is_solved_ = true;
   parent_mode_.assign(net_.mode_count(), kNoRow);
@@ -94,15 +106,17 @@ void PlaceInvariantFinder::solve() {
   std::vector<SparseSystem::Row> equations;
   for (u32 atom = 0; atom + 1 < net_.mode_base.size() && !port_changes_.is_given_up(); ++atom)
     add_cycle_equations(atom, equations);
+  // Step 2.
   if (!port_changes_.is_given_up()) add_step_equations(net_, reachable_, port_changes_, equations);
+  // Step 3.
   const std::size_t count = equations.size();
   port_changes_.solve(std::move(equations));
   BIP_LOG(Places, 1, "{} equations for {} ports{}", count, net_.graph.port_count(),
           port_changes_.is_given_up() ? ": given up" : "");
 }
 
-// The basis vector of a free port: this port changes the sum, other free ports do not. False: numbers or support are
-// too large, or all weights are 0.
+// Step 5. The basis vector of a free port: this port changes the sum, other free ports do not. False: numbers or
+// support are too large, or all weights are 0.
 bool PlaceInvariantFinder::invariant_of(u32 free_port, TokenInvariant& invariant) {
   const std::vector<SparseSystem::Term> changes = port_changes_.solution(free_port);
   if (changes.empty()) return false;
@@ -172,8 +186,9 @@ std::vector<TokenInvariant> PlaceInvariantFinder::find_small() {
   return found;
 }
 
-// How far the candidate's sum is from the initial one, as a sum over all ports (those of the paths to its modes), with
-// the ports that are not free replaced by the free ones. By port; not 0: the candidate breaks that port's invariant.
+// Step 4. How far the candidate's sum is from the initial one, as a sum over all ports (those of the paths to its
+// modes), with the ports that are not free replaced by the free ones. By port; not 0: the candidate breaks that port's
+// invariant.
 std::vector<std::uint64_t> PlaceInvariantFinder::residuals_of(const std::vector<std::uint8_t>& marked) const {
   std::vector<std::uint64_t> residuals(net_.graph.port_count(), 0);
   for (u32 mode = 0; mode < net_.mode_count(); ++mode) {
@@ -211,6 +226,7 @@ std::vector<TokenInvariant> PlaceInvariantFinder::find(const std::vector<std::ui
     BIP_ASSERT(port_changes_.is_free(port), "port {} is given by others", port);
     satisfies_all_ = false;
     TokenInvariant invariant;
+    // Steps 5 and 6.
     if (is_returned_[port] == 0 && invariant_of(port, invariant) && checker_.holds(invariant)) {
       BIP_ASSERT(!is_satisfied(invariant, marked), "an invariant over {} modes holds in the candidate",
                  invariant.modes.size());

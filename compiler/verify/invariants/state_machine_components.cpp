@@ -1,6 +1,18 @@
 // See state_machine_components.hpp. Two variables per node: a choice below it puts one token more into the set than it
 // takes (plus), or takes one more (minus). A step does neither. Where the choices below a node differ in their effect
 // the set is refused: stronger than the definition, but linear.
+//
+// Steps. 1 to 3 are the definition of a state-machine component (M. Hack 1972; J. Desel, J. Esparza 1995, chapter 5,
+// where it is an S-component), as clauses; 4 to 6 are the search.
+//   1. Choose a set of modes, with two witnesses.
+//   2. The set holds one token in the initial marking.
+//   3. Each transition that touches the set takes one token out of it and puts one into it. Transitions are the
+//      interactions, which the connectors' trees stand for.
+//   4. Demand that the candidate marks both witnesses.
+//   5. Solve; the solver's model is a set.
+//   6. Check the set again, and use its modes as witnesses no more.
+// Departures: the set need not be strongly connected, so it may be the union of a component and of sets without tokens,
+// which is as sound. Only modes that are reachable by structure count.
 #include "compiler/verify/invariants/state_machine_components.hpp"
 
 #include <algorithm>
@@ -10,7 +22,7 @@
 
 namespace bip::verify {
 
-// A port: for every possible move alike, plus = to and not from, minus = from and not to.
+// Step 3, a port: for every possible move alike, plus = to and not from, minus = from and not to.
 StateMachineComponentFinder::Effect StateMachineComponentFinder::encode_port(u32 port) {
   Solver& s = *solver_;
   const u32 base = net_.mode_base[net_.graph.atom_of_port[port]];
@@ -34,7 +46,7 @@ StateMachineComponentFinder::Effect StateMachineComponentFinder::encode_port(u32
   return effect;
 }
 
-// A rendezvous: at most one child puts, at most one takes; both together cancel out.
+// Step 3, a rendezvous: at most one child puts, at most one takes; both together cancel out.
 StateMachineComponentFinder::Effect StateMachineComponentFinder::encode_rendezvous(
     const std::vector<Effect>& children) {
   Solver& s = *solver_;
@@ -65,6 +77,7 @@ StateMachineComponentFinder::Effect StateMachineComponentFinder::encode_rendezvo
   return effect;
 }
 
+// Step 3, all kinds of nodes, by the effects of the children.
 StateMachineComponentFinder::Effect StateMachineComponentFinder::encode_node(u32 row) {
   Solver& s = *solver_;
   const Node& node = net_.graph.nodes[row];
@@ -100,7 +113,7 @@ StateMachineComponentFinder::Effect StateMachineComponentFinder::encode_node(u32
   return effect;
 }
 
-// The set contains two different witnesses; a search assumes that these are marked in its candidate.
+// Step 1: the set contains two different witnesses; a search assumes that these are marked in its candidate.
 void StateMachineComponentFinder::encode_two_witnesses() {
   Solver& s = *solver_;
   const u32 count = net_.mode_count();
@@ -125,7 +138,7 @@ void StateMachineComponentFinder::encode_two_witnesses() {
   s.add(some_second);
 }
 
-// Exactly one atom begins in the set, and does so whichever of its initial modes it begins in.
+// Step 2: exactly one atom begins in the set, and does so whichever of its initial modes it begins in.
 void StateMachineComponentFinder::encode_one_initial_token() {
   Solver& s = *solver_;
   std::vector<Lit> initial;
@@ -150,7 +163,7 @@ void StateMachineComponentFinder::encode() {
   solver_ = std::make_unique<Solver>();
   encode_two_witnesses();
   encode_one_initial_token();
-  // Children stand before parents; a step, the choice at a root, has no effect.
+  // Step 3. Children stand before parents; a step, the choice at a root, has no effect.
   effects_.resize(net_.graph.nodes.size());
   for (u32 row = 0; row < net_.graph.nodes.size(); ++row) {
     effects_[row] = encode_node(row);
@@ -168,7 +181,7 @@ std::vector<TokenInvariant> StateMachineComponentFinder::find(const std::vector<
   // The solver reads the clock between decisions. With so many assumptions, made one by one, that may take minutes.
   if (net_.mode_count() > kMostModes) return found;
   if (!solver_) encode();
-  // Witnesses are marked modes that no component of this call contains.
+  // Step 4. Witnesses are marked modes that no component of this call contains.
   std::vector<std::uint8_t> is_used(net_.mode_count(), 0);
   while (found.size() < count) {
     for (u32 mode = 0; mode < net_.mode_count(); ++mode) {
@@ -176,6 +189,7 @@ std::vector<TokenInvariant> StateMachineComponentFinder::find(const std::vector<
       solver_->assume(-first_witness_[mode]);
       solver_->assume(-second_witness_[mode]);
     }
+    // Step 5: no model means that no further component excludes the candidate.
     if (solver_->solve(cancellation) != Answer::Satisfiable) break;
     TokenInvariant invariant{InvariantKind::OneToken, {}};
     for (u32 mode = 0; mode < net_.mode_count(); ++mode) {
@@ -183,6 +197,7 @@ std::vector<TokenInvariant> StateMachineComponentFinder::find(const std::vector<
       invariant.modes.push_back(mode);
       is_used[mode] = 1;
     }
+    // Step 6: nothing rests on the encoding.
     if (!checker_.is_state_machine_component(invariant.modes)) break;
     BIP_ASSERT(!is_satisfied(invariant, marked), "a component of {} modes holds in the candidate",
                invariant.modes.size());

@@ -1,4 +1,19 @@
 // See mode_reachability.hpp.
+//
+// The facts "mode is on", "node is ready" and "node is in context" are the least model of Horn clauses, computed as by
+// W. Dowling, J. Gallier: Linear-Time Algorithms for Testing the Satisfiability of Propositional Horn Formulae (1984):
+// a counter per clause of the premises that are missing, and a queue of facts whose clauses have not been visited.
+//   1. Begin with the clauses without premises: roots are in context; the caller turns on the initial modes, or those
+//      outside of the set.
+//   2. Take a fact from a queue, and count it in the clauses whose premise it is:
+//        mode on, move of port p at that mode      => p ready
+//        ready: all children of a rendezvous, a trigger of a trigger group, a choice => the node ready
+//        node in context, the other children that it needs ready => child in context
+//        p ready by a move and in context          => the mode at the move's other end on
+//   3. A clause with no premise missing gives its conclusion, which enters a queue once.
+// Departure: the clauses are never written down, they are read off the net; tokens are never taken away, so modes that
+// exclude each other may both be on. Forward, this over-approximates the reachable modes. Backward, what stays off is
+// the greatest trap within the set (J. Desel, J. Esparza 1995, chapter 4), of the steps that are possible by structure.
 #include "compiler/verify/net/mode_reachability.hpp"
 
 #include "runtime/include/bip/assert.hpp"
@@ -15,6 +30,7 @@ ModeReachability::ModeReachability(const Net& net, Direction direction, const Mo
       count_(net.graph.nodes.size(), 0) {
   BIP_ASSERT(net.too_large_atom == kNoRow, "atom {} has too many modes", net.too_large_atom);
   BIP_ASSERT(forward == nullptr || direction == Direction::Backward, "a search forward follows all moves");
+  // Step 1.
   for (u32 row = 0; row < net.graph.nodes.size(); ++row) {
     const Node& node = net.graph.nodes[row];
     if (node.kind == ConnectorNodeKind::All) count_[row] = node.children;
@@ -29,6 +45,7 @@ void ModeReachability::turn_on(u32 mode) {
   mode_todo_.push_back(mode);
 }
 
+// Step 3, as are turn_on() and put_in_context().
 void ModeReachability::make_ready(u32 node) {
   if (ready_[node] != 0) return;
   ready_[node] = 1;
@@ -41,6 +58,7 @@ void ModeReachability::put_in_context(u32 node) {
   context_todo_.push_back(node);
 }
 
+// Step 2, the third clause: children of a group in context, as far as the others are ready.
 void ModeReachability::spread_context(u32 group) {
   const ConnectorNodeKind kind = net_.graph.nodes[group].kind;
   for (const Edge& child : net_.graph.children(group)) {
@@ -52,7 +70,7 @@ void ModeReachability::spread_context(u32 group) {
   }
 }
 
-// All moves of the port whose one end is on.
+// Step 2, the fourth clause, for a port that came into context: all its moves whose one end is on.
 void ModeReachability::fire_port(u32 port) {
   const u32 base = net_.mode_base[net_.graph.atom_of_port[port]];
   for (const Move& move : net_.moves(port)) {
@@ -71,6 +89,7 @@ void ModeReachability::run() {
       if (net_.graph.nodes[node].kind == ConnectorNodeKind::Port) fire_port(node);
       else spread_context(node);
     } else if (!ready_todo_.empty()) {
+      // Step 2, the second clause; `count_` has the missing premises of a rendezvous.
       const u32 node = ready_todo_.back();
       ready_todo_.pop_back();
       for (const Edge& parent : net_.graph.parents(node)) {
@@ -91,6 +110,7 @@ void ModeReachability::run() {
         }
       }
     } else if (!mode_todo_.empty()) {
+      // Step 2, the first clause, and the fourth for ports that are in context already.
       const u32 mode = mode_todo_.back();
       mode_todo_.pop_back();
       const u32 atom = net_.atom_of_mode[mode];
