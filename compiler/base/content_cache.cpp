@@ -26,19 +26,19 @@ constexpr std::size_t kHashSize = 64;
 // What a process left that ended while it wrote.
 constexpr std::chrono::hours kAbandoned{1};
 
-std::string_view magic_of(KeptKind kind) {
+std::string_view magic_of(ContentKind kind) {
   switch (kind) {
-    case KeptKind::Object: return "bipc object 3\n";
-    case KeptKind::Library: return "bipc library 1\n";
-    case KeptKind::Proof: return "bipc proof 2\n";
+    case ContentKind::Object: return "bipc object 3\n";
+    case ContentKind::Library: return "bipc library 1\n";
+    case ContentKind::Proof: return "bipc proof 2\n";
   }
   BIP_UNREACHABLE("a kind of kept files");
 }
-const char* extension_of(KeptKind kind) {
+const char* extension_of(ContentKind kind) {
   switch (kind) {
-    case KeptKind::Object: return ".o";
-    case KeptKind::Library: return ".so";
-    case KeptKind::Proof: return ".proof";
+    case ContentKind::Object: return ".o";
+    case ContentKind::Library: return ".so";
+    case ContentKind::Proof: return ".proof";
   }
   BIP_UNREACHABLE("a kind of kept files");
 }

@@ -16,12 +16,12 @@
 namespace bip {
 
 /// Object: machine code of the JIT. Library: compiled C++ of a model. Proof: what the prover found.
-enum class KeptKind : std::uint8_t { Object, Library, Proof };
+enum class ContentKind : std::uint8_t { Object, Library, Proof };
 
 class ContentCache {
  public:
   /// An empty folder: nothing is ever found or kept.
-  ContentCache(KeptKind kind, std::string folder, std::uint64_t most_bytes)
+  ContentCache(ContentKind kind, std::string folder, std::uint64_t most_bytes)
       : kind_(kind), folder_(std::move(folder)), most_bytes_(most_bytes) {}
   /// Removes what was not used longest, of all kinds, if more than most_bytes are kept and this object added some.
   ~ContentCache();
@@ -37,7 +37,7 @@ class ContentCache {
 
  private:
   void tidy() const;
-  KeptKind kind_;
+  ContentKind kind_;
   std::filesystem::path folder_;
   std::uint64_t most_bytes_;
   bool has_stored_ = false;

@@ -20,10 +20,10 @@
 namespace bip::driver {
 namespace {
 
-class Judge {
+class ContradictionChecker {
  public:
-  Judge(const rules::Reduced& reduced, const rules::Checked& checked, std::size_t rules,
-        const verify::CancellationToken& cancellation)
+  ContradictionChecker(const rules::Reduced& reduced, const rules::Checked& checked, std::size_t rules,
+                       const verify::CancellationToken& cancellation)
       : reduced_(reduced), checked_(checked), rules_(rules), cancellation_(cancellation) {}
 
   /// Which of the properties do random runs under all rules violate?
@@ -160,7 +160,7 @@ void report_contradictions(Compilation& c, const rules::RuleFile& file, const st
                            const rules::Checked& checked, double seconds) {
   const rules::Reduced reduced = rules::reduce(modules, checked.constraints);
   const InterruptCancellation interrupt;
-  const Judge judge(reduced, checked, file.rules.size(), interrupt.token().within(seconds));
+  const ContradictionChecker checker(reduced, checked, file.rules.size(), interrupt.token().within(seconds));
   const std::vector<bool> all(file.rules.size(), true);
   std::set<genom::ServiceRef> asked;
   std::vector<std::size_t> rows;
@@ -172,29 +172,29 @@ void report_contradictions(Compilation& c, const rules::RuleFile& file, const st
     rows.push_back(i);
     properties.push_back(fmt::format("never m{}.s{}{}.active", s.module, s.service, is_control ? "" : ".controller"));
   }
-  const std::vector<bool> is_accepted = judge.violated_in_runs(properties);
+  const std::vector<bool> is_accepted = checker.violated_in_runs(properties);
   std::vector<BadStateAbstraction> found;
-  for (std::size_t k = 0; k < rows.size() && !judge.is_over(); ++k) {
+  for (std::size_t k = 0; k < rows.size() && !checker.is_over(); ++k) {
     const std::size_t i = rows[k];
     const std::string& property = properties[k];
-    if (is_accepted[k] || !judge.holds(all, property)) continue;
+    if (is_accepted[k] || !checker.holds(all, property)) continue;
     const genom::ServiceRef was = checked.constraints.rows[i].subject;
     const std::string name = modules[was.module].name.text + "." + modules[was.module].services[was.service].name.text;
     const auto known = std::find_if(found.begin(), found.end(), [&](const BadStateAbstraction& f) {
       std::vector<bool> kept(file.rules.size(), false);
       for (const std::size_t rule : f.culprits) kept[rule] = true;
-      return judge.holds(kept, property);
+      return checker.holds(kept, property);
     });
     if (known != found.end()) {
       known->services.push_back(name);
       continue;
     }
-    std::vector<std::size_t> culprits = judge.culprits(property);
+    std::vector<std::size_t> culprits = checker.culprits(property);
     if (!culprits.empty()) found.push_back({std::move(culprits), {name}});
   }
   for (const BadStateAbstraction& f : found) counterexample_text(c.diags, file, f);
   if (file.promises.empty()) return;
-  const std::vector<verify::Outcome> outcomes = judge.promises();
+  const std::vector<verify::Outcome> outcomes = checker.promises();
   for (std::size_t k = 0; k < file.promises.size(); ++k) {
     const rules::Promise& p = file.promises[k];
     const verify::Outcome outcome = k < outcomes.size() ? outcomes[k] : verify::Outcome::Unknown;

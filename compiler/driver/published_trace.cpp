@@ -122,9 +122,9 @@ TraceEnd end_of(std::string_view text) {
   return TraceEnd::None;
 }
 
-class Reader {
+class PublishedTraceReader {
  public:
-  explicit Reader(std::string_view text) : text_(text) {}
+  explicit PublishedTraceReader(std::string_view text) : text_(text) {}
 
   Result<PublishedTrace> read() {
     while (!text_.empty() && failure_.empty()) {
@@ -262,6 +262,6 @@ class Reader {
 
 }  // namespace
 
-Result<PublishedTrace> read_published_trace(std::string_view text) { return Reader(text).read(); }
+Result<PublishedTrace> read_published_trace(std::string_view text) { return PublishedTraceReader(text).read(); }
 
 }  // namespace bip::driver

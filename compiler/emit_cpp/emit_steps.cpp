@@ -18,15 +18,15 @@ using lower::StepOpKind;
 
 namespace {
 
-const char* name_of(lower::Reduction reduction) {
+const char* name_of(lower::ReductionOp reduction) {
   switch (reduction) {
-    case lower::Reduction::Add: return "Sum";
-    case lower::Reduction::Mul: return "Product";
-    case lower::Reduction::And: return "BitAnd";
-    case lower::Reduction::Or: return "BitOr";
-    case lower::Reduction::Xor: return "BitXor";
-    case lower::Reduction::Min: return "Least";
-    case lower::Reduction::Max: return "Largest";
+    case lower::ReductionOp::Add: return "Sum";
+    case lower::ReductionOp::Mul: return "Product";
+    case lower::ReductionOp::And: return "BitAnd";
+    case lower::ReductionOp::Or: return "BitOr";
+    case lower::ReductionOp::Xor: return "BitXor";
+    case lower::ReductionOp::Min: return "Least";
+    case lower::ReductionOp::Max: return "Largest";
   }
   return "";
 }

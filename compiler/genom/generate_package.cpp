@@ -118,9 +118,9 @@ std::string generate(const std::vector<Module>& modules, const GenerateOptions& 
     }
     write_module(out, p, options);
   }
-  const std::vector<std::vector<Asked>> requests = write_level(out, plans, options, tick_us);
+  const std::vector<std::vector<RequestSpec>> requests = write_level(out, plans, options, tick_us);
   if (options.executive != Executive::Anybody) {
-    std::vector<Asked> all;
+    std::vector<RequestSpec> all;
     std::string mailboxes;
     for (std::size_t m = 0; m < plans.size(); ++m) {
       all.insert(all.end(), requests[m].begin(), requests[m].end());

@@ -44,9 +44,9 @@ struct Unit {
   std::vector<std::string> inherited, used;
 };
 
-class Reader {
+class IdlParser {
  public:
-  Reader(const std::vector<Token>& tokens, FileId file, Purpose purpose, Diagnostics& diags)
+  IdlParser(const std::vector<Token>& tokens, FileId file, Purpose purpose, Diagnostics& diags)
       : in_(tokens, diags), file_(file), purpose_(purpose) {
     for (const auto& [idl_name, c_name] : {std::pair("boolean", "bool"),
                                            {"octet", "uint8_t"},
@@ -756,7 +756,7 @@ class Reader {
 }  // namespace
 
 std::optional<Component> read_idl(const std::vector<Token>& tokens, FileId file, Purpose purpose, Diagnostics& diags) {
-  return Reader(tokens, file, purpose, diags).run();
+  return IdlParser(tokens, file, purpose, diags).run();
 }
 
 }  // namespace bip::genom::idl

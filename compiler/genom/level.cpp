@@ -29,7 +29,7 @@ class LevelWriter {
         conditions_(plans, options, parts_, tick_us) {}
 
   /// Returns what may be asked for, by module.
-  std::vector<std::vector<Asked>> run() {
+  std::vector<std::vector<RequestSpec>> run() {
     out_ += "\n  // All modules, the token for triggers, and the clock.\n  compound type FunctionalLevel()\n";
     for (const Plan& p : plans_) {
       out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component {} {}()\n", p.type, p.component);
@@ -86,7 +86,7 @@ class LevelWriter {
     if (options_.executive == Executive::Anybody) return;
     std::string executive;
     for (std::size_t m = 0; m < plans_.size(); ++m) {
-      requests_.push_back(asked_of(plans_[m], m, constraints_));
+      requests_.push_back(request_specs_of(plans_[m], m, constraints_));
       if (is_served()) {
         executives_.push_back(names_.claim(plans_[m].component + "_mail", "part"));
         out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component {} {}({})\n",
@@ -537,7 +537,7 @@ class LevelWriter {
   LevelParts parts_;
   std::vector<std::string> executives_;  // by module
   std::string sync_;
-  std::vector<std::vector<Asked>> requests_;  // by module, in the order of its services, then Abort
+  std::vector<std::vector<RequestSpec>> requests_;  // by module, in the order of its services, then Abort
   Scope names_;
   ConditionWriter conditions_;
   std::map<std::string, std::string> posters_;
@@ -554,8 +554,8 @@ Scope level_scope() {
   return names;
 }
 
-std::vector<std::vector<Asked>> write_level(std::string& out, const std::vector<Plan>& plans,
-                                            const GenerateOptions& options, std::int64_t tick_us) {
+std::vector<std::vector<RequestSpec>> write_level(std::string& out, const std::vector<Plan>& plans,
+                                                  const GenerateOptions& options, std::int64_t tick_us) {
   return LevelWriter(out, plans, options, tick_us).run();
 }
 

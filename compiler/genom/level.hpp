@@ -14,7 +14,7 @@ namespace bip::genom {
 /// The names that the functional level has of its own.
 [[nodiscard]] Scope level_scope();
 /// Returns what may be asked for, by module; nothing if all services may be requested.
-[[nodiscard]] std::vector<std::vector<Asked>> write_level(std::string& out, const std::vector<Plan>& plans,
-                                                          const GenerateOptions& options, std::int64_t tick_us);
+[[nodiscard]] std::vector<std::vector<RequestSpec>> write_level(std::string& out, const std::vector<Plan>& plans,
+                                                                const GenerateOptions& options, std::int64_t tick_us);
 
 }  // namespace bip::genom

@@ -26,14 +26,14 @@ std::string takes(const std::string& text, const std::string& input, const std::
 }
 
 // "NDD.GoTo activity x:number;NDD.Stop control overtakes stops=NDD.GoTo"
-std::string directory(const std::vector<Asked>& requests) {
+std::string directory(const std::vector<RequestSpec>& requests) {
   std::string out;
-  for (const Asked& r : requests) {
+  for (const RequestSpec& r : requests) {
     out += (out.empty() ? "" : ";") + r.text + (r.is_control ? " control" : " activity");
     if (r.overtakes) out += " overtakes";
     if (r.may_be_bare) out += " bare";
     for (const std::string& stopped : r.stops) out += " stops=" + stopped;
-    for (const AskedParameter& p : r.parameters) out += fmt::format(" {}:{}", p.name, p.is_text ? "word" : "number");
+    for (const RequestParameter& p : r.parameters) out += fmt::format(" {}:{}", p.name, p.is_text ? "word" : "number");
   }
   return out;
 }
@@ -46,12 +46,12 @@ std::string condition_of(const std::vector<std::string>& services) {
 
 }  // namespace
 
-std::vector<Asked> asked_of(const Plan& plan, std::size_t index, const Constraints& constraints) {
+std::vector<RequestSpec> request_specs_of(const Plan& plan, std::size_t index, const Constraints& constraints) {
   const Module& m = *plan.module;
-  std::vector<Asked> all;
+  std::vector<RequestSpec> all;
   for (std::size_t i = 0; i < m.services.size(); ++i) {
     const Service& s = m.services[i];
-    Asked r{.text = m.name.text + "." + s.name.text, .event = "accepted"};
+    RequestSpec r{.text = m.name.text + "." + s.name.text, .event = "accepted"};
     r.is_control = s.kind == ServiceKind::Control;
     for (const std::size_t other : s.interrupted) r.stops.push_back(m.name.text + "." + m.services[other].name.text);
     // Over at once, and something else with it. An activity that interrupts others may depend on what was asked before.
@@ -73,7 +73,7 @@ std::vector<Asked> asked_of(const Plan& plan, std::size_t index, const Constrain
   return all;
 }
 
-std::string executive_type(const GenerateOptions& options, const std::vector<Asked>& all) {
+std::string executive_type(const GenerateOptions& options, const std::vector<RequestSpec>& all) {
   std::string out =
       "\n  // Of the text of a request: its service, values of its parameters (bip/service_requests.hpp).\n"
       "  extern function string request_service(string)\n"
@@ -114,7 +114,7 @@ std::string executive_type(const GenerateOptions& options, const std::vector<Ask
          "    on ask from HERE to HERE do {\n      due = \"\";\n      due_service = \"\";\n    }\n  end\n";
 }
 
-std::string mailbox_type(const Plan& plan, const std::vector<Asked>& requests) {
+std::string mailbox_type(const Plan& plan, const std::vector<RequestSpec>& requests) {
   std::string out = fmt::format(
       "\n  // Requests of clients to {}: one that waits, and one that overtakes it. What there is not is lost at once, "
       "what is not taken after `patience` ticks.\n"
@@ -130,12 +130,12 @@ std::string mailbox_type(const Plan& plan, const std::vector<Asked>& requests) {
       "    export port Asks ask(due, due_service, due_input, due_number)\n"
       "    export port Signal recover()\n    export port Numbered told(asked_number)\n",
       plan.module->name.text, plan.mailbox_type, directory(requests));
-  std::vector<const Asked*> stops;
-  for (const Asked& r : requests) {
+  std::vector<const RequestSpec*> stops;
+  for (const RequestSpec& r : requests) {
     if (!r.stops.empty()) stops.push_back(&r);
   }
   out += "    export port Accepted accepted(asked, asked_input, asked_number)\n";
-  for (const Asked* r : stops)
+  for (const RequestSpec* r : stops)
     out += fmt::format("    export port Accepted {}(asked, asked_input, asked_number)\n", r->event);
   out +=
       "    port Asks lost(due, due_service, due_input, due_number)\n"
@@ -185,7 +185,7 @@ std::string mailbox_type(const Plan& plan, const std::vector<Asked>& requests) {
         place);
   }
   if (!stops.empty()) out += "\n    // What is told to stop is not begun afterwards by an older request.\n";
-  for (const Asked* r : stops) {
+  for (const RequestSpec* r : stops) {
     for (const char* place : {"NONE", "DUE", "STOP", "BOTH"}) {
       const bool waits = place[0] == 'D' || place[0] == 'B';
       out += fmt::format("    on {1} from {0} to {0}{2}\n", place, r->event,

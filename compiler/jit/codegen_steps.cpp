@@ -228,25 +228,25 @@ class StepBuilder {
   // As wide as cells, or cells, are; of cells the largest and the least by the low half moved up, so that the sign is
   // in its place.
   Value* to_word(const StepOp& op, Value* cell) {
-    const bool compares = op.reduction == lower::Reduction::Min || op.reduction == lower::Reduction::Max;
+    const bool compares = op.reduction == lower::ReductionOp::Min || op.reduction == lower::ReductionOp::Max;
     Value* bits = builder_.CreateAlignedLoad(cell_type_, cell, cell_align_);
     return compares && !on_cells_ ? builder_.CreateShl(bits, 32) : bits;
   }
   Value* joined(const StepOp& op, Value* a, Value* b) {
     switch (op.reduction) {
-      case lower::Reduction::Add: return builder_.CreateAdd(a, b);
-      case lower::Reduction::Mul: return builder_.CreateMul(a, b);
-      case lower::Reduction::And: return builder_.CreateAnd(a, b);
-      case lower::Reduction::Or: return builder_.CreateOr(a, b);
-      case lower::Reduction::Xor: return builder_.CreateXor(a, b);
-      case lower::Reduction::Min: return builder_.CreateBinaryIntrinsic(llvm::Intrinsic::smin, a, b);
-      case lower::Reduction::Max: return builder_.CreateBinaryIntrinsic(llvm::Intrinsic::smax, a, b);
+      case lower::ReductionOp::Add: return builder_.CreateAdd(a, b);
+      case lower::ReductionOp::Mul: return builder_.CreateMul(a, b);
+      case lower::ReductionOp::And: return builder_.CreateAnd(a, b);
+      case lower::ReductionOp::Or: return builder_.CreateOr(a, b);
+      case lower::ReductionOp::Xor: return builder_.CreateXor(a, b);
+      case lower::ReductionOp::Min: return builder_.CreateBinaryIntrinsic(llvm::Intrinsic::smin, a, b);
+      case lower::ReductionOp::Max: return builder_.CreateBinaryIntrinsic(llvm::Intrinsic::smax, a, b);
     }
     return a;
   }
   void store_word(const StepOp& op, Value* word, Value* cell) {
     if (on_cells_) return void(builder_.CreateAlignedStore(word, cell, cell_align_));
-    const bool compares = op.reduction == lower::Reduction::Min || op.reduction == lower::Reduction::Max;
+    const bool compares = op.reduction == lower::ReductionOp::Min || op.reduction == lower::ReductionOp::Max;
     Value* bits =
         compares ? builder_.CreateLShr(word, 32) : builder_.CreateAnd(word, llvm::ConstantInt::get(i64_, 0xffffffffu));
     builder_.CreateAlignedStore(bits, cell, llvm::Align(8));

@@ -52,7 +52,7 @@ llvm::Error stopped() { return llvm::createStringError(llvm::inconvertibleErrorC
 // One compilation, module by module. Its product is the engine, which owns the code.
 struct Compiler {
   Compiler(const lower::LoweredSystem& l, const JitOptions& o, MadeCode& m)
-      : lowered(l), options(o), made(m), cache(KeptKind::Object, o.cache_folder, o.cache_bytes) {}
+      : lowered(l), options(o), made(m), cache(ContentKind::Object, o.cache_folder, o.cache_bytes) {}
 
   const lower::LoweredSystem& lowered;
   const JitOptions& options;

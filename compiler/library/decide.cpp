@@ -202,7 +202,7 @@ Verdict decide(const VerifyRequest& request, Compilation& c, const verify::Quest
     return is_ready;
   };
   const CacheOptions& kept = c.options.cache;
-  ContentCache cache(KeptKind::Proof, cache_folder(kept).string(), kept.megabytes << 20);
+  ContentCache cache(ContentKind::Proof, cache_folder(kept).string(), kept.megabytes << 20);
   verify::ProofCache proofs(cache, cache_version());
   const verify::StateAccess access =
       has_undetermined_values(*c.system) ? verify::StateAccess::Undetermined : verify::StateAccess::Searchable;

@@ -260,7 +260,7 @@ void AttachedSession::find_port(const std::string& port, std::int64_t& atom, std
 }
 
 void AttachedSession::hear_step(const Json& note) {
-  Told told;
+  ReportedStep told;
   told.number = number_in(note, "step");
   told.time = static_cast<std::int64_t>(number_in(note, "time"));
   told.text = text_in(note, "interaction");
@@ -321,8 +321,8 @@ void AttachedSession::look() {
     if (!flag_in(answer, "ok") || found(answer, "atoms") == nullptr) return;
     // Steps that were told of meanwhile are those of the next look.
     BIP_ASSERT(count <= steps_.size(), "{} of {} steps are looked at", count, steps_.size());
-    std::vector<Told> later(std::make_move_iterator(steps_.begin() + static_cast<std::ptrdiff_t>(count)),
-                            std::make_move_iterator(steps_.end()));
+    std::vector<ReportedStep> later(std::make_move_iterator(steps_.begin() + static_cast<std::ptrdiff_t>(count)),
+                                    std::make_move_iterator(steps_.end()));
     steps_.resize(count);
     see(answer);
     steps_ = std::move(later);
@@ -355,11 +355,11 @@ void AttachedSession::see(const Json& answer) {
              Json::array(), "");
   } else if (!steps_.empty()) {
     for (std::size_t k = 0; k + 1 < steps_.size(); ++k) {
-      Told& step = steps_[k];
+      ReportedStep& step = steps_[k];
       row_time_ = step.time;
       add_row(text_of({step.connector, step.text, std::move(step.parts), Json::array(), step.time, step.values}));
     }
-    Told& last = steps_.back();
+    ReportedStep& last = steps_.back();
     last_row(last.connector, last.text, std::move(last.parts), last.values);
   } else if (!changed.empty() || !set_clocks.empty()) {
     last_row(-1, "looked at again", Json::array(), "");

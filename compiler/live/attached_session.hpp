@@ -72,7 +72,7 @@ class AttachedSession final : public PageSession {
     std::string step, candidates;  // texts of JSON; of the state after the step
   };
   /// A step that the model told of, and that no look has shown so far.
-  struct Told {
+  struct ReportedStep {
     std::uint64_t number = 0;
     std::string text, values;
     std::int64_t connector = -1, time = 0;
@@ -121,7 +121,7 @@ class AttachedSession final : public PageSession {
   std::size_t told_ = 0, told_names_ = 0;
   std::string told_end_ = "null";
   // What is to be looked at.
-  std::vector<Told> steps_;
+  std::vector<ReportedStep> steps_;
   std::set<std::size_t> moved_;
   std::uint64_t lost_ = 0;
   bool is_due_ = false, is_looking_ = false, sees_all_ = false;

@@ -47,7 +47,7 @@ struct LiveSession::Request {
   const char* field;  // a second one; null: none
   Field kind;
   bool moves;
-  Answer (LiveSession::*execute)(const Asked& asked);
+  Answer (LiveSession::*execute)(const PageRequest& asked);
 };
 
 const std::vector<LiveSession::Request>& LiveSession::requests() {
@@ -200,7 +200,7 @@ bool LiveSession::handle(std::uint64_t page, std::string_view message) {
   if (row->has_position && !is_sound(member(body, "at"), Request::Field::Number)) return false;
   if (!is_sound(row->field == nullptr ? nullptr : member(body, row->field), row->kind)) return false;
 
-  const Asked asked{page, id->get<std::uint64_t>(), &body};
+  const PageRequest asked{page, id->get<std::uint64_t>(), &body};
   Answer answer;
   if (row->moves && running_) {
     answer = Json{{"error", "the model runs; `stop` ends that"}};
@@ -246,7 +246,7 @@ std::string LiveSession::halt_text(rt::Halt halt) const {
   return {};
 }
 
-LiveSession::Answer LiveSession::take(const Asked& asked) {
+LiveSession::Answer LiveSession::take(const PageRequest& asked) {
   const std::uint64_t k = (*asked.body)["candidate"].get<std::uint64_t>(), at = session_.position();
   if (session_.is_at_fault()) return Json{{"error", "the run has ended with an error"}};
   if (k >= session_.core().candidate_count()) return Json{{"error", fmt::format("there is no candidate {}", k)}};
@@ -262,7 +262,7 @@ LiveSession::Answer LiveSession::take(const Asked& asked) {
   return Json{{"position", session_.position()}};
 }
 
-LiveSession::Answer LiveSession::walk(const Asked& asked) {
+LiveSession::Answer LiveSession::walk(const PageRequest& asked) {
   BIP_ASSERT(!running_, "page {} has a walk already", running_->page);
   const std::uint64_t count = (*asked.body)["count"].get<std::uint64_t>();
   session_.branch();
@@ -271,7 +271,7 @@ LiveSession::Answer LiveSession::walk(const Asked& asked) {
   return std::nullopt;
 }
 
-LiveSession::Answer LiveSession::run(const Asked& asked) {
+LiveSession::Answer LiveSession::run(const PageRequest& asked) {
   const std::string until = (*asked.body)["until"].get<std::string>();
   if (!until.empty()) {
     Result<rt::Breakpoint> target = model_.parse_breakpoint(until);
@@ -313,13 +313,13 @@ void LiveSession::finish(rt::Halt halt) {
   send(done.page, dumped({{"id", done.id}, {"ok", true}, {"position", session_.position()}, {"halt", text}}));
 }
 
-LiveSession::Answer LiveSession::stop(const Asked&) {
+LiveSession::Answer LiveSession::stop(const PageRequest&) {
   if (running_) finish(rt::Halt::Interrupted);
   return Json::object();
 }
 
 // After a move from position `at`, which may have been refused.
-LiveSession::Answer LiveSession::moved(const Asked& asked, std::uint64_t at, rt::Halt halt) {
+LiveSession::Answer LiveSession::moved(const PageRequest& asked, std::uint64_t at, rt::Halt halt) {
   if (halt == rt::Halt::Refused) return refused();
   keep(at);
   note_moves(at);
@@ -328,7 +328,7 @@ LiveSession::Answer LiveSession::moved(const Asked& asked, std::uint64_t at, rt:
   return Json{{"position", session_.position()}};
 }
 
-LiveSession::Answer LiveSession::delay(const Asked& asked) {
+LiveSession::Answer LiveSession::delay(const PageRequest& asked) {
   const std::string text = (*asked.body)["time"].get<std::string>();
   const bool is_span = text.starts_with('+');
   const rt::i64 time = rt::parse_time(text.substr(is_span ? 1 : 0));
@@ -339,7 +339,7 @@ LiveSession::Answer LiveSession::delay(const Asked& asked) {
   return moved(asked, at, halt);
 }
 
-LiveSession::Answer LiveSession::post(const Asked& asked) {
+LiveSession::Answer LiveSession::post(const PageRequest& asked) {
   const Json* const values = member(*asked.body, "values");
   if (values != nullptr && !values->is_string()) return Json{{"error", "`values` is a text: `3 true`"}};
   const std::uint64_t at = session_.position();
@@ -349,7 +349,7 @@ LiveSession::Answer LiveSession::post(const Asked& asked) {
   return moved(asked, at, halt);
 }
 
-LiveSession::Answer LiveSession::set_breakpoints(const Asked& asked) {
+LiveSession::Answer LiveSession::set_breakpoints(const PageRequest& asked) {
   std::vector<rt::Breakpoint> made;
   Json problems = Json::array();
   for (const Json& text : (*asked.body)["texts"]) {
@@ -364,7 +364,7 @@ LiveSession::Answer LiveSession::set_breakpoints(const Asked& asked) {
   return Json{{"problems", problems}};
 }
 
-LiveSession::Answer LiveSession::watch(const Asked& asked) {
+LiveSession::Answer LiveSession::watch(const PageRequest& asked) {
   Json values = Json::array();
   for (const Json& text : (*asked.body)["texts"]) {
     const Result<std::string> value = model_.evaluate(text.get<std::string>(), session_.core());
@@ -373,7 +373,7 @@ LiveSession::Answer LiveSession::watch(const Asked& asked) {
   return Json{{"values", values}};
 }
 
-LiveSession::Answer LiveSession::why(const Asked& asked) {
+LiveSession::Answer LiveSession::why(const PageRequest& asked) {
   const std::string name = (*asked.body)["name"].get<std::string>();
   rt::Core& core = session_.core();
   if (session_.is_at_fault()) return Json{{"text", session_.fault()}};
@@ -389,9 +389,9 @@ LiveSession::Answer LiveSession::why(const Asked& asked) {
                            : rt::why_not_port(core, named->owner, named->row)}};
 }
 
-LiveSession::Answer LiveSession::later(const Asked&) { return Json{{"later", recorder_.later()}}; }
+LiveSession::Answer LiveSession::later(const PageRequest&) { return Json{{"later", recorder_.later()}}; }
 
-LiveSession::Answer LiveSession::save(const Asked&) {
+LiveSession::Answer LiveSession::save(const PageRequest&) {
   std::string text;
   if (!session_.append_trace(text, rt::TraceFormat::Json)) return refused();
   return Json{{"trace", text}};

@@ -59,7 +59,7 @@ class LiveSession final : public PageSession {
   struct Request;
   static const std::vector<Request>& requests();
   /// A request of which more than its shape is sound.
-  struct Asked {
+  struct PageRequest {
     std::uint64_t page = 0, id = 0;
     const Json* body = nullptr;
   };
@@ -69,19 +69,19 @@ class LiveSession final : public PageSession {
   };
   using Answer = std::optional<Json>;  // nothing: later
 
-  Answer take(const Asked& asked);
-  Answer walk(const Asked& asked);
-  Answer run(const Asked& asked);
-  Answer stop(const Asked& asked);
-  Answer delay(const Asked& asked);
-  Answer post(const Asked& asked);
-  Answer set_breakpoints(const Asked& asked);
-  Answer watch(const Asked& asked);
-  Answer why(const Asked& asked);
-  Answer later(const Asked& asked);
-  Answer save(const Asked& asked);
+  Answer take(const PageRequest& asked);
+  Answer walk(const PageRequest& asked);
+  Answer run(const PageRequest& asked);
+  Answer stop(const PageRequest& asked);
+  Answer delay(const PageRequest& asked);
+  Answer post(const PageRequest& asked);
+  Answer set_breakpoints(const PageRequest& asked);
+  Answer watch(const PageRequest& asked);
+  Answer why(const PageRequest& asked);
+  Answer later(const PageRequest& asked);
+  Answer save(const PageRequest& asked);
 
-  Answer moved(const Asked& asked, std::uint64_t at, rt::Halt halt);
+  Answer moved(const PageRequest& asked, std::uint64_t at, rt::Halt halt);
   [[nodiscard]] Json refused();
   [[nodiscard]] std::string go_to(std::uint64_t position);
   void note_moves(std::uint64_t before);

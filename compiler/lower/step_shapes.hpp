@@ -30,13 +30,13 @@ enum class StepOpKind : std::uint8_t {
                // hide it: its value grows by delta, and it is in the list iff it is available, the guard holds and none
                // of those is available
 };
-enum class Reduction : std::uint8_t { Add, Mul, And, Or, Xor, Min, Max };
+enum class ReductionOp : std::uint8_t { Add, Mul, And, Or, Xor, Min, Max };
 enum class InteractionChange : std::uint8_t { Look, Enters, Leaves };  // what is certain
 
 struct StepOp {
   StepOpKind kind = StepOpKind::Code;
   InteractionChange change = InteractionChange::Look;
-  Reduction reduction = Reduction::Add;
+  ReductionOp reduction = ReductionOp::Add;
   bool inlined = false;      // Copy
   bool guarded = false;      // Reduce, Copy, Code: by At and Away
   bool is_sure = false;      // Interaction: it is available in every state

@@ -25,9 +25,9 @@ bool begins_type(std::string_view line) {
   return false;
 }
 
-class Cutter {
+class PieceSplitter {
  public:
-  explicit Cutter(std::string_view text) : text_(text) {}
+  explicit PieceSplitter(std::string_view text) : text_(text) {}
 
   std::vector<std::uint32_t> run() {
     while (at_ < text_.size()) {
@@ -96,6 +96,6 @@ class Cutter {
 
 }  // namespace
 
-std::vector<std::uint32_t> cut_pieces(std::string_view text) { return Cutter(text).run(); }
+std::vector<std::uint32_t> cut_pieces(std::string_view text) { return PieceSplitter(text).run(); }
 
 }  // namespace bip::parse

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "compiler/diag/diagnostics.hpp"
-#include "compiler/parse/kept_pieces.hpp"
+#include "compiler/parse/piece_cache.hpp"
 #include "compiler/syntax/syntax.hpp"
 
 namespace bip::parse {
@@ -17,12 +17,12 @@ inline constexpr int kMaxDepth = 500;
 /// `kept` (may be null): the pieces of an earlier text of the file, and then of this one. A sound file is then parsed
 /// only where it differs, with the same result; its nodes belong to `kept` and are valid until the next call with it.
 [[nodiscard]] std::optional<syntax::Syntax> parse_file(const SourceMap& sources, FileId file, Diagnostics& diags,
-                                                       KeptPieces* kept = nullptr);
+                                                       PieceCache* kept = nullptr);
 
 /// The same at the cost of what changed since the text of `kept`. nullopt, and no message, where that does not suffice:
 /// there is no earlier text, or the errors reach further than a few declarations.
 [[nodiscard]] std::optional<syntax::Syntax> parse_incrementally(const SourceMap& sources, FileId file,
-                                                                Diagnostics& diags, KeptPieces& kept);
+                                                                Diagnostics& diags, PieceCache& kept);
 
 /// One token a line: `line:column  KIND  text` (for --emit=tokens).
 [[nodiscard]] std::string dump_tokens(const SourceMap& sources, FileId file);

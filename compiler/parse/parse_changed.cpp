@@ -37,10 +37,10 @@ constexpr std::size_t kAhead = std::tuple_size_v<TokensAhead>;
 /// A piece of the new text on its way to a tree.
 struct NewPiece {
   std::uint32_t begin = 0, end = 0;
-  KeptPiece* same = nullptr;  // the kept piece with this text, or null
-  KeptPiece made;             // without one
+  CachedPiece* same = nullptr;  // the kept piece with this text, or null
+  CachedPiece made;             // without one
   std::vector<TokenRow> rows;
-  [[nodiscard]] const KeptPiece& piece() const { return same != nullptr ? *same : made; }
+  [[nodiscard]] const CachedPiece& piece() const { return same != nullptr ? *same : made; }
 };
 
 TokensAhead first_types(const std::vector<TokenRow>& rows) {
@@ -61,7 +61,7 @@ void copy_all(const Diagnostics& from, Diagnostics& to) {
 
 class ChangedParser {
  public:
-  ChangedParser(const SourceMap& sources, FileId file, KeptPieces& kept)
+  ChangedParser(const SourceMap& sources, FileId file, PieceCache& kept)
       : sources_(sources), file_(file), text_(sources.text(file)), kept_(kept) {}
 
   std::optional<syntax::Syntax> run() {
@@ -73,11 +73,11 @@ class ChangedParser {
       if (p.same == nullptr && !read_words(p)) return std::nullopt;
     }
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
-      if (pieces_[i].same != nullptr && pieces_[i].same->ahead == ahead(i, &KeptPiece::first)) continue;
+      if (pieces_[i].same != nullptr && pieces_[i].same->ahead == ahead(i, &CachedPiece::first)) continue;
       if (!classify(i)) return std::nullopt;
     }
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
-      if (pieces_[i].same != nullptr && pieces_[i].same->ahead_classified == ahead(i, &KeptPiece::first_classified))
+      if (pieces_[i].same != nullptr && pieces_[i].same->ahead_classified == ahead(i, &CachedPiece::first_classified))
         continue;
       if (pieces_[i].same != nullptr && !classify(i)) return std::nullopt;
       if (!parse(i)) return std::nullopt;
@@ -98,7 +98,7 @@ class ChangedParser {
     // Where much is new, or the beginning, there is little to gain.
     if (from == 0 || (to - from) * 4 > pieces_.size()) return std::nullopt;
     const bool is_last = to == pieces_.size();
-    const KeptPiece& head = *pieces_.front().same;
+    const CachedPiece& head = *pieces_.front().same;
 
     Diagnostics found;
     std::optional<TokenList> words = read_part(sources_, file_, 0, pieces_.front().end, found);
@@ -107,18 +107,18 @@ class ChangedParser {
     std::optional<TokenList> damaged = read_part(sources_, file_, begin, is_last ? behind : pieces_[to].end, found);
     if (!words || !damaged || damaged->rows.empty()) return std::nullopt;
     // Requires that the kept pieces were parsed with the same lookahead tokens.
-    if (!looks_at(from, to, damaged->rows, &KeptPiece::ahead, &KeptPiece::first)) return std::nullopt;
+    if (!looks_at(from, to, damaged->rows, &CachedPiece::ahead, &CachedPiece::first)) return std::nullopt;
     TokensAhead ahead_of_head = head.ahead;
     const auto head_end = std::find(ahead_of_head.begin(), ahead_of_head.end(), std::size_t{0});
     if (!classify_piece(words->rows, {ahead_of_head.begin(), head_end}, text_)) return std::nullopt;
     if (is_last) {
       classify_tokens(damaged->rows, text_);
     } else {
-      const TokensAhead next = ahead(to, &KeptPiece::first);
+      const TokensAhead next = ahead(to, &CachedPiece::first);
       if (!classify_piece(damaged->rows, {next.begin(), std::find(next.begin(), next.end(), std::size_t{0})}, text_))
         return std::nullopt;
     }
-    if (!looks_at(from, to, damaged->rows, &KeptPiece::ahead_classified, &KeptPiece::first_classified))
+    if (!looks_at(from, to, damaged->rows, &CachedPiece::ahead_classified, &CachedPiece::first_classified))
       return std::nullopt;
     Diagnostics depth;
     if (!check_depth(damaged->rows, file_, depth)) return std::nullopt;
@@ -126,7 +126,8 @@ class ChangedParser {
                                          [behind](const TokenRow& row) { return row.begin >= behind; });
     const std::uint32_t most = behind_row == damaged->rows.end() ? behind : behind_row->end;
     words->rows.insert(words->rows.end(), damaged->rows.begin(), damaged->rows.end());
-    if (const KeptPiece* last = pieces_.back().same; last != nullptr && to + 1 < pieces_.size() && last->ends_package) {
+    if (const CachedPiece* last = pieces_.back().same;
+        last != nullptr && to + 1 < pieces_.size() && last->ends_package) {
       const std::uint32_t at = pieces_.back().begin + last->end_word;
       words->rows.push_back({.type = BipParser::END, .begin = at, .end = at + 3, .line = sources_.loc(file_, at).line});
     }
@@ -150,7 +151,7 @@ class ChangedParser {
     }
     if (before != head.decls.size()) return std::nullopt;
     if (!is_last) {
-      const KeptPiece& next = *pieces_[to].same;
+      const CachedPiece& next = *pieces_[to].same;
       if (read_here.empty() || next.decls.empty()) return std::nullopt;
       const syntax::Decl& last = *read_here.back();
       const std::uint32_t shift = pieces_[to].begin - next.begin;
@@ -163,7 +164,7 @@ class ChangedParser {
         syntax.comments.insert(syntax.comments.end(), damaged->comments.begin(), damaged->comments.end());
       }
       if (pieces_[i].begin >= begin && pieces_[i].begin < end) continue;
-      KeptPiece& piece = *pieces_[i].same;
+      CachedPiece& piece = *pieces_[i].same;
       move_to(piece, pieces_[i].begin);
       decls.insert(decls.end(), piece.decls.begin(), piece.decls.end());
       syntax.comments.insert(syntax.comments.end(), piece.comments.begin(), piece.comments.end());
@@ -179,7 +180,7 @@ class ChangedParser {
   /// Do all kept pieces but those from `from` to `to` look ahead at what they were read with? `rows`: the words that
   /// stand there.
   [[nodiscard]] bool looks_at(std::size_t from, std::size_t to, const std::vector<TokenRow>& rows,
-                              TokensAhead KeptPiece::*ahead_of, TokensAhead KeptPiece::*first) const {
+                              TokensAhead CachedPiece::*ahead_of, TokensAhead CachedPiece::*first) const {
     if (rows.size() < kAhead) return false;
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
       if (i >= from && i < to) continue;
@@ -191,7 +192,7 @@ class ChangedParser {
           for (std::size_t row = 0; count < kAhead; ++row) types[count++] = rows[row].type;
           break;
         }
-        const KeptPiece& next = *pieces_[k].same;
+        const CachedPiece& next = *pieces_[k].same;
         for (std::size_t t = 0; t < std::min(next.token_count, kAhead) && count < kAhead; ++t)
           types[count++] = (next.*first)[t];
       }
@@ -216,7 +217,7 @@ class ChangedParser {
   // The first piece is the only one that may have a head, so it is only compared with the first.
   void find_same() {
     if (kept_.pieces.empty()) return;
-    std::unordered_multimap<std::string_view, KeptPiece*> by_text;
+    std::unordered_multimap<std::string_view, CachedPiece*> by_text;
     for (std::size_t i = kept_.pieces.size(); i-- > 1;) by_text.emplace(kept_.pieces[i].text, &kept_.pieces[i]);
     if (kept_.pieces.front().text == text_of(pieces_.front())) pieces_.front().same = &kept_.pieces.front();
     for (std::size_t i = 1; i < pieces_.size(); ++i) {
@@ -238,11 +239,11 @@ class ChangedParser {
   }
 
   /// Of the tokens that follow piece `i`.
-  [[nodiscard]] TokensAhead ahead(std::size_t i, TokensAhead KeptPiece::*first) const {
+  [[nodiscard]] TokensAhead ahead(std::size_t i, TokensAhead CachedPiece::*first) const {
     TokensAhead types{};
     std::size_t count = 0;
     for (++i; i < pieces_.size() && count < kAhead; ++i) {
-      const KeptPiece& next = pieces_[i].piece();
+      const CachedPiece& next = pieces_[i].piece();
       for (std::size_t k = 0; k < std::min(next.token_count, kAhead) && count < kAhead; ++k)
         types[count++] = (next.*first)[k];
     }
@@ -255,7 +256,7 @@ class ChangedParser {
       p.same = nullptr;
       if (!read_words(p)) return false;
     }
-    p.made.ahead = ahead(i, &KeptPiece::first);
+    p.made.ahead = ahead(i, &CachedPiece::first);
     const auto end = std::find(p.made.ahead.begin(), p.made.ahead.end(), std::size_t{0});
     if (!classify_piece(p.rows, {p.made.ahead.begin(), end}, text_)) return false;
     p.made.first_classified = first_types(p.rows);
@@ -265,11 +266,11 @@ class ChangedParser {
 
   bool parse(std::size_t i) {
     NewPiece& p = pieces_[i];
-    KeptPiece& made = p.made;
+    CachedPiece& made = p.made;
     made.text = text_of(p);
     made.begin = p.begin;
     made.address = reinterpret_cast<std::uintptr_t>(text_.data() + p.begin);
-    made.ahead_classified = ahead(i, &KeptPiece::first_classified);
+    made.ahead_classified = ahead(i, &CachedPiece::first_classified);
     made.arena = std::make_unique<Arena>();
     const std::size_t end = p.rows.size();
     for (const std::size_t type : made.ahead_classified) {
@@ -310,7 +311,7 @@ class ChangedParser {
     syntax::Syntax syntax;
     syntax.file = file_;
     syntax.arena = std::make_unique<Arena>();
-    std::vector<KeptPiece> now;
+    std::vector<CachedPiece> now;
     now.reserve(pieces_.size());
     std::vector<const syntax::Decl*> decls;
     for (NewPiece& p : pieces_) {
@@ -335,7 +336,7 @@ class ChangedParser {
     return syntax;
   }
 
-  void move_to(KeptPiece& piece, std::uint32_t begin) const {
+  void move_to(CachedPiece& piece, std::uint32_t begin) const {
     BIP_ASSERT(text_.substr(begin, piece.text.size()) == piece.text, "another text is at {}", begin);
     const syntax::NodeMove by{.from = piece.address,
                               .size = piece.text.size(),
@@ -351,17 +352,17 @@ class ChangedParser {
   const SourceMap& sources_;
   FileId file_;
   std::string_view text_;
-  KeptPieces& kept_;
+  PieceCache& kept_;
   std::vector<NewPiece> pieces_;
 };
 
 }  // namespace
 
-std::optional<syntax::Syntax> parse_changed(const SourceMap& sources, FileId file, KeptPieces& kept) {
+std::optional<syntax::Syntax> parse_changed(const SourceMap& sources, FileId file, PieceCache& kept) {
   return ChangedParser(sources, file, kept).run();
 }
 
-std::optional<syntax::Syntax> parse_damaged(const SourceMap& sources, FileId file, KeptPieces& kept, Diagnostics& diags,
+std::optional<syntax::Syntax> parse_damaged(const SourceMap& sources, FileId file, PieceCache& kept, Diagnostics& diags,
                                             const ReadDamaged& read) {
   return kept.pieces.empty() ? std::nullopt : ChangedParser(sources, file, kept).run_damaged(diags, read);
 }

@@ -63,7 +63,7 @@ void with_tree(const TokenList& list, const SourceMap& sources, FileId file, Dia
 }  // namespace
 
 std::optional<syntax::Syntax> parse_incrementally(const SourceMap& sources, FileId file, Diagnostics& diags,
-                                                  KeptPieces& kept) {
+                                                  PieceCache& kept) {
   if (head_of_bip1(sources, file).is_valid()) return std::nullopt;
   if (std::optional<syntax::Syntax> syntax = parse_changed(sources, file, kept)) return syntax;
   const ReadDamaged read = [&](const TokenList& list, Arena& arena, Diagnostics& found) {
@@ -78,7 +78,7 @@ std::optional<syntax::Syntax> parse_incrementally(const SourceMap& sources, File
   return syntax;
 }
 
-std::optional<syntax::Syntax> parse_file(const SourceMap& sources, FileId file, Diagnostics& diags, KeptPieces* kept) {
+std::optional<syntax::Syntax> parse_file(const SourceMap& sources, FileId file, Diagnostics& diags, PieceCache* kept) {
   if (kept != nullptr) {
     if (std::optional<syntax::Syntax> syntax = parse_incrementally(sources, file, diags, *kept)) return syntax;
     ++kept->whole;

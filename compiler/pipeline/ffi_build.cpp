@@ -75,7 +75,7 @@ class LibraryBuild {
   // The library's path in the folder for temporary files; empty after a report.
   std::string run(const CacheOptions& options) {
     if (!find_tools()) return {};
-    ContentCache cache(KeptKind::Library, cache_folder(options).string(), options.megabytes << 20);
+    ContentCache cache(ContentKind::Library, cache_folder(options).string(), options.megabytes << 20);
     const std::string name = cache.is_on() ? key() : std::string();
     if (!write(shim_path_, shim_)) return {};
     const std::string texts = cache.is_on() ? hash_of_texts() : std::string();

@@ -37,7 +37,7 @@ struct Compilation {
   SourceMap sources;
   Diagnostics diags;
   std::map<std::string, std::string> open_texts;             // by path: what an editor holds, read instead of the files
-  std::map<std::string, parse::KeptPieces>* kept = nullptr;  // by path: what an editor keeps of earlier texts
+  std::map<std::string, parse::PieceCache>* kept = nullptr;  // by path: what an editor keeps of earlier texts
   std::map<FileId, std::string> paths;                       // where each file was read; messages may call it otherwise
   std::vector<PassTime> times;
   std::string printed;  // text of the products that --print-after names; the command prints it

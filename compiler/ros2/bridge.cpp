@@ -162,7 +162,7 @@ void Bridge::keep_time(Clock::time_point now) {
   if (model_ && now >= next_sign_) {
     next_sign_ = now + kSign;
     // The decisional level has fallen silent when its clients are gone: then the bridge does, too.
-    if (has_clients() && is_ready_) ask({{"do", "requests"}}, {.kind = Asked::Sign});
+    if (has_clients() && is_ready_) ask({{"do", "requests"}}, {.kind = ServerRequest::Sign});
   }
   if (is_ready_ && now >= next_value_) {
     next_value_ = now + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / options_.rate));
@@ -192,7 +192,7 @@ void Bridge::connect() {
   next_sign_ = Clock::now() + kSign;
   Json hello{{"do", "hello"}, {"role", "requester"}};
   if (!model_->token().empty()) hello["token"] = model_->token();
-  ask(std::move(hello), {.kind = Asked::Hello});
+  ask(std::move(hello), {.kind = ServerRequest::Hello});
 }
 
 void Bridge::lose(const std::string& why) {
@@ -236,12 +236,12 @@ void Bridge::hear_answer(const Question& question, const Json& answer) {
   const bool is_ok = is_true(answer, "ok");
   const std::string error = text_of(answer, "error");
   switch (question.kind) {
-    case Asked::Hello: return is_ok ? begin(answer) : lose(error);
-    case Asked::Open: return is_ok ? adopt(list_of(answer, "requests")) : void();
-    case Asked::Subscribe:
-    case Asked::Sign: return;
-    case Asked::Poster: return publish_poster(question.poster, answer);
-    case Asked::Goal: {
+    case ServerRequest::Hello: return is_ok ? begin(answer) : lose(error);
+    case ServerRequest::Open: return is_ok ? adopt(list_of(answer, "requests")) : void();
+    case ServerRequest::Subscribe:
+    case ServerRequest::Sign: return;
+    case ServerRequest::Poster: return publish_poster(question.poster, answer);
+    case ServerRequest::Goal: {
       Goal* const goal = goals_.find(question.goal);
       if (goal == nullptr) return;
       if (!is_ok) return refuse(*goal, kNotTaken, error);
@@ -252,7 +252,7 @@ void Bridge::hear_answer(const Question& question, const Json& answer) {
       for (const Json& note : early) hear_note(note);
       return;
     }
-    case Asked::Cancel: {
+    case ServerRequest::Cancel: {
       Goal* const goal = goals_.find(question.goal);
       if (is_ok || goal == nullptr || is_over(goal->state)) return;
       if (error.ends_with("ask again")) return cancels_.push_back(question.goal);
@@ -274,7 +274,7 @@ void Bridge::hear_note(const Json& note) {
   Goal* const goal = goals_.find_request(number_of(note, "request"));
   if (goal == nullptr) {
     const bool may_be_ours = std::any_of(questions_.begin(), questions_.end(),
-                                         [](const auto& row) { return row.second.kind == Asked::Goal; });
+                                         [](const auto& row) { return row.second.kind == ServerRequest::Goal; });
     if (may_be_ours && early_.size() < kMostEarly) early_.push_back(note);
     return;
   }
@@ -297,8 +297,8 @@ void Bridge::begin(const Json& hello) {
   }
   say_(fmt::format("connected to {}: {} of {} actions{}", options_.where, count, interfaces_.actions.size(),
                    missing.empty() ? "" : "; the model does not have " + missing));
-  ask({{"do", "subscribe"}, {"requests", true}}, {.kind = Asked::Subscribe});
-  ask({{"do", "requests"}}, {.kind = Asked::Open});
+  ask({{"do", "subscribe"}, {"requests", true}}, {.kind = ServerRequest::Subscribe});
+  ask({{"do", "requests"}}, {.kind = ServerRequest::Open});
   // Once, to say at the beginning which posters will never come.
   unknown_posters_ = posters_.size();
   hidden_posters_.clear();
@@ -312,7 +312,7 @@ void Bridge::ask_poster(std::size_t k) {
   BIP_ASSERT(posters_.size() == interfaces_.topics.size(), "{} posters of {} topics", posters_.size(),
              interfaces_.topics.size());
   posters_[k].is_asked = true;
-  ask({{"do", "poster"}, {"poster", interfaces_.topics[k].poster}}, {.kind = Asked::Poster, .poster = k});
+  ask({{"do", "poster"}, {"poster", interfaces_.topics[k].poster}}, {.kind = ServerRequest::Poster, .poster = k});
 }
 
 // An activity that runs already was requested by another client, perhaps by an earlier bridge. It becomes a goal with a
@@ -387,7 +387,7 @@ void Bridge::take_goal(std::size_t k, const Sample& sample) {
   const Json line{{"do", "request"}, {"service", text}, {"input", input}};
   if (depth_of(line) > kDeepestLine || line_of(line).size() > kLongestLine)
     return refuse(*goal, kNotTaken, "the goal is larger than a request may be");
-  ask(line, {.kind = Asked::Goal, .goal = goal->id});
+  ask(line, {.kind = ServerRequest::Goal, .goal = goal->id});
 }
 
 void Bridge::take_cancel(std::size_t k, const Sample& sample) {
@@ -489,7 +489,7 @@ void Bridge::end(Goal& goal, GoalState state) {
 }
 
 void Bridge::cancel(Goal& goal) {
-  if (model_) ask({{"do", "cancel"}, {"request", goal.request}}, {.kind = Asked::Cancel, .goal = goal.id});
+  if (model_) ask({{"do", "cancel"}, {"request", goal.request}}, {.kind = ServerRequest::Cancel, .goal = goal.id});
 }
 
 void Bridge::answer_results(Goal& goal) {

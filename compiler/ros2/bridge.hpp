@@ -51,9 +51,9 @@ class Bridge {
     PeerId peer;
     Clock::time_point until;
   };
-  enum class Asked : std::uint8_t { Hello, Subscribe, Open, Goal, Cancel, Poster, Sign };
+  enum class ServerRequest : std::uint8_t { Hello, Subscribe, Open, Goal, Cancel, Poster, Sign };
   struct Question {
-    Asked kind = Asked::Hello;
+    ServerRequest kind = ServerRequest::Hello;
     GoalId goal{};
     std::size_t poster = 0;
   };

@@ -81,9 +81,9 @@ constexpr int kMostNested = 64;
 
 // ---- writing
 
-class Writer {
+class MessageEncoder {
  public:
-  Writer(const Messages& messages, Encoding encoding) : messages_(messages), encoding_(encoding) {
+  MessageEncoder(const Messages& messages, Encoding encoding) : messages_(messages), encoding_(encoding) {
     if (encoding == Encoding::Cdr) out_ = {0, kLittleEndian, 0, 0};
   }
 
@@ -207,9 +207,9 @@ class Writer {
 
 // ---- reading
 
-class Reader {
+class MessageDecoder {
  public:
-  Reader(const Messages& messages, const Bytes& bytes, Encoding encoding)
+  MessageDecoder(const Messages& messages, const Bytes& bytes, Encoding encoding)
       : messages_(messages), bytes_(bytes), encoding_(encoding) {
     if (encoding == Encoding::Packed) return;
     at_ = kHead;
@@ -404,7 +404,7 @@ std::string dds_type(const std::string& name) {
 
 Result<Bytes> to_cdr(const Messages& messages, const std::string& name, const Json& value,
                      const RequestHeader* header) {
-  Writer writer(messages, Encoding::Cdr);
+  MessageEncoder writer(messages, Encoding::Cdr);
   if (header != nullptr) {
     writer.number(header->client, 8);
     writer.number(static_cast<std::uint64_t>(header->number), 8);
@@ -414,7 +414,7 @@ Result<Bytes> to_cdr(const Messages& messages, const std::string& name, const Js
 }
 
 Result<Json> from_cdr(const Messages& messages, const std::string& name, const Bytes& bytes, RequestHeader* header) {
-  Reader reader(messages, bytes, Encoding::Cdr);
+  MessageDecoder reader(messages, bytes, Encoding::Cdr);
   if (header != nullptr) {
     header->client = reader.number(8);
     header->number = static_cast<std::int64_t>(reader.number(8));
@@ -425,13 +425,13 @@ Result<Json> from_cdr(const Messages& messages, const std::string& name, const B
 }
 
 Result<Bytes> to_packed(const Messages& messages, const std::string& name, const Json& value) {
-  Writer writer(messages, Encoding::Packed);
+  MessageEncoder writer(messages, Encoding::Packed);
   writer.message(name, value, "");
   return writer.result();
 }
 
 Result<Json> from_packed(const Messages& messages, const std::string& name, const Bytes& bytes) {
-  Reader reader(messages, bytes, Encoding::Packed);
+  MessageDecoder reader(messages, bytes, Encoding::Packed);
   Json value = reader.message(name, 0);
   if (!reader.wrong().empty()) return Failure{reader.wrong()};
   return value;

@@ -67,14 +67,14 @@ struct Client {
 };
 
 // Reading from a terminal must not stay non-blocking for the shell after us.
-class KeptFlags {
+class SavedDescriptorFlags {
  public:
-  explicit KeptFlags(int descriptor) : descriptor_(descriptor), flags_(::fcntl(descriptor, F_GETFL)) {}
-  ~KeptFlags() {
+  explicit SavedDescriptorFlags(int descriptor) : descriptor_(descriptor), flags_(::fcntl(descriptor, F_GETFL)) {}
+  ~SavedDescriptorFlags() {
     if (flags_ >= 0) ::fcntl(descriptor_, F_SETFL, flags_);
   }
-  KeptFlags(const KeptFlags&) = delete;
-  KeptFlags& operator=(const KeptFlags&) = delete;
+  SavedDescriptorFlags(const SavedDescriptorFlags&) = delete;
+  SavedDescriptorFlags& operator=(const SavedDescriptorFlags&) = delete;
 
  private:
   int descriptor_, flags_;
@@ -526,7 +526,7 @@ class Server {
   net::signal_set signals_;
   net::steady_timer sweep_, silence_;
   std::optional<net::steady_timer> last_answers_;
-  std::deque<KeptFlags> kept_flags_;
+  std::deque<SavedDescriptorFlags> kept_flags_;
   SocketPath socket_path_;
   std::array<std::string, 3> tokens_;  // of TCP, by role
   std::string problem_;

@@ -90,12 +90,14 @@ Requests::Requests(const rt::Image& image, Execution& system) : system_(system) 
     mailboxes_.push_back(std::move(box));
     for (const rt::Port& port : image.atom_types[atom.type].ports) {
       const std::string_view name = port.name;
-      const auto add = [&](Heard heard) { ports_[atom.path() + "." + port.name] = {mailboxes_.size() - 1, heard}; };
-      if (name == "ask") add(Heard::Ask);
-      else if (name == "lost") add(Heard::Lost);
-      else if (name == "dropped") add(Heard::Dropped);
-      else if (name == "told") add(Heard::Told);
-      else if (name.starts_with("accepted")) add(Heard::Accepted);
+      const auto add = [&](MailboxSignal heard) {
+        ports_[atom.path() + "." + port.name] = {mailboxes_.size() - 1, heard};
+      };
+      if (name == "ask") add(MailboxSignal::Ask);
+      else if (name == "lost") add(MailboxSignal::Lost);
+      else if (name == "dropped") add(MailboxSignal::Dropped);
+      else if (name == "told") add(MailboxSignal::Told);
+      else if (name.starts_with("accepted")) add(MailboxSignal::Accepted);
     }
   }
   // The rows move no more: their texts can be pointed to.
@@ -329,27 +331,27 @@ void Requests::note_step(const Step& step) {
   replies_.clear();
 }
 
-void Requests::hear(Mailbox& box, Heard what, const Step& step, std::uint32_t port) {
+void Requests::hear(Mailbox& box, MailboxSignal what, const Step& step, std::uint32_t port) {
   switch (what) {
-    case Heard::Ask:
-    case Heard::Lost:
-    case Heard::Dropped: {
+    case MailboxSignal::Ask:
+    case MailboxSignal::Lost:
+    case MailboxSignal::Dropped: {
       const std::uint64_t number = number_at(step, port, "due_number");
       for (std::deque<Request>* queue : {&box.held, &box.held_urgent}) {
         const auto found = find_number(*queue, number);
         if (found == queue->end()) continue;
-        if (what == Heard::Ask) box.asked.assign(1, *found);
+        if (what == MailboxSignal::Ask) box.asked.assign(1, *found);
         else
           reply(*found, true,
-                what == Heard::Lost   ? "LOST"
-                : found->is_cancelled ? "CANCELLED"
-                                      : "ACTIVITY_INTERRUPTED");
+                what == MailboxSignal::Lost ? "LOST"
+                : found->is_cancelled       ? "CANCELLED"
+                                            : "ACTIVITY_INTERRUPTED");
         queue->erase(found);
         break;
       }
       return hand_over(box);
     }
-    case Heard::Accepted: {
+    case MailboxSignal::Accepted: {
       if (box.asked.empty() || box.asked[0].number != number_at(step, port, "asked_number")) return;
       const ServiceText* const service = box.find(box.asked[0].service);
       BIP_ASSERT(service != nullptr, "`{}` is no service", box.asked[0].service);
@@ -370,7 +372,7 @@ void Requests::hear(Mailbox& box, Heard what, const Step& step, std::uint32_t po
       box.waiting.erase(std::remove_if(box.waiting.begin(), box.waiting.end(), is_stopped), box.waiting.end());
       return;
     }
-    case Heard::Told: {
+    case MailboxSignal::Told: {
       if (box.asked.empty() || box.asked[0].number != number_at(step, port, "number")) return;
       const Request request = std::move(box.asked[0]);
       box.asked.clear();

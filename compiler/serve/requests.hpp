@@ -104,16 +104,16 @@ class Requests {
     std::map<std::string, Request> running;  // by the path of its activity
     [[nodiscard]] const ServiceText* find(std::string_view service) const;
   };
-  enum class Heard : std::uint8_t { Ask, Lost, Dropped, Told, Accepted };
+  enum class MailboxSignal : std::uint8_t { Ask, Lost, Dropped, Told, Accepted };
   struct Port {
     std::size_t mailbox;
-    Heard heard;
+    MailboxSignal heard;
   };
 
   [[nodiscard]] std::string unknown(std::string_view service) const;
   void enter(Mailbox& box, const ServiceText& service, Request request);
   void hand_over(Mailbox& box);
-  void hear(Mailbox& box, Heard what, const Step& step, std::uint32_t port);
+  void hear(Mailbox& box, MailboxSignal what, const Step& step, std::uint32_t port);
   void hear_end(const Step& step, std::uint32_t port);
   void send(const RequestReply& reply);
   void reply(const Request& request, bool is_final, const std::string& report, std::string result = {});

@@ -10,15 +10,15 @@
 
 namespace bip::steps {
 
-using lower::Reduction;
+using lower::ReductionOp;
 
 namespace {
 
 constexpr u32 kMostBranches = 32;  // within one another
 constexpr std::size_t kMostElements = 1u << 17;
 
-bool is_idempotent(Reduction by) {
-  return by == Reduction::Min || by == Reduction::Max || by == Reduction::And || by == Reduction::Or;
+bool is_idempotent(ReductionOp by) {
+  return by == ReductionOp::Min || by == ReductionOp::Max || by == ReductionOp::And || by == ReductionOp::Or;
 }
 
 }  // namespace
@@ -65,7 +65,7 @@ u32 Values::read(u32 cell) {
   return opaque();
 }
 
-u32 Values::joined(Reduction by, u32 a, u32 b) {
+u32 Values::joined(ReductionOp by, u32 a, u32 b) {
   if (a == b && is_idempotent(by)) return a;
   return add({Kind::Joined, by, a, b});
 }
@@ -81,14 +81,14 @@ u32 Values::expr(ExprId id) {
   const u32 b = expr(e.b);
   const bool is_int = e.type == Type::Int;
   switch (e.op) {
-    case Op::Add: return is_int ? joined(Reduction::Add, a, b) : opaque();
-    case Op::Mul: return is_int ? joined(Reduction::Mul, a, b) : opaque();
+    case Op::Add: return is_int ? joined(ReductionOp::Add, a, b) : opaque();
+    case Op::Mul: return is_int ? joined(ReductionOp::Mul, a, b) : opaque();
     // Nothing faults, so that the second operand may be evaluated always.
     case Op::BitAnd:
-    case Op::And: return joined(Reduction::And, a, b);
+    case Op::And: return joined(ReductionOp::And, a, b);
     case Op::BitOr:
-    case Op::Or: return joined(Reduction::Or, a, b);
-    case Op::BitXor: return joined(Reduction::Xor, a, b);
+    case Op::Or: return joined(ReductionOp::Or, a, b);
+    case Op::BitXor: return joined(ReductionOp::Xor, a, b);
     case Op::Sub:
       BIP_LEAF_OPS(BIP_OP_CASE)
       BIP_UNARY_OPS(BIP_OP_CASE)
@@ -106,8 +106,8 @@ u32 Values::either(ExprId condition, u32 yes, u32 no) {
   if (!is_order(e.op) || code_.exprs[e.a].type != Type::Int) return opaque();
   const u32 a = expr(e.a), b = expr(e.b);
   const bool greater = e.op == Op::Gt || e.op == Op::Ge;
-  if (yes == a && no == b) return joined(greater ? Reduction::Max : Reduction::Min, a, b);
-  if (yes == b && no == a) return joined(greater ? Reduction::Min : Reduction::Max, a, b);
+  if (yes == a && no == b) return joined(greater ? ReductionOp::Max : ReductionOp::Min, a, b);
+  if (yes == b && no == a) return joined(greater ? ReductionOp::Min : ReductionOp::Max, a, b);
   return opaque();
 }
 
@@ -164,7 +164,7 @@ void Values::run(StmtId body, u32 self, const u32* bind) {
 
 bool Values::elements(u32 value, std::vector<u32>& out) const {
   out.clear();
-  const Reduction by = values_[value].by;
+  const ReductionOp by = values_[value].by;
   if (values_[value].kind != Kind::Joined) return false;
   std::vector<u32> todo{value};
   while (!todo.empty()) {

@@ -20,8 +20,8 @@ class Values {
   enum class Kind : std::uint8_t { Old, Zero, Opaque, Joined };
   struct Value {
     Kind kind;
-    lower::Reduction by;  // Joined
-    u32 a, b;             // Old: a is the cell; Joined: two values
+    lower::ReductionOp by;  // Joined
+    u32 a, b;               // Old: a is the cell; Joined: two values
   };
 
   Values(const CodeTable& code, u32 cells) : code_(code), now_(cells, rt::kNone) {}
@@ -53,7 +53,7 @@ class Values {
   u32 add(Value value);
   u32 opaque() { return add({Kind::Opaque, {}, 0, 0}); }
   u32 read(u32 cell);
-  u32 joined(lower::Reduction by, u32 a, u32 b);
+  u32 joined(lower::ReductionOp by, u32 a, u32 b);
   u32 expr(ExprId id);
   void set(u32 cell, u32 value);
   void branch(const Stmt& s);

@@ -25,9 +25,9 @@ struct Want {
   bool held = false;    // by whom the atom met last: a fork waits for the one who took it
 };
 
-class Story {
+class DeadlockExplainer {
  public:
-  explicit Story(const Core& core) : core_(core), tables_(core.tables()), image_(core.image()) {
+  explicit DeadlockExplainer(const Core& core) : core_(core), tables_(core.tables()), image_(core.image()) {
     look_at_connectors();
     look_at_atoms();
   }
@@ -435,14 +435,14 @@ class Story {
 }  // namespace
 
 std::string deadlock_story(const Core& core, std::uint64_t steps, std::uint64_t seed) {
-  return Story(core).text(steps, seed);
+  return DeadlockExplainer(core).text(steps, seed);
 }
 
 DeadlockWaits deadlock_waits(const Core& core) {
-  Story story(core);
-  return {story.waits(), story.shortest_cycle()};
+  DeadlockExplainer explainer(core);
+  return {explainer.waits(), explainer.shortest_cycle()};
 }
 
-std::vector<u32> deadlock_cycle(const Core& core) { return Story(core).shortest_cycle(); }
+std::vector<u32> deadlock_cycle(const Core& core) { return DeadlockExplainer(core).shortest_cycle(); }
 
 }  // namespace bip::rt

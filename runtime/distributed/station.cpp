@@ -13,7 +13,7 @@ Station::Station(Fabric& fabric, const Codec& codec, u32 self, u32 peers)
   for (u32 peer = 0; peer < peers; ++peer) ends_.emplace_back(Link(self, peer));
 }
 
-void Station::take(const Arrival& arrival, i64 now, std::vector<Heard>& heard) {
+void Station::take(const Arrival& arrival, i64 now, std::vector<ReceivedMessage>& heard) {
   if (arrival.from >= ends_.size() || arrival.from == self_ ||
       !codec_.read(arrival.bytes, arrival.from, self_, frame_)) {
     ++counts_.refused;

@@ -19,7 +19,7 @@ struct StationCounts {
   u64 refused = 0;  // frames that are none of this run
 };
 
-struct Heard {
+struct ReceivedMessage {
   u32 from = 0;
   Message message;
 };
@@ -38,7 +38,7 @@ class Station {
   [[nodiscard]] Link& link(u32 peer) { return ends_[peer].link; }
   void say(u32 peer, Message message) { ends_[peer].link.say(std::move(message)); }
   /// Appends what is due.
-  void take(const Arrival& arrival, i64 now, std::vector<Heard>& heard);
+  void take(const Arrival& arrival, i64 now, std::vector<ReceivedMessage>& heard);
   /// Sends what is to be said.
   void send(i64 now);
   /// Says that this process is there, also if there is nothing to say.

@@ -88,7 +88,7 @@ class Launcher {
         if (gathering_ && is_greeting(arrival.bytes)) take_greeting(arrival);
         else station_->take(arrival, woken, heard_);
       }
-      for (const Heard& heard : heard_) take(heard, woken);
+      for (const ReceivedMessage& heard : heard_) take(heard, woken);
       if (any_ended) take_ended();
       if (result_.started == 0 &&
           std::all_of(members_.begin(), members_.end(), [](const Member& m) { return m.is_there; }))
@@ -266,7 +266,7 @@ class Launcher {
 
   // ---- what nodes say
 
-  void take(const Heard& heard, i64 now) {
+  void take(const ReceivedMessage& heard, i64 now) {
     const auto* const control = std::get_if<Control>(&heard.message);
     if (control == nullptr || members_[heard.from].is_lost) return;
     Member& member = members_[heard.from];
@@ -579,7 +579,7 @@ class Launcher {
     member.has_answered = true;
     if (are_limits) limit_.meet({instant(0), instant(1)});
     else planned_ = std::min(planned_, instant(0));
-    if (!all([](const Member& member) { return member.has_answered; })) return;
+    if (!all([](const Member& each) { return each.has_answered; })) return;
     if (are_limits && plans_) {
       phase_ = RunPhase::Planning;
       return ask_of_time(Control::Kind::Plan, {static_cast<u64>(limit_.last)});
@@ -775,7 +775,7 @@ class Launcher {
   i64 beat_at_ = 0, stale_at_ = 0, ask_at_ = 0, patience_until_ = kForever;
   // Scratch.
   std::vector<Arrival> arrivals_;
-  std::vector<Heard> heard_;
+  std::vector<ReceivedMessage> heard_;
 };
 
 }  // namespace

@@ -87,7 +87,7 @@ bool NodeProcess::run(const State& initial) {
       if (is_greeting(arrival.bytes)) take_greeting(arrival);
       else station_.take(arrival, now, heard_);
     }
-    for (const Heard& heard : heard_) take(heard);
+    for (const ReceivedMessage& heard : heard_) take(heard);
     end_parkings(now);
     has_work = has_worked();
     release_held();
@@ -145,7 +145,7 @@ void NodeProcess::say(Control::Kind kind, std::vector<u64> numbers, std::vector<
   station_.say(launcher_, Control{kind, std::move(numbers), std::move(texts)});
 }
 
-void NodeProcess::take(const Heard& heard) {
+void NodeProcess::take(const ReceivedMessage& heard) {
   const auto* const control = std::get_if<Control>(&heard.message);
   if ((control != nullptr) != (heard.from == launcher_)) return;
   if (control != nullptr) return take_control(*control);

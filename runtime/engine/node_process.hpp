@@ -63,7 +63,7 @@ class NodeProcess {
   [[nodiscard]] bool begin_watch();
   void take_greeting(const Arrival& arrival);
   [[nodiscard]] bool must_leave(i64 now);
-  void take(const Heard& heard);
+  void take(const ReceivedMessage& heard);
   void take_control(const Control& control);
   void give_back();
   [[nodiscard]] bool has_worked();
@@ -116,7 +116,7 @@ class NodeProcess {
   u32 fault_order_ = 0;
   // Scratch.
   std::vector<Arrival> arrivals_;
-  std::vector<Heard> heard_;
+  std::vector<ReceivedMessage> heard_;
   std::vector<u32> atoms_;
   StepText text_;
 };

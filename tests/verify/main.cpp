@@ -232,7 +232,7 @@ class Check {
         std::string last = verify::test::forge(kept_, foreign_, seed_ + (state[6] == 0 ? 0 : 1));
         if (!last.empty()) foreign_ = std::move(last);
       }
-      ContentCache cache(KeptKind::Proof, kept_.string(), std::uint64_t{1} << 30);
+      ContentCache cache(ContentKind::Proof, kept_.string(), std::uint64_t{1} << 30);
       verify::ProofCache memory(cache, "test", verify::StorePolicy::All);
       verify::Portfolio portfolio(
           *c.system, c.lowered->image, verify::StateAccess::Searchable, [] { return true; },

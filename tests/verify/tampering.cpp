@@ -118,7 +118,7 @@ void damage(const fs::path& folder, std::uint64_t seed) {
 
 std::string forge(const fs::path& folder, const std::string& foreign, std::uint64_t seed) {
   Forger forger(seed);
-  ContentCache cache(KeptKind::Proof, folder.string(), kMostBytes);
+  ContentCache cache(ContentKind::Proof, folder.string(), kMostBytes);
   std::string last;
   for (const std::string& name : kept_names(folder)) {
     const std::optional<std::string> text = cache.load(name);

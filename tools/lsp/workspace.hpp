@@ -23,7 +23,7 @@ struct Document {
   // Edits of the text, of the one whose names are known, and of the one that was checked.
   std::uint64_t edits = 0, named_edits = 0, checked_edits = 0;
   Text text{std::string()};
-  std::map<std::string, parse::KeptPieces> kept;  // of this file and those it uses, by path
+  std::map<std::string, parse::PieceCache> kept;  // of this file and those it uses, by path
   Analysis analysis;                              // its names
   Findings findings;
   /// The names of the text that was checked last are still to be read, from the trees that `findings.own` has. They

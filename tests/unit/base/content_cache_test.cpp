@@ -41,12 +41,12 @@ TEST_CASE("what is stored comes back, bytes of all kinds") {
   const Folder folder;
   const std::string bytes("\0\n\xff bipc object 1\n", 18);
   {
-    ContentCache cache(KeptKind::Object, folder.path() + "/made/when/needed", kLarge);
+    ContentCache cache(ContentKind::Object, folder.path() + "/made/when/needed", kLarge);
     CHECK_FALSE(cache.load("a"));
     cache.store("a", bytes);
     cache.store("empty", "");
   }
-  ContentCache cache(KeptKind::Object, folder.path() + "/made/when/needed", kLarge);
+  ContentCache cache(ContentKind::Object, folder.path() + "/made/when/needed", kLarge);
   CHECK(cache.load("a") == bytes);
   CHECK(cache.load("empty") == "");
   CHECK_FALSE(cache.load("b"));
@@ -56,7 +56,7 @@ TEST_CASE("what is stored comes back, bytes of all kinds") {
 TEST_CASE("a file that is cut, changed or foreign counts as none") {
   const Folder folder;
   const std::string bytes(1000, 'x');
-  { ContentCache(KeptKind::Object, folder.path(), kLarge).store("a", bytes); }
+  { ContentCache(ContentKind::Object, folder.path(), kLarge).store("a", bytes); }
   const fs::path path = fs::path(folder.path()) / "a.o";
   std::ifstream in(path, std::ios::binary);
   const std::string whole{std::istreambuf_iterator<char>(in), {}};
@@ -68,7 +68,7 @@ TEST_CASE("a file that is cut, changed or foreign counts as none") {
   for (const std::string& text : {whole.substr(0, whole.size() - 1), whole + "z", changed, head, std::string(),
                                   std::string("ELF"), whole.substr(0, 30)}) {
     write(text);
-    ContentCache cache(KeptKind::Object, folder.path(), kLarge);
+    ContentCache cache(ContentKind::Object, folder.path(), kLarge);
     CHECK_FALSE(cache.load("a"));
     CHECK(cache.broken().size() == 1);
     cache.store("a", bytes);
@@ -78,7 +78,7 @@ TEST_CASE("a file that is cut, changed or foreign counts as none") {
 
 TEST_CASE("a sound file under another name counts as none") {
   const Folder folder;
-  ContentCache cache(KeptKind::Object, folder.path(), kLarge);
+  ContentCache cache(ContentKind::Object, folder.path(), kLarge);
   cache.store("a", "code of a");
   cache.store("b", "code of b");
   const fs::path of_folder = folder.path();
@@ -86,7 +86,7 @@ TEST_CASE("a sound file under another name counts as none") {
   fs::copy_file(of_folder / "a.o", of_folder / "a.so");
   CHECK(cache.load("a") == "code of a");
   CHECK_FALSE(cache.load("b"));
-  CHECK_FALSE(ContentCache(KeptKind::Library, folder.path(), kLarge).load("a"));
+  CHECK_FALSE(ContentCache(ContentKind::Library, folder.path(), kLarge).load("a"));
   CHECK(cache.broken().size() == 1);
 }
 
@@ -97,7 +97,7 @@ TEST_CASE("what was not used longest goes first") {
     fs::last_write_time(fs::path(folder.path()) / name, fs::file_time_type::clock::now() - std::chrono::hours(hours));
   };
   {
-    ContentCache cache(KeptKind::Object, folder.path(), kLarge);
+    ContentCache cache(ContentKind::Object, folder.path(), kLarge);
     for (const char* name : {"a", "b", "c"}) cache.store(name, bytes);
   }
   std::ofstream(fs::path(folder.path()) / "left.new") << "half";
@@ -108,8 +108,8 @@ TEST_CASE("what was not used longest goes first") {
   age("c.o", 3);
   age("left.new", 2);
   // Used again: b is the oldest then.
-  CHECK(ContentCache(KeptKind::Object, folder.path(), kLarge).load("a"));
-  { ContentCache(KeptKind::Object, folder.path(), 4000).store("d", bytes); }
+  CHECK(ContentCache(ContentKind::Object, folder.path(), kLarge).load("a"));
+  { ContentCache(ContentKind::Object, folder.path(), 4000).store("d", bytes); }
   CHECK_FALSE(fs::exists(folder.path() + "/b.o"));
   CHECK(fs::exists(folder.path() + "/a.o"));
   CHECK(fs::exists(folder.path() + "/d.o"));
@@ -119,12 +119,12 @@ TEST_CASE("what was not used longest goes first") {
 }
 
 TEST_CASE("without a folder, or with one that cannot be, nothing is kept and nothing fails") {
-  ContentCache off(KeptKind::Object, "", kLarge);
+  ContentCache off(ContentKind::Object, "", kLarge);
   off.store("a", "x");
   CHECK_FALSE(off.load("a"));
   const Folder folder;
   std::ofstream(folder.path() + "/file") << "no folder";
-  ContentCache cache(KeptKind::Object, folder.path() + "/file", kLarge);
+  ContentCache cache(ContentKind::Object, folder.path() + "/file", kLarge);
   cache.store("a", "x");
   CHECK_FALSE(cache.load("a"));
 }
@@ -136,12 +136,12 @@ TEST_CASE("several writers at a time leave whole files") {
   for (int k = 0; k < 4; ++k) {
     threads.emplace_back([&, k] {
       for (int round = 0; round < 50; ++round)
-        ContentCache(KeptKind::Object, folder.path(), kLarge).store("same", text(k));
+        ContentCache(ContentKind::Object, folder.path(), kLarge).store("same", text(k));
     });
   }
   int broken = 0, seen = 0;
   for (int round = 0; round < 400; ++round) {
-    ContentCache cache(KeptKind::Object, folder.path(), kLarge);
+    ContentCache cache(ContentKind::Object, folder.path(), kLarge);
     const std::optional<std::string> bytes = cache.load("same");
     broken += static_cast<int>(cache.broken().size());
     if (bytes) seen += *bytes == text((*bytes)[0] - 'a') ? 1 : -1000;
@@ -154,7 +154,7 @@ TEST_CASE("several writers at a time leave whole files") {
 
 TEST_CASE("kinds have files of their own, and a pipe or a folder by that name is none") {
   const Folder folder;
-  ContentCache objects(KeptKind::Object, folder.path(), kLarge), proofs(KeptKind::Proof, folder.path(), kLarge);
+  ContentCache objects(ContentKind::Object, folder.path(), kLarge), proofs(ContentKind::Proof, folder.path(), kLarge);
   CHECK(objects.store("a", "code"));
   CHECK_FALSE(proofs.load("a"));
   CHECK(proofs.store("a", "proof"));
@@ -169,7 +169,7 @@ TEST_CASE("kinds have files of their own, and a pipe or a folder by that name is
   CHECK_FALSE(proofs.load("folder"));
   // Larger than all that may be kept.
   CHECK(proofs.store("large", std::string(5000, 'x')));
-  CHECK_FALSE(ContentCache(KeptKind::Proof, folder.path(), 4000).load("large"));
+  CHECK_FALSE(ContentCache(ContentKind::Proof, folder.path(), 4000).load("large"));
   CHECK(proofs.load("large"));
 }
 

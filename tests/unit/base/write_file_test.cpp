@@ -136,10 +136,10 @@ TEST_CASE("what cannot be written or read is a failure with its reason") {
 TEST_CASE("a cache is made private, and one that others can write to is not used") {
   const testing::ScratchFolder folder;
   const std::string path = folder.path() + "/above/cache";
-  CHECK(ContentCache(KeptKind::Object, path, 1 << 20).store("a", "bytes"));
+  CHECK(ContentCache(ContentKind::Object, path, 1 << 20).store("a", "bytes"));
   for (const char* part : {"/above", "/above/cache"})
     CHECK((fs::status(folder.path() + part).permissions() & fs::perms::mask) == fs::perms::owner_all);
-  ContentCache cache(KeptKind::Object, path, 1 << 20);
+  ContentCache cache(ContentKind::Object, path, 1 << 20);
   CHECK(cache.load("a") == "bytes");
   fs::permissions(path, fs::perms::group_write, fs::perm_options::add);
   CHECK_FALSE(cache.load("a"));

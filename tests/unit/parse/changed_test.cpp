@@ -20,7 +20,7 @@ namespace {
 using namespace bip;
 
 struct Read {
-  Read(const std::string& text, parse::KeptPieces* kept)
+  Read(const std::string& text, parse::PieceCache* kept)
       : file(sources.add("test.bip", text)), syntax(parse::parse_file(sources, file, diags, kept)) {}
   SourceMap sources;
   FileId file;
@@ -76,7 +76,7 @@ end
 
 TEST_CASE("only the declaration that changed is parsed again") {
   const std::string text = std::string(kChangedFile) + "end\n";
-  parse::KeptPieces kept;
+  parse::PieceCache kept;
   REQUIRE(Read(text, &kept).all() == Read(text, nullptr).all());
   REQUIRE(kept.whole == 0);
   // The beginning, `port type`, `connector type` (with what stands below it), `atom type`, `compound type`.
@@ -116,7 +116,7 @@ TEST_CASE("nothing in a tree stays with the earlier text") {
   Diagnostics diags;
   with_files(earlier, kEarlier);
   with_files(later, kEarlier + 1);
-  parse::KeptPieces kept;
+  parse::PieceCache kept;
   const FileId file = earlier.add("a.bip", text);
   REQUIRE(parse::parse_file(earlier, file, diags, &kept).has_value());
   // A range in a node: the number, and a part of the text behind it. Padding may hold the number alone, or an address.
@@ -137,7 +137,7 @@ TEST_CASE("nothing in a tree stays with the earlier text") {
   const auto stale = [&] {
     const std::string_view old = earlier.text(file);
     std::size_t found = 0;
-    for (const parse::KeptPiece& piece : kept.pieces) {
+    for (const parse::CachedPiece& piece : kept.pieces) {
       for (const parse::MadeNodes& nodes : piece.made) {
         const char* const bytes = static_cast<const char*>(nodes.first);
         for (std::size_t at = 0; at < nodes.count * nodes.size; at += 4) {
@@ -158,7 +158,7 @@ TEST_CASE("nothing in a tree stays with the earlier text") {
 
 TEST_CASE("a file that is not sound is read as a whole, and what was kept stays") {
   const std::string text = std::string(kChangedFile) + "end\n";
-  parse::KeptPieces kept;
+  parse::PieceCache kept;
   REQUIRE(Read(text, &kept).all() == Read(text, nullptr).all());
   for (const char* odd : {"atom", "}", "/*", "\"", "\xff", "\xe2\x80\xaa// x\n", "end", "atom type X() end"}) {
     std::string broken = text;
@@ -220,7 +220,7 @@ TEST_CASE("of a text with an error only its surroundings are read") {
                                "é"};
   std::mt19937 random(3);
   const auto below = [&random](std::size_t n) { return static_cast<std::size_t>(random() % n); };
-  parse::KeptPieces kept;
+  parse::PieceCache kept;
   for (int step = 0; step < 1000; ++step) {
     if (step % 2 == 0) REQUIRE(Read(text, &kept).all().size() > 1000);
     std::string broken = text;
@@ -273,7 +273,7 @@ TEST_CASE("trees of edited models are those of fresh parses") {
                                "é"};
   std::uint64_t reused = 0, sound = 0;
   for (const std::string& model : models) {
-    parse::KeptPieces kept;
+    parse::PieceCache kept;
     std::string text = model;
     for (int step = 0; step < 40; ++step) {
       const std::size_t at = below(text.size() + 1);

@@ -157,7 +157,7 @@ TEST_CASE("of two proofs at once one is cancelled and the other finishes, with a
   verify::ReuseCounts cancelled_counts, finished_counts;
   const auto with_cache = [&](Asked& asked, const verify::CancellationSource& source, const verify::Report& report,
                               verify::ReuseCounts& counts) {
-    ContentCache cache(KeptKind::Proof, folder.path(), std::uint64_t{1} << 30);
+    ContentCache cache(ContentKind::Proof, folder.path(), std::uint64_t{1} << 30);
     verify::ProofCache proofs(cache, "unit", verify::StorePolicy::All);
     verify::Decision decision = asked.decide(verify::CancellationToken(source).within(300), report, &proofs);
     counts = proofs.counts;

@@ -147,7 +147,7 @@ Answered ask(const std::string& text, const std::string& folder, const std::stri
     REQUIRE(parsed);
     question.property = std::move(*parsed);
   }
-  ContentCache cache(KeptKind::Proof, folder, std::uint64_t{1} << 30);
+  ContentCache cache(ContentKind::Proof, folder, std::uint64_t{1} << 30);
   verify::ProofCache memory(cache, "unit", policy);
   verify::Portfolio portfolio(
       *c.system, c.lowered->image, verify::StateAccess::Searchable, [] { return true; },
@@ -286,7 +286,7 @@ TEST_CASE("forged equations are not believed") {
                                      {{door, 0, false, std::numeric_limits<std::int32_t>::min()}}};
   for (const Terms& terms : forged) {
     const testing::ScratchFolder folder;
-    ContentCache cache(KeptKind::Proof, folder.path(), std::uint64_t{1} << 30);
+    ContentCache cache(ContentKind::Proof, folder.path(), std::uint64_t{1} << 30);
     verify::ProofCache memory(cache, "unit", StorePolicy::All);
     const std::string property = "never u[0]@IN";
     const std::string question = "state " + property;
@@ -353,7 +353,7 @@ TEST_CASE("a forged proof that would exclude the deadlock is not believed") {
   const verify::Net net = verify::build_net(*c.system);
   for (const auto kind : {verify::InvariantKind::Trap, verify::InvariantKind::OneToken, verify::InvariantKind::Sum}) {
     const testing::ScratchFolder folder;
-    ContentCache cache(KeptKind::Proof, folder.path(), std::uint64_t{1} << 30);
+    ContentCache cache(ContentKind::Proof, folder.path(), std::uint64_t{1} << 30);
     verify::ProofCache memory(cache, "unit", StorePolicy::All);
     CHECK(memory.recall(net, "deadlock").invariants.empty());
     // Each component is always as it was at first; so no philosopher ever holds one fork.
@@ -404,7 +404,7 @@ TEST_CASE("several processes share a folder") {
   for (int k = 0; k < 4; ++k) {
     threads.emplace_back([&] {
       for (int round = 0; round < 5; ++round) {
-        ContentCache cache(KeptKind::Proof, folder.path(), 20000);
+        ContentCache cache(ContentKind::Proof, folder.path(), 20000);
         verify::ProofCache memory(cache, "unit", StorePolicy::All);
         verify::Portfolio portfolio(
             *c.system, c.lowered->image, verify::StateAccess::Undetermined, [] { return false; },

@@ -17,7 +17,7 @@ namespace bip::parse {
 using TokensAhead = std::array<std::size_t, 3>;
 
 /// Some declarations of a sound file (all between two cuts), or its beginning, with their tree.
-struct KeptPiece {
+struct CachedPiece {
   std::string text;
   std::uint32_t begin = 0;     // where its ranges say that it is
   std::uintptr_t address = 0;  // where its views say that it is
@@ -37,8 +37,8 @@ struct KeptPiece {
 };
 
 /// The pieces of one file as it was last parsed.
-struct KeptPieces {
-  std::vector<KeptPiece> pieces;
+struct PieceCache {
+  std::vector<CachedPiece> pieces;
   // So far, for tests: what an edit costs.
   std::uint64_t parsed = 0;  // pieces
   std::uint64_t reused = 0;
