@@ -36,7 +36,9 @@ struct Location {
   std::vector<u32> leaders;  // by atom: with whom it goes on
   bool is_pending = false;   // a request waits for its response (TimedResponse)
   bool is_measured = false;
-  enum class Asked : std::uint8_t { Not, Possible, Impossible } asked_whole = Asked::Not;  // of a part (PartQuestion)
+  // Of a location of a part (PartQuestion): may the whole system be in it?
+  enum class Feasibility : std::uint8_t { NotDecided, Possible, Impossible };
+  Feasibility in_whole = Feasibility::NotDecided;
   bool is_final = false;  // each atom is at final places
   bool may_go_on = true;  // false: an invariant holds nowhere
   Bounds invariants;

@@ -10,16 +10,16 @@ namespace bip::rt {
 
 // The core is at the location when it is new: `measure` has just been there, or goes there anew.
 bool ZoneSearch::is_impossible(u32 row) {
-  using Asked = Location::Asked;
+  using Feasibility = Location::Feasibility;
   BIP_ASSERT(part_ != nullptr && row < locations_.size(), "location {}", row);
   Location& at = locations_[row];
-  if (at.asked_whole == Asked::Not) {
+  if (at.in_whole == Feasibility::NotDecided) {
     const std::vector<i64> clocks(locations_.clocks() + 1, 0);
     const bool is_none = part_->is_impossible && enter_core(at, clocks) && part_->is_impossible(core_);
-    at.asked_whole = is_none ? Asked::Impossible : Asked::Possible;
+    at.in_whole = is_none ? Feasibility::Impossible : Feasibility::Possible;
     impossible_ += is_none ? 1 : 0;
   }
-  return at.asked_whole == Asked::Impossible;
+  return at.in_whole == Feasibility::Impossible;
 }
 
 bool ZoneSearch::is_asked_for(u32 node) {

@@ -30,7 +30,7 @@ constexpr double kShareOfInvariants = 1.0 / 4, kShareOfRemark = 1.0 / 16;
 // Of a part, which mostly has such runs because it lacks what would end them.
 constexpr std::uint32_t kMostRoundsOfPart = 64;
 
-using KeptAtoms = std::vector<std::uint8_t>;  // by atom
+using AtomMask = std::vector<std::uint8_t>;  // by atom
 
 // The values of a circuit's signals along a counterexample.
 class CircuitRun {
@@ -154,7 +154,7 @@ class KLiveness {
       connector.push_back(step.interaction < tables.connector_interactions ? tables.interactions[step.interaction].row
                                                                            : kNoRow);
     }
-    KeptAtoms kept(system_.atoms.size(), 0);
+    AtomMask kept(system_.atoms.size(), 0);
     const auto keep_connector = [&](std::uint32_t row) {
       for (std::size_t k = 0; k < steps.size(); ++k) {
         for (const std::uint32_t atom : steps[k]) {
@@ -174,7 +174,7 @@ class KLiveness {
     const auto has_all = [&] { return std::find(kept.begin(), kept.end(), 0) == kept.end(); };
     for (bool grows = true; grows && !has_all();) {
       parts_.push_back({{kept}, {}, nullptr, false});
-      KeptAtoms more = kept;
+      AtomMask more = kept;
       for (const std::vector<std::uint32_t>& atoms : steps) {
         if (std::any_of(atoms.begin(), atoms.end(), [&](std::uint32_t atom) { return kept[atom] != 0; })) {
           for (const std::uint32_t atom : atoms) more[atom] = 1;
@@ -250,7 +250,7 @@ class KLiveness {
     result_.frames = answer.frames;
     result_.lemmas = answer.lemmas.size();
     result_.units = static_cast<std::uint32_t>(part.expected.size());
-    const KeptAtoms& keeps = part.atoms.keeps;
+    const AtomMask& keeps = part.atoms.keeps;
     result_.atoms = static_cast<std::uint32_t>(
         keeps.empty() ? system_.atoms.size() : static_cast<std::size_t>(std::count(keeps.begin(), keeps.end(), 1)));
     if (options_.wants_certificate) write_certificate(part, answer);
