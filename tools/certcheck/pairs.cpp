@@ -14,16 +14,15 @@ namespace {
 
 class PairReader {
  public:
-  PairReader(const Model& model, const Certificate& certificate) : model_(model), certificate_(certificate) {}
+  PairReader(const Model& model, const Certificate& certificate) : model_(model), proof_(certificate) {}
 
   PairModel run() {
-    const std::size_t first = certificate_.pair->first, second = certificate_.pair->second;
-    if (first == second || !contains(certificate_.is_told[first], true) ||
-        !contains(certificate_.is_told[second], true))
+    const std::size_t first = proof_.pair->first, second = proof_.pair->second;
+    if (first == second || !contains(proof_.is_told[first], true) || !contains(proof_.is_told[second], true))
       throw Rejected("the states do not tell of two components");
     like_ = {first, second};
     for (std::size_t a = 0; a < model_.atoms.size(); ++a)
-      if (!contains(certificate_.is_told[a], true)) like_.push_back(a);
+      if (!contains(proof_.is_told[a], true)) like_.push_back(a);
     if (like_.size() < 3) throw Rejected("no third component is like these two");
     for (std::size_t a : like_)
       if (model_.atoms[a].type != model_.atoms[first].type) fail(model_.atoms[a].path);
@@ -135,7 +134,7 @@ class PairReader {
   }
 
   const Model& model_;
-  const Certificate& certificate_;
+  const Certificate& proof_;
   Rows like_;  // the two, a third one, the others
   PairModel pair_;
 };

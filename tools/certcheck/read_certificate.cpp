@@ -15,10 +15,10 @@ class CertificateReader {
       state_.emplace_back();
       for (const Variable& variable : model_.type_of(k).variables)
         state_[k].push_back(variable.is_param ? std::optional(0) : std::nullopt);
-      certificate_.is_told.emplace_back(state_[k].size(), false);
+      proof_.is_told.emplace_back(state_[k].size(), false);
     }
-    certificate_.class_of.assign(model_.atoms.size(), kNone);
-    certificate_.reachable.resize(model_.atoms.size());
+    proof_.class_of.assign(model_.atoms.size(), kNone);
+    proof_.reachable.resize(model_.atoms.size());
   }
 
   Certificate run(std::istream& text, Last last) {
@@ -37,15 +37,13 @@ class CertificateReader {
     }
     if (line != "end" || text.eof() || (last == Last::Yes && text.get() != EOF))
       throw Rejected("its last row is not `end`");
-    if (certificate_.claim.empty()) throw Rejected("the certificate does not say what it proves");
-    if (!certificate_.classes.empty() && contains(certificate_.class_of, kNone))
-      throw Rejected("a component has no row");
-    if (!certificate_.states.empty() &&
-        !(certificate_.classes.empty() && certificate_.facts.empty() && certificate_.sets.empty()))
+    if (proof_.claim.empty()) throw Rejected("the certificate does not say what it proves");
+    if (!proof_.classes.empty() && contains(proof_.class_of, kNone)) throw Rejected("a component has no row");
+    if (!proof_.states.empty() && !(proof_.classes.empty() && proof_.facts.empty() && proof_.sets.empty()))
       throw Rejected("more is said than which states there are");
-    if (model_.is_timed && (certificate_.states.empty() || certificate_.zones.size() != certificate_.states.size()))
+    if (model_.is_timed && (proof_.states.empty() || proof_.zones.size() != proof_.states.size()))
       throw Rejected("the model has time, so states with zones are expected");
-    return std::move(certificate_);
+    return std::move(proof_);
   }
 
  private:
@@ -64,8 +62,8 @@ class CertificateReader {
     if (line == "method exhaustive") throw NotCheckable("the evidence is a search of all states");
     if (head == "root" || head == "method") return;
     if (head == "claim") {
-      need(certificate_.claim.empty() && line.size() > 6, "one claim is expected");
-      certificate_.claim = line.substr(6);
+      need(proof_.claim.empty() && line.size() > 6, "one claim is expected");
+      proof_.claim = line.substr(6);
       return;
     }
     const auto form = kForms.find(head);
@@ -77,17 +75,17 @@ class CertificateReader {
   void fairness_row() {
     static const std::vector<Text> kFairness{"none", "weak", "strong", "weak:atoms", "strong:atoms"};
     need(words_.size() == 2 && contains(kFairness, words_[1]), "no fairness");
-    certificate_.fairness = words_[1];
+    proof_.fairness = words_[1];
   }
   void rounds_row() {
-    need(words_.size() == 2 && !certificate_.rounds, "not the number of rounds");
-    certificate_.rounds = static_cast<std::size_t>(number(words_[1], 0, kMostBits));
+    need(words_.size() == 2 && !proof_.rounds, "not the number of rounds");
+    proof_.rounds = static_cast<std::size_t>(number(words_[1], 0, kMostBits));
   }
   // "begin trap 0 ROOT.a:1", "next 0 2 1 ROOT.b[2]:0 ROOT.c[2]:3"
   void set_row() {
     static const std::vector<Text> kPromises{"trap", "at-most", "at-least"};
     const bool is_first = words_[0] == "begin";
-    SetRow& row = certificate_.set_rows.emplace_back();
+    SetRow& row = proof_.set_rows.emplace_back();
     row.line = place();
     need(!is_first || contains(kPromises, words_[1]), "no promise");
     const auto count = [&](std::size_t k) { return static_cast<std::size_t>(number(words_[k], 0)); };
@@ -101,7 +99,7 @@ class CertificateReader {
   }
   // An atom; or a connector, if it is none of a port alone, and ports.
   void turn_row() {
-    Turn& turn = certificate_.turns.emplace_back();
+    Turn& turn = proof_.turns.emplace_back();
     turn.is_atom = words_.size() == 2 && atoms_.contains(words_[1]);
     if (turn.is_atom) {
       turn.row = atoms_.at(words_[1]);
@@ -117,17 +115,17 @@ class CertificateReader {
     }
   }
   void class_row() {
-    need(words_.size() == 3 && words_[1] == std::to_string(certificate_.classes.size()),
+    need(words_.size() == 3 && words_[1] == std::to_string(proof_.classes.size()),
          "not the number of the next class, and its type");
-    Class& row = certificate_.classes.emplace_back();
+    Class& row = proof_.classes.emplace_back();
     row.type = row_of(model_.atom_types, words_[2], &AtomType::name);
     row.followed.assign(model_.atom_types[row.type].variables.size(), false);
   }
 
   void mode_row() {
-    need(!certificate_.classes.empty() && words_[1] == std::to_string(certificate_.classes.back().modes.size()),
+    need(!proof_.classes.empty() && words_[1] == std::to_string(proof_.classes.back().modes.size()),
          "not the next mode");
-    Class& row = certificate_.classes.back();
+    Class& row = proof_.classes.back();
     const AtomType& type = model_.atom_types[row.type];
     Values mode(type.variables.size());
     std::fill_n(mode.begin(), type.places, 0);
@@ -140,11 +138,10 @@ class CertificateReader {
   void component_row() {
     const std::size_t atom = atom_of(words_[1]), row = static_cast<std::size_t>(number(words_[3], 0));
     need(words_[2] == "class" && words_[4] == "reachable", "not `component PATH class N reachable …`");
-    need(certificate_.class_of[atom] == kNone, "a component twice");
-    need(row < certificate_.classes.size() && certificate_.classes[row].type == model_.atoms[atom].type,
-         "the class does not fit");
-    certificate_.class_of[atom] = row;
-    for (std::size_t k = 5; k < words_.size(); ++k) certificate_.reachable[atom].insert(mode(atom, words_[k]));
+    need(proof_.class_of[atom] == kNone, "a component twice");
+    need(row < proof_.classes.size() && proof_.classes[row].type == model_.atoms[atom].type, "the class does not fit");
+    proof_.class_of[atom] = row;
+    for (std::size_t k = 5; k < words_.size(); ++k) proof_.reachable[atom].insert(mode(atom, words_[k]));
   }
 
   // Cases, of sums with their weights: "ROOT.a:2" of sets, of others literals joined by `&`.
@@ -152,7 +149,7 @@ class CertificateReader {
     const Text head = words_[0];
     const bool is_equation = head == "equation", is_sum = head == "sum" || is_equation,
                is_set = !is_equation && head != "lemma";
-    Fact& fact = (is_set ? certificate_.sets : certificate_.facts).emplace_back(Fact{place(), {}, {}});
+    Fact& fact = (is_set ? proof_.sets : proof_.facts).emplace_back(Fact{place(), {}, {}});
     if (is_sum) fact.total = number(words_[1]);
     else if (head == "one-token") fact.total = 1;
     for (std::size_t k = is_sum ? 2 : 1; k < words_.size(); ++k) {
@@ -185,29 +182,28 @@ class CertificateReader {
       const AtomType& type = model_.type_of(l.atom);
       need(!type.variables[l.variable].is_param, "is a parameter", words_[k]);
       // With time, data of which the first state says nothing may have any value, always.
-      need(!model_.is_timed || certificate_.states.empty() || certificate_.is_told[l.atom][l.variable],
-           "is not told of all states", words_[k]);
+      need(!model_.is_timed || proof_.states.empty() || proof_.is_told[l.atom][l.variable], "is not told of all states",
+           words_[k]);
       tell(type, l, state_[l.atom], words_[k]);
     }
-    if (model_.is_timed && certificate_.states.empty()) tell_first();
+    if (model_.is_timed && proof_.states.empty()) tell_first();
     need(std::none_of(state_.begin(), state_.end(), [](const Values& local) { return contains(local, std::nullopt); }),
          "the state is not told in full");
     std::u32string rows;
     for (const Values& local : state_) {
-      const auto [at, is_new] =
-          certificate_.row_of_local.try_emplace(local, static_cast<char32_t>(certificate_.locals.size()));
-      if (is_new) certificate_.locals.push_back(local);
+      const auto [at, is_new] = proof_.row_of_local.try_emplace(local, static_cast<char32_t>(proof_.locals.size()));
+      if (is_new) proof_.locals.push_back(local);
       rows += at->second;
     }
     now_ = rows;
-    certificate_.states.insert(std::move(rows));
+    proof_.states.insert(std::move(rows));
   }
   // Beside a pair there are components of which nothing is said.
   void tell_first() {
     for (std::size_t a = 0; a < state_.size(); ++a) {
       for (std::size_t k = 0; k < state_[a].size(); ++k)
-        certificate_.is_told[a][k] = state_[a][k].has_value() && !model_.type_of(a).variables[k].is_param;
-      const bool is_silent = certificate_.pair && !contains(certificate_.is_told[a], true);
+        proof_.is_told[a][k] = state_[a][k].has_value() && !model_.type_of(a).variables[k].is_param;
+      const bool is_silent = proof_.pair && !contains(proof_.is_told[a], true);
       for (std::size_t k = 0; k < state_[a].size(); ++k)
         if (!state_[a][k] && (is_silent || (k >= model_.type_of(a).places && k < model_.type_of(a).waits)))
           state_[a][k] = 0;
@@ -215,18 +211,18 @@ class CertificateReader {
   }
   // "pair ROOT.a[0] ROOT.a[1] ROOT.b.n": the two, and data that may hold numbers
   void pair_row() {
-    need(model_.is_timed && certificate_.states.empty() && !certificate_.pair, "no states of a pair follow");
-    certificate_.pair = Pair{atom_of(words_[1]), atom_of(words_[2]), {}};
+    need(model_.is_timed && proof_.states.empty() && !proof_.pair, "no states of a pair follow");
+    proof_.pair = Pair{atom_of(words_[1]), atom_of(words_[2]), {}};
     for (std::size_t k = 3; k < words_.size(); ++k) {
       const Literal l = literal(words_[k], true);
       need(!l.is_negated, "is no variable", words_[k]);
-      certificate_.pair->holders.emplace(l.atom, l.variable);
+      proof_.pair->holders.emplace(l.atom, l.variable);
     }
   }
   // "ROOT.a.x<=7", "ROOT.a.x-ROOT.b.y<=3", "ROOT.a.x>=2": of the state above
   void zone_row() {
     need(model_.is_timed && !now_.empty(), "no state has this zone");
-    Zone& zone = certificate_.zones[now_].emplace_back();
+    Zone& zone = proof_.zones[now_].emplace_back();
     for (std::size_t k = 1; k < words_.size(); ++k) {
       const auto [names, limit] = split(words_[k], words_[k].find('='));
       const bool is_least = names.ends_with('>'), is_most = names.ends_with('<');
@@ -270,7 +266,7 @@ class CertificateReader {
   }
   // "bit3": of the monitor
   [[nodiscard]] std::size_t monitor_row(Text name) const {
-    need(certificate_.rounds.has_value(), "has no monitor");
+    need(proof_.rounds.has_value(), "has no monitor");
     static const std::vector<Text> kKinds{"bit", "seen", "over", "started", "never"};
     const std::size_t digit = std::min(name.find_first_of("0123456789"), name.size());
     return Monitor::row(row_of(kKinds, name.substr(0, digit), std::identity()),
@@ -309,8 +305,8 @@ class CertificateReader {
   }
   // Of those that the atom's class has.
   [[nodiscard]] std::size_t mode(std::size_t atom, Text text) const {
-    const std::size_t row = certificate_.class_of[atom], mode = static_cast<std::size_t>(number(text, 0));
-    need(row < certificate_.classes.size() && mode < certificate_.classes[row].modes.size(), "is no mode here", text);
+    const std::size_t row = proof_.class_of[atom], mode = static_cast<std::size_t>(number(text, 0));
+    need(row < proof_.classes.size() && mode < proof_.classes[row].modes.size(), "is no mode here", text);
     return mode;
   }
   // Between two ends, written in the one way.
@@ -331,7 +327,7 @@ class CertificateReader {
   static constexpr std::int64_t kMostTicks = std::int64_t{1} << 62;
 
   const Model& model_;
-  Certificate certificate_;
+  Certificate proof_;
   std::u32string now_;  // the state of the last row
   std::map<Text, std::size_t> atoms_;
   std::vector<Values> state_;  // of the row before

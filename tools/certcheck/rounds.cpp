@@ -5,19 +5,14 @@
 namespace certcheck {
 
 Rounds::Rounds(const Model& model, const Certificate& certificate, const Tree& claim, const Terms& terms)
-    : model_(model),
-      certificate_(certificate),
-      terms_(terms),
-      formula_(claim),
-      is_strong_(certificate_.fairness.starts_with("strong")) {
+    : model_(model), proof_(certificate), terms_(terms), formula_(claim) {
   if (claim.head() != "runs") throw NotCheckable("a claim about points without a list of states");
-  if (certificate_.fairness == "none" && !certificate_.turns.empty())
-    throw Rejected("without fairness no turn is expected");
-  for (const Turn& turn : certificate_.turns)
-    if (turn.is_atom != certificate_.fairness.ends_with(":atoms")) throw Rejected("a turn of another kind of fairness");
-  demands_ = formula_.promises() + certificate_.turns.size();
-  const std::size_t most = std::max({formula_.bits(), demands_, *certificate_.rounds + 1});
-  for (const Fact& fact : certificate_.facts)
+  if (proof_.fairness == "none" && !proof_.turns.empty()) throw Rejected("without fairness no turn is expected");
+  for (const Turn& turn : proof_.turns)
+    if (turn.is_atom != proof_.fairness.ends_with(":atoms")) throw Rejected("a turn of another kind of fairness");
+  demands_ = formula_.promises() + proof_.turns.size();
+  const std::size_t most = std::max({formula_.bits(), demands_, *proof_.rounds + 1});
+  for (const Fact& fact : proof_.facts)
     for (const Case& row : fact.cases)
       for (const Literal& l : row.literals)
         if (l.atom == model_.atoms.size() && l.variable >= Monitor::row(Monitor::Bit, most))
@@ -25,7 +20,7 @@ Rounds::Rounds(const Model& model, const Certificate& certificate, const Tree& c
 }
 
 Local Rounds::bits(bool are_first) const {
-  const std::size_t most = std::max({formula_.bits(), demands_, *certificate_.rounds + 1});
+  const std::size_t most = std::max({formula_.bits(), demands_, *proof_.rounds + 1});
   Local bits;
   for (std::size_t k = 0; k < most; ++k) {
     for (std::size_t kind = 0; kind < Monitor::kKinds; ++kind) {
@@ -39,7 +34,7 @@ Local Rounds::bits(bool are_first) const {
   return bits;
 }
 
-expr Rounds::is_bad(const Local& now) const { return now[Monitor::row(Monitor::Over, *certificate_.rounds)]; }
+expr Rounds::is_bad(const Local& now) const { return now[Monitor::row(Monitor::Over, *proof_.rounds)]; }
 
 // Is the step one of the atom, or the interaction with exactly these ports?
 expr Rounds::takes_turn(const Turn& turn, const Step& step) const {
@@ -56,7 +51,7 @@ expr Rounds::takes_turn(const Turn& turn, const Step& step) const {
 void Rounds::add_monitor(const Local& now, System& system, std::vector<Step>& steps) const {
   const auto bit = [&](Monitor::Kind kind, std::size_t k) -> const expr& { return now[Monitor::row(kind, k)]; };
   Local possible;
-  for (const Turn& turn : certificate_.turns)
+  for (const Turn& turn : proof_.turns)
     possible.push_back(terms_.some(
         steps, [&](const Step& step) { return both(both(step.sure, no(step.fault)), takes_turn(turn, step)); }));
   // The last state of a run repeats.
@@ -81,8 +76,8 @@ void Rounds::add_monitor(const Local& now, System& system, std::vector<Step>& st
     expr allowed = point.possible;
     Local met;
     for (const expr& pending : point.pending) met.push_back(no(pending));
-    for (std::size_t k = 0; k < certificate_.turns.size(); ++k) {
-      const expr taken = is_end ? terms_.truth(false) : takes_turn(certificate_.turns[k], step);
+    for (std::size_t k = 0; k < proof_.turns.size(); ++k) {
+      const expr taken = is_end ? terms_.truth(false) : takes_turn(proof_.turns[k], step);
       const expr is_never = both(started, bit(Monitor::Never, k));
       met.push_back(either(taken, is_strong_ ? bit(Monitor::Never, k) : no(possible[k])));
       if (is_strong_) allowed = both(allowed, no(both(is_never, possible[k])));
@@ -94,7 +89,7 @@ void Rounds::add_monitor(const Local& now, System& system, std::vector<Step>& st
       next[Monitor::row(Monitor::Bit, k)] = formula_.looks_ahead(k) ? later[k] : point.next[k];
     for (std::size_t k = 0; k < met.size(); ++k)
       next[Monitor::row(Monitor::Seen, k)] = both(both(started, no(round)), either(bit(Monitor::Seen, k), met[k]));
-    for (std::size_t k = 0; k <= *certificate_.rounds; ++k) {
+    for (std::size_t k = 0; k <= *proof_.rounds; ++k) {
       const expr before = k == 0 ? terms_.truth(true) : bit(Monitor::Over, k - 1);
       next[Monitor::row(Monitor::Over, k)] = either(bit(Monitor::Over, k), both(before, round));
     }

@@ -24,11 +24,11 @@ class Rounds {
   [[nodiscard]] expr takes_turn(const Turn& turn, const Step& step) const;
 
   const Model& model_;
-  const Certificate& certificate_;
+  const Certificate& proof_;
   const Terms& terms_;
   const Formula formula_;
   std::size_t demands_ = 0;
-  bool is_strong_ = false;
+  bool is_strong_ = proof_.fairness.starts_with("strong");
 };
 
 }  // namespace certcheck

@@ -96,12 +96,7 @@ Formula::Point Formula::point(const Terms& terms, const Local& leaves, const Loc
 }
 
 Runs::Runs(const Certificate& certificate, const Tree& claim, const Terms& terms)
-    : certificate_(certificate),
-      terms_(terms),
-      formula_(claim),
-      is_of_points_(claim.head() == "points"),
-      states_(certificate_.states.begin(), certificate_.states.end()),
-      edges_(states_.size()) {
+    : proof_(certificate), terms_(terms), formula_(claim), is_of_points_(claim.head() == "points") {
   // Of each of their values something is computed and stored.
   constexpr std::size_t kMostBits = 20;
   if (formula_.bits() > kMostBits) throw NotCheckable("the claim has too many operators");
@@ -131,7 +126,7 @@ void Runs::add(const Model& model, const Step& step, const std::map<std::size_t,
   if (is_new) {
     Units& units = units_.emplace_back();
     for (std::size_t port : ports) units.insert(model.atom_of_port[port]);
-    if (!certificate_.fairness.ends_with(":atoms")) units = {at->second};
+    if (!proof_.fairness.ends_with(":atoms")) units = {at->second};
   }
   std::vector<bool> truth = truth_;
   for (std::size_t k = 0; k < truth.size(); ++k) {
@@ -282,9 +277,9 @@ Runs::Nodes Runs::fair_part(const Nodes& component) const {
     }
   }
   if (!has_cycle || always_pending != 0) return {};
-  if (certificate_.fairness == "none") return component;
+  if (proof_.fairness == "none") return component;
   const auto is_left_out = [&](std::size_t unit) { return !taken.contains(unit); };
-  if (certificate_.fairness.starts_with("weak")) {
+  if (proof_.fairness.starts_with("weak")) {
     always = possible_in(component[0]);
     for (Node node : component) {
       const Units possible = possible_in(node);

@@ -94,14 +94,14 @@ class Runs {
   void each_component(const Nodes& nodes, const std::function<void(const Nodes&)>& visit);
   [[nodiscard]] Nodes fair_part(const Nodes& component) const;
 
-  const Certificate& certificate_;
+  const Certificate& proof_;
   const Terms& terms_;
   const Formula formula_;
   const bool is_of_points_;
-  const std::vector<std::u32string> states_;
+  const std::vector<std::u32string> states_ = std::vector(proof_.states.begin(), proof_.states.end());
   Node now_ = 0;
   std::vector<bool> truth_;  // of the leaves, in the state
-  std::vector<std::vector<Edge>> edges_;
+  std::vector<std::vector<Edge>> edges_ = std::vector<std::vector<Edge>>(states_.size());
   std::map<std::pair<std::size_t, Rows>, std::size_t> labels_;  // by connector and ports
   std::vector<Units> units_;                                    // by label
   std::map<std::vector<bool>, Changes> changes_;

@@ -9,43 +9,41 @@ namespace {
 class States {
  public:
   States(const Model& model, const Certificate& certificate, z3::context& z)
-      : model_(model), certificate_(certificate), context_(z), terms_(model, z), system_(model, terms_) {
-    if (certificate_.rounds && !certificate_.claim.starts_with("runs "))
-      throw Rejected("rounds of a claim that is not about runs");
-    if (certificate_.claim == "local-deadlock-free") {
-      if (certificate_.states.empty()) throw Rejected("no states are listed");
-      waits_.emplace(model_, certificate_);
+      : model_(model), proof_(certificate), z3_(z), terms_(model, z), system_(model, terms_) {
+    if (proof_.rounds && !proof_.claim.starts_with("runs ")) throw Rejected("rounds of a claim that is not about runs");
+    if (proof_.claim == "local-deadlock-free") {
+      if (proof_.states.empty()) throw Rejected("no states are listed");
+      waits_.emplace(model_, proof_);
     }
-    if (waits_ || certificate_.claim == "deadlock-free" || certificate_.claim == "error-free") return;
-    claim_ = read_trees(certificate_.claim);
+    if (waits_ || proof_.claim == "deadlock-free" || proof_.claim == "error-free") return;
+    claim_ = read_trees(proof_.claim);
     const Text form = claim_.head();
     is_of_runs_ = form == "runs" || form == "points";
     if (claim_.items.size() != 2 || (form != "never" && !is_of_runs_))
-      throw Rejected("the claim " + quoted(certificate_.claim));
+      throw Rejected("the claim " + quoted(proof_.claim));
     if (!is_of_runs_) return;
-    if (certificate_.states.empty() && !certificate_.rounds) throw Rejected("neither states nor rounds are given");
-    if (certificate_.states.empty()) rounds_.emplace(model_, certificate_, claim_, terms_);
-    else runs_.emplace(certificate_, claim_, terms_);
+    if (proof_.states.empty() && !proof_.rounds) throw Rejected("neither states nor rounds are given");
+    if (proof_.states.empty()) rounds_.emplace(model_, proof_, claim_, terms_);
+    else runs_.emplace(proof_, claim_, terms_);
   }
 
   void run() {
-    const bool no_errors = certificate_.claim == "error-free",
-               wants_steps = no_errors || !certificate_.facts.empty() || !certificate_.states.empty();
+    const bool no_errors = proof_.claim == "error-free",
+               wants_steps = no_errors || !proof_.facts.empty() || !proof_.states.empty();
     expr fault = terms_.truth(false);
     State first;
     for (const Atom& atom : model_.atoms) first.push_back(terms_.initial(atom, fault));
     if (no_errors) demand(fault, "the run ends before its first state");
     if (rounds_) first.push_back(rounds_->bits(true));
-    for (const Fact& fact : certificate_.facts)
+    for (const Fact& fact : proof_.facts)
       demand(both(no(fault), no(says(fact, {first}))), fact.line + ": does not hold at first");
-    if (certificate_.states.empty()) return check_from(allowed(), wants_steps, nullptr);
+    if (proof_.states.empty()) return check_from(allowed(), wants_steps, nullptr);
     std::map<std::size_t, Local> all;
     for (const Local& local : first) all.emplace(all.size(), local);
-    const std::optional<std::u32string> begin = listed(*certificate_.states.begin(), all);
+    const std::optional<std::u32string> begin = listed(*proof_.states.begin(), all);
     if (!is(fault, true) && !begin) throw Rejected("the first state is not among those that the certificate lists");
-    for (const std::u32string& state : certificate_.states) {
-      for (std::size_t a = 0; a < first.size(); ++a)
-        first[a] = terms_.local(model_.atoms[a], certificate_.locals[state[a]]);
+    for (const std::u32string& state : proof_.states) {
+      for (std::size_t a = 0; a < first.size(); ++a) first[a] = terms_.local(model_.atoms[a], proof_.locals[state[a]]);
       check_from(first, true, &state);
     }
     if (runs_ && begin) runs_->check(*begin);
@@ -55,7 +53,7 @@ class States {
  private:
   // No such state is bad, and no step leads out of what the rows allow. `listed`: it is one state.
   void check_from(const State& now, bool wants_steps, const std::u32string* listed) {
-    const bool no_errors = certificate_.claim == "error-free";
+    const bool no_errors = proof_.claim == "error-free";
     system_.look_at(now, wants_steps || !claim_.items.empty());
     if (no_errors)
       demand(either(system_.state_fault(), system_.guard_fault()),
@@ -86,8 +84,8 @@ class States {
       }
       const View from{now, &step.now}, after{now, &step.next};
       expr leaves = terms_.some(touched, [&](const auto& cases_of_fact) {
-        return no(certificate_.facts[cases_of_fact.first].total ? stays(cases_of_fact.second, from, after)
-                                                                : says(certificate_.facts[cases_of_fact.first], after));
+        return no(proof_.facts[cases_of_fact.first].total ? stays(cases_of_fact.second, from, after)
+                                                          : says(proof_.facts[cases_of_fact.first], after));
       });
       if (can(both(goes_on, leaves))) throw Rejected("a step leads out of what the certificate allows");
     };
@@ -99,7 +97,7 @@ class States {
       return demand(rounds_->is_bad(now.back()), "a state that the certificate allows has more rounds before it");
     }
     if (wants_steps) system_.each_step(check_step);
-    if (certificate_.claim == "deadlock-free")
+    if (proof_.claim == "deadlock-free")
       demand(no(either(system_.has_step(), system_.is_final())), "a state that the certificate allows has no step");
     if (runs_) return runs_->leave(system_.has_step());
     if (!claim_.items.empty())
@@ -137,11 +135,11 @@ class States {
       for (std::size_t k = 0; k < local.size(); ++k) {
         if (!model_.type_of(atom).variables[k].is_param) values[k] = value_of(local[k]);
       }
-      const auto row = certificate_.row_of_local.find(values);
-      if (row == certificate_.row_of_local.end()) return std::nullopt;
+      const auto row = proof_.row_of_local.find(values);
+      if (row == proof_.row_of_local.end()) return std::nullopt;
       state[atom] = row->second;
     }
-    return certificate_.states.contains(state) ? std::optional(state) : std::nullopt;
+    return proof_.states.contains(state) ? std::optional(state) : std::nullopt;
   }
   // There is no state like that.
   void demand(const expr& bad, const std::string& otherwise) {
@@ -187,7 +185,7 @@ class States {
   // A sum without values as one of truths, whose opposites count where they would take away: if no sum comes near to
   // 2^32.
   void assume(const Fact& fact, const View& view, std::size_t atom) {
-    z3::expr_vector all(context_);
+    z3::expr_vector all(z3_);
     std::vector<int> weights;
     std::int64_t total = fact.total.value_or(0), most = 0;
     for (const Case& row : fact.cases) {
@@ -208,27 +206,27 @@ class States {
   // All states of which what has been found holds: a mode for each atom, which says where it is; the sets; the facts.
   State allowed() {
     State now;
-    const bool has_modes = !certificate_.classes.empty();
+    const bool has_modes = !proof_.classes.empty();
     State modes(model_.atoms.size());  // by number
     for (std::size_t a = 0; a < model_.atoms.size(); ++a) {
       const AtomType& type = model_.type_of(a);
       // What is the same in all modes is known.
       Values same(type.variables.size());
       const auto values_of = [&](std::size_t number) -> const Values& {
-        return certificate_.classes[certificate_.class_of[a]].modes[number];
+        return proof_.classes[proof_.class_of[a]].modes[number];
       };
-      if (!certificate_.reachable[a].empty()) same = values_of(*certificate_.reachable[a].begin());
-      for (std::size_t number : certificate_.reachable[a])
+      if (!proof_.reachable[a].empty()) same = values_of(*proof_.reachable[a].begin());
+      for (std::size_t number : proof_.reachable[a])
         for (std::size_t k = 0; k < same.size(); ++k)
           same[k] = same[k] == values_of(number)[k] ? same[k] : std::nullopt;
       if (has_modes) std::fill_n(same.begin(), type.places, 0);
       Local& local = now.emplace_back(terms_.local(model_.atoms[a], same));
-      if (has_modes) modes[a].resize(certificate_.classes[certificate_.class_of[a]].modes.size(), terms_.truth(false));
-      z3::expr_vector all(context_);
+      if (has_modes) modes[a].resize(proof_.classes[proof_.class_of[a]].modes.size(), terms_.truth(false));
+      z3::expr_vector all(z3_);
       for (std::size_t p = 0; p < type.places && !has_modes && type.is_automaton; ++p) all.push_back(local[p]);
-      for (std::size_t number : certificate_.reachable[a]) {
+      for (std::size_t number : proof_.reachable[a]) {
         const Values& values = values_of(number);
-        const bool is_other = certificate_.reachable[a].size() == 2 && all.size() == 1;
+        const bool is_other = proof_.reachable[a].size() == 2 && all.size() == 1;
         const expr mode = modes[a][number] = is_other ? !all[0] : terms_.fresh("bool");
         all.push_back(mode);
         for (std::size_t p = 0; p < type.places; ++p) local[p] = *values[p] != 0 ? either(local[p], mode) : local[p];
@@ -236,22 +234,22 @@ class States {
       }
       if (has_modes ? all.size() != 2 : type.is_automaton) assume_sum(all, std::vector<int>(all.size(), 1), 1, a);
     }
-    for (const Fact& set : certificate_.sets) assume(set, {modes}, kNone);
+    for (const Fact& set : proof_.sets) assume(set, {modes}, kNone);
     // Between steps no internal transition is left.
     for (std::size_t a = 0; a < now.size(); ++a) terms_.assume(no(terms_.goes_on(model_.type_of(a), now[a])), a);
     if (rounds_) now.push_back(rounds_->bits(false));
-    for (std::size_t k = 0; k < certificate_.facts.size(); ++k) {
+    for (std::size_t k = 0; k < proof_.facts.size(); ++k) {
       std::set<std::size_t> atoms;
-      for (const Case& row : certificate_.facts[k].cases)
+      for (const Case& row : proof_.facts[k].cases)
         for (const Literal& l : row.literals) atoms.insert(l.atom), facts_of_[l.atom][k].insert(&row);
-      assume(certificate_.facts[k], {now}, atoms.size() == 1 ? *atoms.begin() : kNone);
+      assume(proof_.facts[k], {now}, atoms.size() == 1 ? *atoms.begin() : kNone);
     }
     return now;
   }
 
   const Model& model_;
-  const Certificate& certificate_;
-  z3::context& context_;
+  const Certificate& proof_;
+  z3::context& z3_;
   Terms terms_;
   System system_;
   const expr zero_ = terms_.constant("int", 0);

@@ -17,11 +17,11 @@ using Effects = std::set<long>;
 class Structure {
  public:
   Structure(const Model& model, const Certificate& certificate, z3::context& z)
-      : model_(model), certificate_(certificate), terms_(model, z) {}
+      : model_(model), proof_(certificate), terms_(model, z) {}
 
   std::vector<AtomMoves> moves_by_atom() {
     for (std::size_t atom = 0; atom < model_.atoms.size(); ++atom)
-      group(model_.atoms[atom], certificate_.classes.at(certificate_.class_of[atom]), certificate_.reachable[atom]);
+      group(model_.atoms[atom], proof_.classes.at(proof_.class_of[atom]), proof_.reachable[atom]);
     std::vector<AtomMoves> result;
     for (const AtomMoves* group : group_of_) result.push_back(*group);
     return result;
@@ -29,7 +29,7 @@ class Structure {
   void run() {
     (void)moves_by_atom();
     check_reachable();
-    for (const Fact& set : certificate_.sets) check_set(set);
+    for (const Fact& set : proof_.sets) check_set(set);
   }
 
  private:
@@ -125,7 +125,7 @@ class Structure {
       for (const Edge& edge : node.children) used_[edge.node] = true;
       for (const auto& [from, to] : moves(row)) {
         const std::size_t atom = model_.atom_of_port[row];
-        if (!certificate_.reachable[atom].contains(to))
+        if (!proof_.reachable[atom].contains(to))
           throw Rejected(quoted(model_.atoms[atom].path) + " can reach a mode that is not among the reachable ones");
       }
     }
@@ -195,7 +195,7 @@ class Structure {
   }
 
   const Model& model_;
-  const Certificate& certificate_;
+  const Certificate& proof_;
   Terms terms_;
   std::map<std::tuple<const Class*, Modes, std::string>, AtomMoves> groups_;
   std::vector<const AtomMoves*> group_of_;  // by atom

@@ -22,8 +22,7 @@ struct Step {
 
 class System {
  public:
-  System(const Model& model, const Terms& terms)
-      : model_(model), terms_(terms), state_fault_(terms.truth(false)), guard_fault_(state_fault_) {}
+  System(const Model& model, const Terms& terms) : model_(model), terms_(terms) {}
 
   /// The state that all else is said of: the enabled interactions, and, if wanted, what priorities hide.
   void look_at(const State& now, bool with_priorities) {
@@ -488,7 +487,7 @@ class System {
   std::vector<Offer> offers_;
   Local on_;  // by port
   std::vector<Candidate> all_;
-  expr state_fault_, guard_fault_;
+  expr state_fault_ = terms_.truth(false), guard_fault_ = state_fault_;
 };
 
 }  // namespace certcheck

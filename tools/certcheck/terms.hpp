@@ -67,7 +67,7 @@ struct Rule {
 class Terms {
  public:
   Terms(const Model& model, z3::context& z)
-      : model_(model), context_(z), solver_(model.is_timed ? z3::solver(z) : z3::solver(z, "QF_BV")) {}
+      : model_(model), z3_(z), solver_(model.is_timed ? z3::solver(z) : z3::solver(z, "QF_BV")) {}
 
   /// The argument of an atom may be any value.
   void let(const Tree* arg, const expr& value) { args_.emplace(arg, value); }
@@ -88,7 +88,7 @@ class Terms {
     if (model_.is_timed) return may_be(e);
     for (const auto& [atom, local] : alone)
       for (const expr& fact : assumed_[atom]) whole = both(whole, fact);
-    z3::solver few(context_, "QF_BV");
+    z3::solver few(z3_, "QF_BV");
     return is(whole, true) || (!is(whole, false) && can_solve(few, whole));
   }
 
@@ -115,7 +115,7 @@ class Terms {
     solver_.pop();
   }
 
-  [[nodiscard]] expr truth(bool b) const { return context_.bool_val(b); }
+  [[nodiscard]] expr truth(bool b) const { return z3_.bool_val(b); }
   /// Do all of them, does one of them?
   template <class Range, class Of>
   [[nodiscard]] expr all(const Range& range, const Of& of) const {
@@ -129,14 +129,14 @@ class Terms {
   }
   /// A constant of its own, of a type of variables.
   [[nodiscard]] expr fresh(Text type) const {
-    const z3::sort sort = type == "bool"    ? context_.bool_sort()
-                          : type == "clock" ? context_.int_sort()
-                                            : context_.bv_sort(is_exact(type) ? 32 : kVagueBits);
-    return expr(context_, Z3_mk_fresh_const(context_, "any", sort));
+    const z3::sort sort = type == "bool"    ? z3_.bool_sort()
+                          : type == "clock" ? z3_.int_sort()
+                                            : z3_.bv_sort(is_exact(type) ? 32 : kVagueBits);
+    return expr(z3_, Z3_mk_fresh_const(z3_, "any", sort));
   }
   /// An int, a bool or the row of a string.
   [[nodiscard]] expr constant(Text type, int value) const {
-    return type == "bool" ? truth(value != 0) : context_.bv_val(value, 32);
+    return type == "bool" ? truth(value != 0) : z3_.bv_val(value, 32);
   }
   /// From variable `first` on, the given values.
   [[nodiscard]] expr has(const Local& local, const Values& values, std::size_t first = 0) const {
@@ -197,9 +197,9 @@ class Terms {
         {"gt", Z3_mk_bvsgt},   {"ge", Z3_mk_bvsge}};
     const auto found = kOperations.find(op);
     if (found == kOperations.end()) throw NotCheckable("an expression " + quoted(op));
-    const Z3_ast made = found->second(context_, a, b);
-    context_.check_error();
-    const expr result = expr(context_, made).simplify();
+    const Z3_ast made = found->second(z3_, a, b);
+    z3_.check_error();
+    const expr result = expr(z3_, made).simplify();
     return op == "ne" ? no(result) : result;
   }
   /// Of (guard EXPR); an empty list holds.
@@ -246,7 +246,7 @@ class Terms {
     for (const Variable& variable : type.variables)
       first.push_back(is_exact(variable.type) ? std::optional(0) : std::nullopt);
     Local start = local(atom, first);
-    for (std::size_t k = type.first_clock; k < type.waits; ++k) start[k] = context_.int_val(0);
+    for (std::size_t k = type.first_clock; k < type.waits; ++k) start[k] = z3_.int_val(0);
     take(type, type.initial, start, truth(true), fault);
     if (type.is_timed)
       start[type.waits] = constant("int", type.initial.resume->items.empty() ? 0 : count_of(type.transitions) + 1);
@@ -257,7 +257,7 @@ class Terms {
                              expr& fault) const {
     expr result = truth(true);
     each_bound(type, list, local, when, fault, [&](Text op, const expr& clock, bool runs, const expr& limit) {
-      const expr value = runs && later != 0 ? (clock + context_.int_val(later)).simplify() : clock;
+      const expr value = runs && later != 0 ? (clock + z3_.int_val(later)).simplify() : clock;
       const expr holds = op == "lt"   ? value < limit
                          : op == "le" ? value <= limit
                          : op == "gt" ? value > limit
@@ -434,9 +434,7 @@ class Terms {
     return std::nullopt;
   }
   // A float that is known, by its bits.
-  [[nodiscard]] expr real(double value) const {
-    return context_.bv_val(std::bit_cast<std::uint64_t>(value), kVagueBits);
-  }
+  [[nodiscard]] expr real(double value) const { return z3_.bv_val(std::bit_cast<std::uint64_t>(value), kVagueBits); }
   static std::optional<double> real_of(const expr& e) {
     return is_vague(e) && e.is_numeral() ? std::optional(std::bit_cast<double>(e.get_numeral_uint64())) : std::nullopt;
   }
@@ -553,10 +551,9 @@ class Terms {
     if (!value) throw NotCheckable("clock " + quoted(clock.name) + " meets a value that is not followed");
     if (std::isnan(*value)) return std::nullopt;
     const double exact = *value * static_cast<double>(clock.unit);
-    if (!(std::fabs(exact) <= static_cast<double>(kMost))) return context_.int_val(exact > 0 ? kMost : -kMost);
+    if (!(std::fabs(exact) <= static_cast<double>(kMost))) return z3_.int_val(exact > 0 ? kMost : -kMost);
     const bool is_whole = std::fabs(*value) <= kExact && std::floor(*value) == *value;
-    return context_.int_val(is_whole ? static_cast<std::int64_t>(*value) * clock.unit
-                                     : std::int64_t{std::llround(exact)});
+    return z3_.int_val(is_whole ? static_cast<std::int64_t>(*value) * clock.unit : std::int64_t{std::llround(exact)});
   }
   // What a clock is set to. Beyond what one can be: an error.
   [[nodiscard]] expr ticks_of(const expr& e, const Clock& clock, const expr& when, expr& fault) const {
@@ -583,15 +580,15 @@ class Terms {
       expr value = local[type.first_clock + row];
       if (!minus.items.empty()) value = (value - local[type.first_clock + minus.at(1).row()]).simplify();
       const std::optional<expr> limit = slot.items.empty()
-                                            ? context_.int_val(bound->items.back().ticks())
+                                            ? z3_.int_val(bound->items.back().ticks())
                                             : ticks_of(measured[type.places + slot.at(1).row()], type.clocks[row]);
       if (limit) visit(bound->at(1).text, value, minus.items.empty(), *limit);
-      else visit("lt", context_.int_val(0), false, context_.int_val(0));
+      else visit("lt", z3_.int_val(0), false, z3_.int_val(0));
     }
   }
 
   const Model& model_;
-  z3::context& context_;
+  z3::context& z3_;
   z3::solver solver_;
   std::map<std::size_t, std::vector<expr>> assumed_;  // by atom
   std::map<const Tree*, expr> args_;

@@ -35,8 +35,7 @@ std::string element(Text array, int position) { return std::string(array) + '[' 
 /// A system of some size as the rows say it.
 class Pattern {
  public:
-  Pattern(const Model& m, const Tree& rows, int size)
-      : model_(m), rows_(rows), size_(size), taken_(m.connectors.size()) {
+  Pattern(const Model& m, const Tree& rows, int size) : model_(m), rows_(rows), size_(size) {
     for (std::size_t k = 0; k < m.atoms.size(); ++k) atoms_.emplace(m.atoms[k].path, k);
     for (const Tree* row : rows.all("array")) {
       for (int p = 0; p < size; ++p) positions_.emplace(atom(element(row->at(1).text, p)), p);
@@ -193,7 +192,7 @@ class Pattern {
   const Model& model_;
   const Tree& rows_;
   int size_ = 0;
-  std::vector<bool> taken_;
+  std::vector<bool> taken_ = std::vector<bool>(model_.connectors.size());
   std::map<std::string, std::size_t, std::less<>> atoms_;
   std::map<std::size_t, int> positions_;
 };
@@ -226,30 +225,23 @@ struct Memory {
 class Words {
  public:
   Words(const std::vector<const Model*>& models, const Certificate& certificate, z3::context& z)
-      : model_(*models.at(0)),
-        certificate_(certificate),
-        rows_(model_.tree["for-all"]),
-        size_(rows_.at(2).number()),
-        margin_((size_ - 1) / 2),
-        pattern_(model_, rows_, size_),
-        terms_(model_, z) {
+      : model_(*models.at(0)), proof_(certificate), terms_(model_, z) {
     if (size_ < 3 || size_ % 2 == 0) throw Rejected("the least size is not odd");
-    if (certificate_.claim != "deadlock-free" || !certificate_.sets.empty() || !certificate_.facts.empty() ||
-        !certificate_.states.empty())
-      throw Rejected("of all sizes, this is claimed or told: " + quoted(certificate_.claim));
-    if (model_.is_timed || certificate_.classes.empty())
+    if (proof_.claim != "deadlock-free" || !proof_.sets.empty() || !proof_.facts.empty() || !proof_.states.empty())
+      throw Rejected("of all sizes, this is claimed or told: " + quoted(proof_.claim));
+    if (model_.is_timed || proof_.classes.empty())
       throw NotCheckable("all sizes of a model with time, or without modes");
     events_ = pattern_.events();
     for (std::size_t k = 1; k < models.size(); ++k) compare(*models[k]);
     lay_out();
-    moves_ = moves_of(model_, certificate_, z);
+    moves_ = moves_of(model_, proof_, z);
   }
 
   void run() {
     for (const auto& [position, reads] : reads_) {
       for (const Read& read : reads) {
         for (const auto& [from, to] : moves_[read.atom].by_port[read.port])
-          if (!certificate_.reachable[read.atom].contains(to))
+          if (!proof_.reachable[read.atom].contains(to))
             throw Rejected(quoted(model_.atoms[read.atom].path) + " can reach a mode that is not listed");
       }
     }
@@ -422,7 +414,7 @@ class Words {
 
   // ---- the automaton
   void check_rows() {
-    for (const SetRow& row : certificate_.set_rows) {
+    for (const SetRow& row : proof_.set_rows) {
       const int position = row.from == kNone ? -1 : static_cast<int>(row.position);
       if (position >= size_) throw Rejected(row.line + ": no position");
       for (const auto& [atom, modes] : row.modes)
@@ -430,7 +422,7 @@ class Words {
       if (row.from != kNone && position_of_.try_emplace(row.from, position).first->second != position)
         throw Rejected(row.line + ": its state is at two positions");
     }
-    for (const SetRow& row : certificate_.set_rows) {
+    for (const SetRow& row : proof_.set_rows) {
       const int position = row.from == kNone ? -1 : static_cast<int>(row.position), next = position_at(row.to);
       if (next != position + 1 && (position != margin_ || next != margin_))
         throw Rejected(row.line + ": leads to another position");
@@ -440,7 +432,7 @@ class Words {
     }
     for (bool is_new = true; is_new;) {
       is_new = false;
-      for (const SetRow& row : certificate_.set_rows) {
+      for (const SetRow& row : proof_.set_rows) {
         if (row.from == kNone || !promise_of_.contains(row.from)) continue;
         const auto [at, is_first] = promise_of_.try_emplace(row.to, promise_of_[row.from]);
         if (at->second != promise_of_[row.from]) throw Rejected(row.line + ": another promise");
@@ -491,7 +483,7 @@ class Words {
       return std::ranges::any_of(row.modes, [&](const auto& of) { return has_first(row, of.first, true); });
     };
     std::map<const SetRow*, Letter> letters;
-    for (const SetRow& row : certificate_.set_rows) {
+    for (const SetRow& row : proof_.set_rows) {
       if (row.from == kNone) go(row.to, begin(row.promise != "trap", marks(row), letter_of(row, -1, row.promise)));
       else if (promise_of_.contains(row.from))
         letters.emplace(&row, letter_of(row, static_cast<int>(row.position), promise_of_[row.from]));
@@ -531,7 +523,7 @@ class Words {
     for (std::size_t atom : atoms) {
       std::vector<std::map<std::size_t, std::size_t>> longer;
       for (const auto& choice : choices) {
-        for (std::size_t mode : certificate_.reachable[atom]) longer.emplace_back(choice)[atom] = mode;
+        for (std::size_t mode : proof_.reachable[atom]) longer.emplace_back(choice)[atom] = mode;
       }
       if (longer.size() > kMostLetters) throw NotCheckable("a position has too many modes");
       choices = std::move(longer);
@@ -542,12 +534,12 @@ class Words {
         return offers(atom, choice.at(atom))[port] ? 1 : kBlocked;
       });
       for (const auto& [atom, mode] : choice) {
-        const Values& values = certificate_.classes[certificate_.class_of[atom]].modes[mode];
+        const Values& values = proof_.classes[proof_.class_of[atom]].modes[mode];
         for (std::size_t p = 0; p < model_.type_of(atom).places; ++p)
           modal.is_final = modal.is_final && (*values[p] == 0 || contains(model_.type_of(atom).finals, p));
         modal.text += ' ' + std::string(model_.atoms[atom].path) + ':' + std::to_string(mode);
       }
-      for (const SetRow& row : certificate_.set_rows) {
+      for (const SetRow& row : proof_.set_rows) {
         if ((row.from == kNone ? -1 : static_cast<int>(row.position)) != position || !promise_of_.contains(row.to))
           continue;
         const Text promise = promise_of_[row.to];
@@ -569,7 +561,7 @@ class Words {
     const auto [at, is_new] = offers_.try_emplace({atom, mode});
     if (!is_new) return at->second;
     const AtomType& type = model_.type_of(atom);
-    Local local = terms_.local(model_.atoms[atom], certificate_.classes[certificate_.class_of[atom]].modes[mode]);
+    Local local = terms_.local(model_.atoms[atom], proof_.classes[proof_.class_of[atom]].modes[mode]);
     expr fault = terms_.truth(false);
     const Offer offer = terms_.offer(type, local, fault);
     const expr is_stable = no(terms_.goes_on(type, local));
@@ -629,10 +621,10 @@ class Words {
   }
 
   const Model& model_;
-  const Certificate& certificate_;
-  const Tree& rows_;
-  const int size_, margin_;
-  Pattern pattern_;
+  const Certificate& proof_;
+  const Tree& rows_ = model_.tree["for-all"];
+  const int size_ = rows_.at(2).number(), margin_ = (size_ - 1) / 2;
+  Pattern pattern_{model_, rows_, size_};
   Terms terms_;
   std::vector<Event> events_;
   std::vector<int> base_;     // by event: where its windows begin

@@ -10,13 +10,7 @@ namespace {
 class Zones {
  public:
   Zones(const Model& model, const Certificate& certificate, z3::context& z, const PairModel* pair)
-      : model_(model),
-        certificate_(certificate),
-        context_(z),
-        pair_(pair),
-        terms_(model, z),
-        system_(model, terms_),
-        after_(model, terms_) {
+      : model_(model), proof_(certificate), z3_(z), pair_(pair) {
     for (const AtomType& type : model_.atom_types) {
       const auto has = [&](Text op) {
         return std::any_of(type.transitions.begin(), type.transitions.end(), [&](const Transition& t) {
@@ -28,16 +22,16 @@ class Zones {
     }
     if (pair_ != nullptr) let_numbers();
     if (is_about("deadlock-free") || is_about("error-free")) return;
-    claim_ = read_trees(certificate_.claim);
+    claim_ = read_trees(proof_.claim);
     if (claim_.head() == "within") {
       if (claim_.items.size() != 4 || model_.atoms.back().path != "observer")
-        throw Rejected("the claim " + quoted(certificate_.claim));
+        throw Rejected("the claim " + quoted(proof_.claim));
       if (!claim_.find({"can", "can-port"}).empty()) throw NotCheckable("a limit of time for what can be done");
       limit_ = claim_.at(1).ticks();
       return;
     }
     if (claim_.items.size() != 2 || claim_.items[0].text != "never")
-      throw Rejected("the claim " + quoted(certificate_.claim));
+      throw Rejected("the claim " + quoted(proof_.claim));
     if (pair_ != nullptr && !claim_.find({"can", "can-port"}).empty())
       throw NotCheckable("what can be done, of a pair of components");
   }
@@ -55,7 +49,7 @@ class Zones {
     if (is_about("error-free")) demand(fault, "the run ends before its first state");
     if (limit_) observe(system_, first, nullptr, first, terms_.truth(true));
     stays(no(fault), first, "the first state is not among those that the certificate lists");
-    for (const auto& [key, zones] : certificate_.zones) {
+    for (const auto& [key, zones] : proof_.zones) {
       terms_.begin();
       check_from(key);
       terms_.end();
@@ -67,9 +61,9 @@ class Zones {
   void check_from(const std::u32string& key) {
     State now;
     for (std::size_t a = 0; a < model_.atoms.size(); ++a) {
-      Values values = certificate_.locals[key[a]];
+      Values values = proof_.locals[key[a]];
       for (std::size_t k = 0; k < values.size(); ++k)
-        if (!certificate_.is_told[a][k]) values[k] = std::nullopt;
+        if (!proof_.is_told[a][k]) values[k] = std::nullopt;
       now.push_back(terms_.local(model_.atoms[a], values));
     }
     terms_.assume(is_inside(key, now));
@@ -133,7 +127,7 @@ class Zones {
           "time leads out of what the certificate allows");
     const expr waits = limit_ ? now.back()[0] : terms_.truth(false);
     if (limit_)
-      demand(both(waits, (now.back()[model_.atom_types.back().first_clock] > context_.int_val(*limit_)).simplify()),
+      demand(both(waits, (now.back()[model_.atom_types.back().first_clock] > z3_.int_val(*limit_)).simplify()),
              "a state that the certificate allows comes too late");
     else if (!claim_.items.empty())
       demand(both(own_numbers_, system_.claim(claim_.items[1])),
@@ -150,7 +144,7 @@ class Zones {
     for (std::size_t a = 0; a < now.size(); ++a) {
       const AtomType& type = model_.type_of(a);
       for (std::size_t k = type.first_clock; k < type.first_clock + type.clocks.size(); ++k)
-        is_far = both(is_far, now[a][k] > context_.int_val(kFar));
+        is_far = both(is_far, now[a][k] > z3_.int_val(kFar));
     }
     demand(is_far, "a state that the certificate allows has no step");
   }
@@ -162,19 +156,19 @@ class Zones {
     const expr asked = request.text == "first" && !request.is_list ? is_first : system.claim(request, step);
     const expr is_open = no(system.claim(response, step));
     expr &waits = next.back()[0], &since = next.back()[model_.atom_types.back().first_clock];
-    since = choose(both(no(waits), both(asked, is_open)), context_.int_val(0), since);
+    since = choose(both(no(waits), both(asked, is_open)), z3_.int_val(0), since);
     waits = both(is_open, either(waits, asked));
   }
 
   // Where `when` holds, and the run does not end in an error, this is a listed state in one of its zones.
   void stays(const expr& when, const State& next, const std::string& otherwise) {
     if (is(when, false)) return;
-    std::u32string key = certificate_.zones.begin()->first;
+    std::u32string key = proof_.zones.begin()->first;
     std::map<std::size_t, Local> open;  // what need not be constant
     State told = next;
     for (std::size_t a = 0; a < next.size(); ++a) {
       for (std::size_t k = 0; k < next[a].size(); ++k) {
-        if (!certificate_.is_told[a][k]) continue;
+        if (!proof_.is_told[a][k]) continue;
         if (holds_number(a, k)) told[a][k] = number_told(next[a][k], 0, 1);
         if (!value_of(told[a][k])) open[a].push_back(told[a][k]);
       }
@@ -184,19 +178,19 @@ class Zones {
       State there_is = next;
       for (std::size_t a = 0; a < next.size(); ++a) {
         // Nothing is said of it.
-        if (!contains(certificate_.is_told[a], true)) continue;
+        if (!contains(proof_.is_told[a], true)) continue;
         Values values(next[a].size(), 0);
         for (std::size_t k = 0, at = 0; k < values.size(); ++k) {
-          if (!certificate_.is_told[a][k]) continue;
+          if (!proof_.is_told[a][k]) continue;
           const expr value = value_of(told[a][k]) ? told[a][k] : solution.at(a).at(at++);
           if (!holds_number(a, k)) there_is[a][k] = value;
           values[k] = value_of(value);
         }
-        const auto row = certificate_.row_of_local.find(values);
-        if (row != certificate_.row_of_local.end()) key[a] = row->second;
+        const auto row = proof_.row_of_local.find(values);
+        if (row != proof_.row_of_local.end()) key[a] = row->second;
         else is_listed = false;
       }
-      const bool has_zones = is_listed && certificate_.zones.contains(key);
+      const bool has_zones = is_listed && proof_.zones.contains(key);
       const expr leaves = has_zones ? both(there, no(is_inside(key, next))) : there;
       if (!terms_.may_be(leaves)) return;
       // Where a state ends with an error the run has no further point.
@@ -214,12 +208,12 @@ class Zones {
   }
   // The clocks are in one of the state's zones.
   [[nodiscard]] expr is_inside(const std::u32string& key, const State& state) const {
-    return terms_.some(certificate_.zones.at(key), [&](const Zone& zone) {
+    return terms_.some(proof_.zones.at(key), [&](const Zone& zone) {
       return terms_.all(zone, [&](const Bound& b) {
         const auto value = [&](std::size_t atom, std::size_t clock) {
-          return atom == kNone ? context_.int_val(0) : state[atom][clock];
+          return atom == kNone ? z3_.int_val(0) : state[atom][clock];
         };
-        return (value(b.atom, b.clock) - value(b.other_atom, b.other_clock) <= context_.int_val(b.limit)).simplify();
+        return (value(b.atom, b.clock) - value(b.other_atom, b.other_clock) <= z3_.int_val(b.limit)).simplify();
       });
     });
   }
@@ -241,7 +235,7 @@ class Zones {
     return terms_.some(pair_->numbers, [&](int number) { return equals(e, number); });
   }
   [[nodiscard]] bool holds_number(std::size_t atom, std::size_t variable) const {
-    return !numbers_.empty() && certificate_.pair->holders.contains({atom, variable});
+    return !numbers_.empty() && proof_.pair->holders.contains({atom, variable});
   }
   // As states say it of members `a` and `b`: their numbers are those of the first and the second one, all others that
   // of the third.
@@ -275,8 +269,7 @@ class Zones {
     for (std::size_t with = 0; with < 2; ++with) {
       for (const bool is_first : {true, false}) {
         const std::size_t a = is_first ? with : 2, b = is_first ? 2 : with;
-        terms_.assume(
-            terms_.some(certificate_.zones, [&](const auto& listed) { return is_told(listed.first, now, a, b); }));
+        terms_.assume(terms_.some(proof_.zones, [&](const auto& listed) { return is_told(listed.first, now, a, b); }));
       }
     }
   }
@@ -288,9 +281,9 @@ class Zones {
                                 : atom == pair_->members[1] ? pair_->members[b]
                                                             : atom;
       for (std::size_t k = 0; k < now[whose].size(); ++k) {
-        if (!certificate_.is_told[atom][k]) continue;
+        if (!proof_.is_told[atom][k]) continue;
         const expr value = holds_number(atom, k) ? number_told(now[whose][k], a, b) : now[whose][k];
-        result = both(result, equals(value, *certificate_.locals[key[atom]][k]));
+        result = both(result, equals(value, *proof_.locals[key[atom]][k]));
       }
     }
     return result;
@@ -299,7 +292,7 @@ class Zones {
     for (const auto& [atom, local] : others) state[atom] = local;
     return state;
   }
-  [[nodiscard]] bool is_about(Text claim) const { return certificate_.claim == claim; }
+  [[nodiscard]] bool is_about(Text claim) const { return proof_.claim == claim; }
   // There is no state like that.
   void demand(const expr& bad, const std::string& otherwise) {
     if (terms_.may_be(bad)) throw Rejected(otherwise);
@@ -309,11 +302,11 @@ class Zones {
   static constexpr std::int64_t kFar = std::int64_t{1} << 62;
 
   const Model& model_;
-  const Certificate& certificate_;
-  z3::context& context_;
+  const Certificate& proof_;
+  z3::context& z3_;
   const PairModel* pair_;
-  Terms terms_;
-  System system_, after_;
+  Terms terms_{model_, z3_};
+  System system_{model_, terms_}, after_{model_, terms_};
   Local numbers_;  // of the pair and the third one; none: there are no numbers
   expr own_numbers_ = terms_.truth(true);
   Tree claim_;
