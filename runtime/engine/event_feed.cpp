@@ -55,16 +55,18 @@ void EventFeed::open_pool(Core& core) {
   core.actions().await_returns(pool_.get());
 }
 
-Result<bool> EventFeed::read(const std::string& path) {
-  const Result<bool> is_read = take_script(path, EventSource::Script);
+Result<bool> EventFeed::read(const std::string& path, bool (*stops)()) {
+  const Result<bool> is_read = take_script(path, EventSource::Script, stops);
   for (Event& event : script_) event.look = kAnyLook;
   return is_read;
 }
 
-Result<bool> EventFeed::replay(const std::string& path) { return take_script(path, EventSource::Record); }
+Result<bool> EventFeed::replay(const std::string& path, bool (*stops)()) {
+  return take_script(path, EventSource::Record, stops);
+}
 
-Result<bool> EventFeed::take_script(const std::string& path, EventSource source) {
-  Result<std::vector<Event>> events = read_events(path, ports_, source);
+Result<bool> EventFeed::take_script(const std::string& path, EventSource source, bool (*stops)()) {
+  Result<std::vector<Event>> events = read_events(path, ports_, source, stops);
   if (!events) return Failure{events.error()};
   script_ = std::move(*events);
   return true;

@@ -27,10 +27,10 @@ class EventFeed {
   explicit EventFeed(const Core& core, u32 capacity = kCapacity) : ports_(core), inbox_(ports_.size(), capacity) {}
   [[nodiscard]] const EventPorts& ports() const { return ports_; }
 
-  /// The events of a file, and nothing else; once, before the first question.
-  [[nodiscard]] Result<bool> read(const std::string& path);
+  /// The events of a file, and nothing else; once, before the first question. `stops`: as is_stopped of read_events.
+  [[nodiscard]] Result<bool> read(const std::string& path, bool (*stops)() = nullptr);
   /// Those of a record, each after the look after which it came.
-  [[nodiscard]] Result<bool> replay(const std::string& path);
+  [[nodiscard]] Result<bool> replay(const std::string& path, bool (*stops)() = nullptr);
   /// Makes the objects of the model's classes. False: a fault.
   [[nodiscard]] bool open_sources(Core& core);
   /// Threads may post from now on: in real time their events are waited for, however long.
@@ -98,7 +98,7 @@ class EventFeed {
   bool collect(Core& core, i64 until);
   bool deliver(Core& core, const Event& event);
   bool hold_until_return(Core& core);
-  Result<bool> take_script(const std::string& path, EventSource source);
+  Result<bool> take_script(const std::string& path, EventSource source, bool (*stops)());
   bool is_in_time(Core& core, i64 instant);
   bool overrun(Core& core, u32 atom);
   void forget_jobs(const Core& core, std::size_t first);

@@ -4,7 +4,6 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <initializer_list>
 #include <iterator>
 #include <limits>
@@ -12,15 +11,13 @@
 #include "bip/assert.hpp"
 #include "runtime/core/text.hpp"
 #include "runtime/engine/json_line.hpp"
+#include "runtime/engine/line_reader.hpp"
 #include "runtime/engine/policies.hpp"
 #include "runtime/trace/trace.hpp"
 
 namespace bip::rt {
 
 namespace {
-
-// Longer lines are no events.
-constexpr std::size_t kMaxLine = 1 << 20;
 
 EventValue value_of(JsonLine& json, CellType type) {
   switch (json.kind()) {
@@ -163,28 +160,25 @@ enum class TornEnd : std::uint8_t { IsCut, IsError };
 // Torn: the last line was cut off.
 enum class FileEnd : std::uint8_t { Whole, Torn };
 
-Failure cannot_read(const std::string& path, const char* reason) {
-  return Failure{"cannot read `" + path + "`: " + reason};
-}
-
-// Calls on_line(json) for each line that is not empty, until one is wrong.
+// Calls on_line(json) for each line that is not empty, until one is wrong. Longer lines than LineReader::kMaxLine are
+// no events.
 template <class OnLine>
-Result<FileEnd> read_lines(const std::string& path, TornEnd torn, const OnLine& on_line) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) return cannot_read(path, std::strerror(errno));
+Result<FileEnd> read_lines(const std::string& path, TornEnd torn, bool (*is_stopped)(), const OnLine& on_line) {
+  LineReader in(path, is_stopped);
   std::string line;
-  errno = 0;
-  for (std::size_t number = 1; std::getline(in, line); ++number) {
-    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
-    JsonLine json(line.size() > kMaxLine ? std::string_view() : std::string_view(line));
-    on_line(json, number);
-    if (json.ok()) continue;
-    if (in.eof() && torn == TornEnd::IsCut) return FileEnd::Torn;
-    return Failure{path + ":" + std::to_string(number) + ": " + json.error()};
+  LineReader::Got got = in.next(line);
+  for (std::size_t number = 1; got == LineReader::Got::Line; ++number) {
+    if (line.find_first_not_of(" \t\r") != std::string::npos) {
+      JsonLine json(line.size() > LineReader::kMaxLine ? std::string_view() : std::string_view(line));
+      on_line(json, number);
+      if (!json.ok() && in.is_torn() && torn == TornEnd::IsCut) return FileEnd::Torn;
+      if (!json.ok()) return Failure{path + ":" + std::to_string(number) + ": " + json.error()};
+    }
+    got = in.is_torn() ? LineReader::Got::End : in.next(line);
   }
-  if (!in.bad()) return FileEnd::Whole;
-  // Streams report a lack of memory in the same way.
-  return cannot_read(path, errno != 0 ? std::strerror(errno) : "out of memory");
+  if (got == LineReader::Got::End) return FileEnd::Whole;
+  return Failure{"cannot read `" + path +
+                 "`: " + (got == LineReader::Got::Stopped ? "interrupted" : std::strerror(errno))};
 }
 
 template <class Word>
@@ -235,7 +229,7 @@ Result<Record> read_record(const std::string& path) {
   constexpr const char* kNoRecord = "this is no record of a run: --record writes one";
   Record record;
   bool is_record = false, has_head = false;
-  const Result<FileEnd> end = read_lines(path, TornEnd::IsCut, [&](JsonLine& json, std::size_t number) {
+  const Result<FileEnd> end = read_lines(path, TornEnd::IsCut, nullptr, [&](JsonLine& json, std::size_t number) {
     if (number != 1 && json.first_key() != "end") return;
     if (number == 1 && json.first_key() != "format") return json.fail(kNoRecord);
     read_record_line(json, record, is_record);
@@ -269,10 +263,11 @@ void append_record_end(std::string& out, const Record& record) {
   out += "}\n";
 }
 
-Result<std::vector<Event>> read_events(const std::string& path, const EventPorts& ports, EventSource source) {
+Result<std::vector<Event>> read_events(const std::string& path, const EventPorts& ports, EventSource source,
+                                       bool (*is_stopped)()) {
   std::vector<Event> events;
   const TornEnd torn = source == EventSource::Record ? TornEnd::IsCut : TornEnd::IsError;
-  const Result<FileEnd> end = read_lines(path, torn, [&](JsonLine& json, std::size_t) {
+  const Result<FileEnd> end = read_lines(path, torn, is_stopped, [&](JsonLine& json, std::size_t) {
     Event event;
     if (!read_event(json, ports, source, event)) return;
     if (json.ok() && !events.empty() && event.time < events.back().time)

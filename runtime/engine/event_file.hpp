@@ -45,9 +45,10 @@ void append_record_head(std::string& out, const Record& record);
 void append_record_end(std::string& out, const Record& record);
 
 enum class EventSource : std::uint8_t { Script, Record };
-/// All events of the file; only records tell of actions. A failure names the file and the line.
+/// All events of the file; only records tell of actions. A failure names the file and the line. While a pipe has no
+/// events, `is_stopped` is asked: true is a failure. Null: it is waited for, however long.
 [[nodiscard]] Result<std::vector<Event>> read_events(const std::string& path, const EventPorts& ports,
-                                                     EventSource source);
+                                                     EventSource source, bool (*is_stopped)() = nullptr);
 /// A line with its newline.
 void append_event(std::string& out, const EventPorts& ports, const Event& event);
 

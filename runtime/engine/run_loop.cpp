@@ -73,9 +73,10 @@ RunResult RunLoop::run() {
 bool RunLoop::open_events() {
   BIP_ASSERT(phase_ == Phase::Created, "phase {}", static_cast<int>(phase_));
   Result<bool> are_read = true;
-  if (is_replay()) are_read = feed_.replay(options_.replay_path);
-  if (are_read && !options_.events_path.empty()) are_read = feed_.read(options_.events_path);
-  if (!are_read) {
+  if (is_replay()) are_read = feed_.replay(options_.replay_path, is_interrupted);
+  if (are_read && !options_.events_path.empty()) are_read = feed_.read(options_.events_path, is_interrupted);
+  // The first look for a step ends a run that was interrupted here.
+  if (!are_read && !is_interrupted()) {
     std::fprintf(files_.err, "error: %s\n", printable(are_read.error()).c_str());
     return false;
   }

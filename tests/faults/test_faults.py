@@ -15,7 +15,7 @@ its allocations (about 40,000) 5,000, evenly spread, in less than an hour. How m
 | `files` | no file can be written; a signal comes while one is: the old one stays, nothing is left beside it |
 | `limits` | a small stack, few files, small files, no home |
 | `threads` | no thread can be had (fail_thread.c) |
-| `kill` | SIGKILL, SIGTERM, SIGINT or SIGHUP at a random moment, then the same command with the same cache; the compiler ends as well |
+| `kill` | SIGKILL, SIGTERM, SIGINT or SIGHUP at a random moment, then the same command with the same cache; the compiler ends as well; a run that waits for events of a pipe ends |
 
 A disturbed command must end by itself and not by a signal of its own, without an internal error. If it says 0, its output and its files are
 those of the undisturbed command; otherwise it says why on standard error. Afterwards no temporary file is left, and the same command with
@@ -532,7 +532,50 @@ def kill():
             jobs.append(lambda r=reference, how=how, after=rng.random() * spent: killed(r, how, after))
     side_by_side(jobs)
     compiler_ends()
+    waits_for_events()
     side_by_side([lambda k=k: ends_before_compiler(0.01 + 0.002 * k) for k in range(100 if options.all else 40)])
+
+
+def waits_for_events():
+    """A run that waits for the events of a FIFO or a pipe ends at each signal as other runs do: for a FIFO that nobody writes to, and for the rest of a line."""
+    place = Place()
+    os.mkfifo(place.files / "fifo")
+    built = place.run("build -O0 -o program e.bip")
+    good("kill events build", built.returncode == 0, built.stderr.decode())
+    def one(command, source, writes, how):
+        what = f"kill events {' '.join(command[1:]) or 'program'} {source} {'half a line' if writes else 'nothing'} {how.name}"
+        child = subprocess.Popen([*command, "--silent", "--seed", "1", "--events", source], cwd=place.files, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=place.environment)
+        until = time.monotonic() + TIMEOUT
+        while not catches(child.pid, how) and child.poll() is None and time.monotonic() < until: time.sleep(0.01)
+        to = child.stdin
+        if source == "fifo" and writes: to = open(place.files / "fifo", "wb")
+        if writes:
+            to.write(b'{"time":')
+            to.flush()
+        time.sleep(0.2)
+        child.send_signal(how)
+        try:
+            child.wait(timeout=10)
+        except subprocess.TimeoutExpired:
+            child.kill()
+            return fail(what, "it has not ended 10 s later")
+        finally:
+            to.close()
+        out = child.stdout.read()
+        good(what, child.returncode == 128 + how and out.endswith(b"interrupted: 0 steps\n"), f"{child.returncode} {out} {child.stderr.read()}")
+    # One after the other: they share a FIFO.
+    for command in ([BIPC, "run", "e.bip"], [BIPC, "run", "--real-time", "e.bip"], ["./program"]):
+        for source, writes in (("fifo", False), ("fifo", True), ("/dev/stdin", True)):
+            for how in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP): one(command, source, writes, how)
+
+
+def catches(pid, how):
+    """Has the process a handler for the signal?"""
+    try:
+        status = pathlib.Path(f"/proc/{pid}/status").read_text()
+    except OSError:
+        return False
+    return any(line.startswith("SigCgt:") and int(line.split()[1], 16) >> (how - 1) & 1 for line in status.splitlines())
 
 
 def ends_before_compiler(after):
