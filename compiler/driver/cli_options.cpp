@@ -28,6 +28,9 @@ void add_check(CLI::App& app, CheckArguments& a) {
           "judge FILE as the solution of the exercises of lesson N of the book, or of exercise K alone; exit code 3 "
           "if one is not solved")
       ->type_name("N[.K]");
+  command->add_flag("--no-cpp", a.compile.refuses_cpp,
+                    "with --lesson, which runs FILE: refuse models that call C++ (nothing that a model brings is "
+                    "compiled or loaded)");
   add_compile(*command, a.compile);
   command->footer("Example:\n  bipc check --diagnostics=short model.bip\n  bipc check --lesson 1 kitchen.bip");
 }

@@ -15,6 +15,7 @@
 #include "compiler/driver/report.hpp"
 #include "compiler/pipeline/executor.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
+#include "compiler/pipeline/ffi_build.hpp"
 #include "compiler/system/system.hpp"
 
 namespace bip::driver {
@@ -130,6 +131,10 @@ int judge_exercise(const CheckArguments& arguments, int lesson, const Exercise& 
     if (!exercise.root.empty()) options.root = exercise.root;
     Compilation c(options);
     if (!compile(c, arguments.files.front(), Stage::Image)) return report(c);
+    if (c.options.refuses_cpp && uses_ffi(c)) {
+      c.diags.report(Diag::kB5014, {}, "compile and load");
+      return report(c);
+    }
     const Judgement judgement = judge_check(c, check);
     if (c.diags.has_errors()) return report(c);
     if (judgement.is_met) continue;
