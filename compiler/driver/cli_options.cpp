@@ -208,9 +208,10 @@ void add_serve_options(CLI::App& command, serve::ServeSettings& settings) {
           row.name, [&row, &settings] { (void)row.read("", settings); }, row.help);
       continue;
     }
-    command
-        .add_option_function<std::string>(
-            row.name, [&row, &settings](const std::string& text) { (void)row.read(text, settings); }, row.help)
+    CLI::Option* const option = command.add_option_function<std::string>(
+        row.name, [&row, &settings](const std::string& text) { (void)row.read(text, settings); }, row.help);
+    if (row.help.empty()) option->group("");
+    option
         ->check(CLI::Validator(
             [&row](std::string& text) {
               serve::ServeSettings tried;

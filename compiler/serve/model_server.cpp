@@ -17,6 +17,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <tuple>
 #include <vector>
 
 #include "bip/assert.hpp"
@@ -35,10 +36,8 @@ using Stream = net::posix::stream_descriptor;
 constexpr std::size_t kMaxAsked = 256;
 // When no more connections can be opened: until one may have ended.
 constexpr std::chrono::milliseconds kBreath{50};
-// A connection that has said nothing sound for so long is closed.
-constexpr std::chrono::seconds kSilence{10};
-// When all places are taken, one that was idle for so long makes room.
-constexpr std::chrono::seconds kIdle{60};
+// Between two looks for connections to be closed, unless they are to be closed sooner.
+constexpr std::chrono::nanoseconds kSweep = std::chrono::seconds(1);
 // How long the answers that are due at the end may take.
 constexpr std::chrono::seconds kLastAnswers{2};
 // Notes on their way from the engine to the clients; what comes faster is dropped.
@@ -47,6 +46,9 @@ constexpr int kMaxNotes = 10000;
 using ServerClock = std::chrono::steady_clock;
 /// Where a client comes from. Peers of a Unix socket are checked by the system, those of TCP by their token.
 enum class Origin : std::uint8_t { Stdio, Local, Tcp };
+/// Who wants a place when all are taken. Stranger: a connection of TCP before its token. LowerRole: an observer or a
+/// requester of TCP by its token. Owner: a connection to the Unix socket, which is the user's own.
+enum class Newcomer : std::uint8_t { Stranger, LowerRole, Owner };
 
 struct Client {
   Client(net::io_context& io, int from, int to) : in(io, from), out(io, to) {}
@@ -170,35 +172,57 @@ class Server {
   void sweep() {
     if (watches_parent_ && !is_open_pipe(STDIN_FILENO)) return io_.stop();
     const ServerClock::time_point now = ServerClock::now();
+    const std::chrono::nanoseconds silence(options_.close_after);
     std::vector<std::uint64_t> silent;
     for (const auto& [number, client] : clients_) {
-      if (client->origin != Origin::Stdio && !client->has_spoken && now - client->last_request > kSilence)
+      if (client->origin != Origin::Stdio && !client->has_spoken && now - client->last_request > silence)
         silent.push_back(number);
     }
     for (const std::uint64_t number : silent) close(number, *clients_.at(number));
-    sweep_.expires_after(std::chrono::seconds(1));
+    sweep_.expires_after(std::min(kSweep, silence));
     sweep_.async_wait([this](const std::error_code& failed) {
       if (!failed) sweep();
     });
   }
 
-  // Frees a place for a new connection: one that never sent a line goes first, then one that was idle for long. False:
-  // all are at work.
-  bool make_room() {
-    const ServerClock::time_point now = ServerClock::now();
-    std::optional<std::uint64_t> idlest;
-    for (const auto& [number, client] : clients_) {
-      const bool may_go = client->origin != Origin::Stdio && !client->is_closing && !client->is_subscribed &&
-                          client->asked == 0 && (!client->has_spoken || now - client->last_request > kIdle);
-      if (!may_go) continue;
-      const Client* const best = idlest ? clients_.at(*idlest).get() : nullptr;
-      if (best == nullptr ||
-          std::pair(client->has_spoken, client->last_request) < std::pair(best->has_spoken, best->last_request))
-        idlest = number;
+  [[nodiscard]] bool may_go(const Client& client, Newcomer newcomer, ServerClock::time_point now) const {
+    if (client.origin == Origin::Stdio || client.is_closing) return false;
+    const bool is_at_work = client.is_subscribed || client.asked != 0;
+    const bool is_idle = !is_at_work && now - client.last_request > std::chrono::nanoseconds(options_.idle_after);
+    switch (newcomer) {
+      case Newcomer::Stranger: return is_idle || (!client.has_spoken && !is_at_work);
+      case Newcomer::LowerRole: return is_idle && client.is_known && client.role != Role::Operator;
+      case Newcomer::Owner: return !is_at_work || client.role != Role::Operator;
     }
-    if (!idlest) return false;
-    close(*idlest, *clients_.at(*idlest));
+    BIP_UNREACHABLE("a newcomer of no kind");
+  }
+
+  // Frees a place: one that never sent a line goes first, then the idlest of a lower role, then the idlest operator.
+  // False: all stay.
+  bool make_room(Newcomer newcomer) {
+    const ServerClock::time_point now = ServerClock::now();
+    const auto order = [](const Client& client) {
+      return std::tuple(client.has_spoken, client.role == Role::Operator, client.last_request);
+    };
+    std::optional<std::uint64_t> first;
+    for (const auto& [number, client] : clients_) {
+      if (may_go(*client, newcomer, now) && (!first || order(*client) < order(*clients_.at(*first)))) first = number;
+    }
+    if (!first) return false;
+    close(*first, *clients_.at(*first));
     return true;
+  }
+
+  // Has an observer or a requester that has just shown its token a place beside the others of such roles?
+  bool has_place(const Client& newcomer) {
+    BIP_ASSERT(options_.kept_for_operators < options_.max_clients, "{} places of {} are kept",
+               options_.kept_for_operators, options_.max_clients);
+    const auto others = std::count_if(clients_.begin(), clients_.end(), [&](const auto& row) {
+      const Client& client = *row.second;
+      return &client != &newcomer && client.is_known && !client.is_closing && client.role != Role::Operator;
+    });
+    return static_cast<std::size_t>(others) < options_.max_clients - options_.kept_for_operators ||
+           make_room(Newcomer::LowerRole);
   }
 
   template <class Acceptor, class Endpoint>
@@ -213,16 +237,17 @@ class Server {
   void accept(Acceptor& acceptor) {
     acceptor.async_accept([this, &acceptor](const std::error_code& failed, auto socket) {
       if (failed == net::error::operation_aborted) return;
+      constexpr bool is_local = std::is_same_v<Acceptor, net::local::stream_protocol::acceptor>;
+      constexpr Newcomer newcomer = is_local ? Newcomer::Owner : Newcomer::Stranger;
       if (failed) {
         // Too many open files, as a rule: to ask again at once would be all that this thread does.
-        (void)make_room();
+        (void)make_room(Newcomer::Stranger);
         auto breath = std::make_unique<net::steady_timer>(io_, kBreath);
         breath->async_wait([this, &acceptor, held = std::move(breath)](const std::error_code&) { accept(acceptor); });
         return;
       }
-      constexpr bool is_local = std::is_same_v<Acceptor, net::local::stream_protocol::acceptor>;
       const bool may_enter = !is_local || is_own_peer(socket.native_handle());
-      if (may_enter && (clients_.size() < options_.max_clients || make_room())) {
+      if (may_enter && (clients_.size() < options_.max_clients || make_room(newcomer))) {
         std::error_code ignored;
         const int file = socket.release(ignored);
         if (const int copy = ::dup(file); copy >= 0) add(file, copy, is_local ? Origin::Local : Origin::Tcp);
@@ -414,6 +439,11 @@ class Server {
     const std::string given = token_of_hello(line);
     for (const Role role : {Role::Observer, Role::Requester, Role::Operator}) {
       if (!is_token(given, token_of(role))) continue;
+      if (role != Role::Operator && !has_place(client)) {
+        send(number, error_line("all places for observers and requesters are taken"));
+        finish(number, client);
+        return false;
+      }
       client.role = role;
       return client.is_known = true;
     }

@@ -4,6 +4,7 @@
 // One thread serves all clients and never blocks on one of them. Output that a client does not read is buffered up to a
 // limit; beyond it notes are dropped and counted, and the client's requests are not read until it has read the answers.
 // The length of a line is limited. Connections that say nothing are closed; a client of TCP needs a token (access.hpp).
+// Places are limited, and neither strangers nor clients of lower roles can take all of them: see Newcomer in the .cpp.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -24,6 +25,12 @@ struct ServerOptions {
   std::size_t max_line = 1 << 16;
   std::size_t max_waiting = 1 << 20;  // bytes to a client
   std::size_t max_clients = 64;
+  /// Of these: those that observers and requesters of TCP never take, together. Fewer than max_clients.
+  std::size_t kept_for_operators = 4;
+  /// A connection that has said nothing sound for so long (ns) is closed.
+  std::int64_t close_after = 10'000'000'000;
+  /// When all places are taken, one that was idle for so long (ns) makes room for anybody.
+  std::int64_t idle_after = 60'000'000'000;
 };
 
 /// StreamFailed: an error ended standard input or output, over which the model was served.

@@ -84,6 +84,8 @@ int serve_image(const rt::Image& image, void* library, const ServeSettings& sett
   server.uses_tcp = settings.has_port;
   server.tcp_port = settings.port;
   server.silent_after = settings.silent_after;
+  server.close_after = settings.close_after;
+  server.idle_after = settings.idle_after;
   const auto [end, problem] = serve(controller, server);
   if (end != ServeEnd::Done) print("error", problem);
   if (end == ServeEnd::NotOpened) return kUsage;

@@ -23,8 +23,9 @@ void print_help(const char* program, const rt::Image& image) {
       "usage: %s [options]\nserves the model %s in real time while clients post events, observe it and control "
       "it\n\n",
       program, image.name);
-  for (const ServeOption& option : serve_options())
-    std::printf("  %s\n        %s\n", head_of(option).c_str(), option.help.c_str());
+  for (const ServeOption& option : serve_options()) {
+    if (!option.help.empty()) std::printf("  %s\n        %s\n", head_of(option).c_str(), option.help.c_str());
+  }
   std::printf(
       "  --help\n        print this help\n  --version\n        print the name of the model\n\n"
       "Requests and answers are lines of JSON, as of `bipc serve`.\nexample: echo '{\"do\":\"hello\"}' | %s\n",

@@ -38,6 +38,12 @@ std::string read_duration(const std::string& text, std::int64_t& ns) {
   return {};
 }
 
+// Of what is looked at again and again.
+std::string read_wait(const std::string& text, std::int64_t& ns) {
+  std::string wrong = read_duration(text, ns);
+  return wrong.empty() && ns < 1'000'000 ? "`" + text + "` is less than 1ms" : wrong;
+}
+
 std::string read_speed(const std::string& text, double& speed) {
   char* end = nullptr;
   errno = 0;
@@ -156,6 +162,8 @@ const std::vector<ServeOption>& serve_options() {
       {"--trace", "PATH", "write a trace of the steps to PATH; the file is complete when the process has ended",
        [](Text text, Settings& s) { return read_path(text, s.trace_path); }},
       {"--trace-format", formats_shown(), "format of the trace" + formats_help() + " (default: json)", read_format},
+      {"--close-after", "TIME", "", [](Text text, Settings& s) { return read_wait(text, s.close_after); }},
+      {"--idle-after", "TIME", "", [](Text text, Settings& s) { return read_wait(text, s.idle_after); }},
   };
   return options;
 }

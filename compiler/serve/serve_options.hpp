@@ -25,12 +25,13 @@ struct ServeSettings {
   std::string socket;  // empty: standard input, unless has_port
   bool has_port = false;
   std::uint16_t port = 0;
+  std::int64_t close_after = 10'000'000'000, idle_after = 60'000'000'000;  // ns; see ServerOptions
 };
 
 struct ServeOption {
   std::string name;   // "--seed"
   std::string value;  // how the help writes its value, "N"; empty: a flag
-  std::string help;
+  std::string help;   // empty: for tests, and not shown
   /// Takes the value (of a flag: an empty text). Returns an empty text, or what is wrong with it.
   std::string (*read)(const std::string& text, ServeSettings& settings);
 };
