@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Who gets a place at a served model (compiler/docs/serve.md): 64 clients of lower roles, idle ones or silent ones do not keep its owner
-out, and what is idle or silent too long goes.
+out, and what is idle or silent too long goes. As root also: another user is not let in although the socket's mode would.
 """
 import json
 import os
@@ -15,6 +15,7 @@ import time
 from checks import BIPC, check, finish
 
 MODEL = pathlib.Path(__file__).resolve().parent / "counter.bip"
+NOBODY = 65534
 PLACES, FOR_LOWER_ROLES = 64, 60
 
 
@@ -131,4 +132,41 @@ check("a talker is not", answer.get("ok") and is_open(talker) and said(talker, {
 served.end()
 refused = subprocess.run([BIPC, "serve", "--close-after", "0", str(MODEL)], stdin=subprocess.DEVNULL, capture_output=True, text=True)
 check("no limit of nothing", refused.returncode == 2 and "less than 1ms" in refused.stderr, refused)
+
+# The peer's user counts, not the socket's mode.
+def answer_to(user, path):
+    """How many bytes another process, of this user, is told at the socket; -1: it could not connect."""
+    reading, writing = os.pipe()
+    child = os.fork()
+    if child == 0:
+        told = b"-1"
+        try:
+            os.setgroups([])
+            os.setgid(user)
+            os.setuid(user)
+            s = socket.socket(socket.AF_UNIX)
+            s.settimeout(10)
+            s.connect(path)
+            told = b"0"
+            s.sendall(b'{"do":"hello"}\n')
+            told = str(len(s.recv(4096))).encode()
+        except OSError:
+            pass
+        os.write(writing, told)
+        os._exit(0)
+    os.close(writing)
+    os.waitpid(child, 0)
+    with open(reading) as pipe: return int(pipe.read())
+
+
+if os.geteuid() == 0:
+    served = Served()
+    for path, mode in ((served.folder, 0o711), (served.path, 0o666)): os.chmod(path, mode)
+    check("the user is answered", answer_to(0, served.path) > 0)
+    told = answer_to(NOBODY, served.path)
+    check("another user connects and is told nothing", told == 0, told)
+    check("the server goes on", served.hello()[1].get("ok"))
+    served.end()
+else:
+    print("skipped: only root can connect as another user")
 sys.exit(finish("places"))
