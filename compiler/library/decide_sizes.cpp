@@ -210,7 +210,7 @@ SizeVerdict SizeDecider::decide() {
     std::string text = fmt::format(
         "deadlock-free for every {} >= {}: proved by invariants over words ({} nodes), {} = {}..{} one by one\n",
         asked_.parameter, first_, nodes_, asked_.parameter, first_, next_ - 1);
-    if (can_fault_) text += kErrorsNotAsked;
+    if (can_fault_) text += kErrorsNotAskedOfSizes;
     answer(kOk, "deadlock-free", std::move(text));
     if (request_.wants_certificate) {
       for (std::int64_t size = first_; size < least_of_all_; ++size)

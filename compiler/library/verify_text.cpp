@@ -161,7 +161,9 @@ VerdictText verdict_text(const Compilation& c, const verify::Question& question,
       break;
     case verify::Outcome::Unknown: v = {kUnknown, "unknown", unknown_text(c, d, portfolio)}; break;
   }
-  if (!d.fault.empty() && d.outcome != verify::Outcome::Violated) v.text += error_note(d.fault);
+  if (!d.fault.empty() && d.outcome == verify::Outcome::Holds) v.text += error_note(d.fault);
+  if (!d.fault.empty() && d.outcome == verify::Outcome::Unknown)
+    v.text += fmt::format("note: a run can end with an error: {}\n", d.fault);
   return v;
 }
 

@@ -27,9 +27,14 @@ inline constexpr double kErrorSeconds = 0.5;
 /// What a verdict that holds says of errors that it was not about.
 inline constexpr const char* kErrorsNotAsked =
     "note: errors were not asked for: `--property errors` shows whether a run can end with one\n";
+/// The same for all sizes: errors are asked of one system.
+inline constexpr const char* kErrorsNotAskedOfSizes =
+    "note: errors were not asked for: `--property errors` with the root of one size shows whether a run of it can end "
+    "with one\n";
 /// What a verdict that holds of runs says of those that end with an error.
 inline constexpr const char* kEndsInError =
     "note: this holds, but a run can end with an error: `--property errors` shows it\n";
+/// The note of a verdict that holds.
 [[nodiscard]] std::string error_note(const std::string& fault);
 /// What a verdict that holds of a model with C++ says of this.
 inline constexpr const char* kCppReturns =
