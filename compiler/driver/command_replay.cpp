@@ -4,7 +4,9 @@
 // --published follows the choices of the trace with our own core and compares, state by state, the candidates as
 // multisets of their printed form (names, port values and, for models with time, the intervals in which each may be
 // taken). The first difference is printed with both sets. The end of the trace, if it has one, must be the model's: a
-// deadlock, a time lock, the same kind of error.
+// deadlock, a time lock at the same instant, the same kind of error, in the same component and invariant where the
+// trace names them. A trace whose last line is cut off in the words of an error, or that ends behind a choice, agrees
+// with any error of the model there.
 //
 // An event from outside comes when the trace chooses its port. What the trace does not tell of events (when ports wait
 // for one, values that it does not show) is not compared, and said.
@@ -123,13 +125,13 @@ class Replay {
   // True if all states and the end agree.
   bool follow(const PublishedTrace& trace) {
     trace_ = &trace;
-    if (!core_.initialize()) return fault(nullptr);
+    if (!core_.initialize()) return fault(trace.states.empty() ? nullptr : &trace.states.front());
     if (!follow_states(trace.states)) return false;
-    if (ends_with_fault_) return true;
+    if (ends_with_fault_ || has_unnamed_fault_) return true;
     switch (trace.end) {
       case TraceEnd::None:
       case TraceEnd::Deadlock: return true;
-      case TraceEnd::TimeLock: return core_.is_timed() && is_time_locked() ? agree() : no_such_end();
+      case TraceEnd::TimeLock: return ends_in_time_lock();
       case TraceEnd::Event: return refuses_event();
       // Of the clock on the wall, which a model has not.
       case TraceEnd::Late: return is_late_ = true;
@@ -137,7 +139,8 @@ class Replay {
       case TraceEnd::NotOneSafe:
       case TraceEnd::Invariant:
       case TraceEnd::PriorityCycle:
-      case TraceEnd::Error: break;
+      case TraceEnd::Error:
+      case TraceEnd::CutError: break;
     }
     return no_such_end();
   }
@@ -154,6 +157,7 @@ class Replay {
       add(fmt::format("values of {} event{} that the trace does not show, taken as 0, false or an empty text",
                       without_values_, without_values_ == 1 ? "" : "s"));
     if (is_late_) add("the timing violation at the end");
+    if (has_unnamed_fault_) add("the error at the end, which the trace does not show whole: " + core_.fault().what);
     if (has_unnamed_event_) add("the event that nothing takes, which the trace does not name");
     return text;
   }
@@ -306,11 +310,18 @@ class Replay {
     return fail(fmt::format("`{}`, line {}, ends with `{}`, and the model goes on there", trace_path_, trace_->end_line,
                             trace_->end_text));
   }
-  // No step now or later, and time that cannot pass for ever.
-  bool is_time_locked() {
-    writer_.foresee(core_);
-    if (writer_.has_future()) return false;
-    return core_.time().wait_limit(ends_) != rt::kForever;
+  // The trace ends where time stands still: does the model stop at that instant, too?
+  bool ends_in_time_lock() {
+    while (core_.is_timed() && core_.candidate_count() == 0) {
+      const rt::i64 next = core_.time().next_change();
+      if (next > core_.time().wait_limit(ends_)) {
+        (void)core_.time().fail_time_lock();
+        return fault(nullptr);
+      }
+      if (next == rt::kForever) break;
+      if (!core_.time().advance(next)) return fault(nullptr);
+    }
+    return no_such_end();
   }
   bool fail(std::string what) {
     compilation_.diags.add(Diag::kB5021, {}, std::move(what));
@@ -342,10 +353,24 @@ class Replay {
     d.note("the trace has" + set_text(theirs)).note("the model has" + set_text(ours));
     return false;
   }
+  // Is the model's error of the kind that ends the trace, and does it have the names and the instant that the trace
+  // gives? Cycles of priorities, which can be told from any of their members on, are compared by their kind.
+  [[nodiscard]] bool is_named_fault() const {
+    const rt::Fault& fault = core_.fault();
+    if (trace_->end != end_of(fault.code)) return false;
+    const rt::i64 lock = rt::parse_time(trace_->end_lock);
+    if (fault.code == rt::FaultCode::TimeLock && lock >= 0 && lock != core_.now()) return false;
+    if (!trace_->end_invariant.empty() && trace_->end_invariant != fault.rule) return false;
+    return trace_->end_component.empty() || fault.atom == rt::kNone ||
+           trace_->end_component == core_.image().atoms[fault.atom].path();
+  }
   // The model has ended with an error, after the last choice of the trace (null) or before: does the trace end so, too?
   bool fault(const TraceState* before_end) {
-    const TraceEnd end = end_of(core_.fault().code);
-    if (before_end == nullptr && trace_->end == end) return agree();
+    if (before_end == nullptr) {
+      const bool is_cut = trace_->end == TraceEnd::None && trace_->ends_behind_choice;
+      if (is_cut || trace_->end == TraceEnd::CutError) return has_unnamed_fault_ = true;
+      if (is_named_fault()) return agree();
+    }
     const std::string at = before_end != nullptr    ? fmt::format("at state #{}", before_end->number)
                            : trace_->states.empty() ? "before the first state"
                                                     : fmt::format("at state #{}", trace_->states.back().number);
@@ -365,7 +390,7 @@ class Replay {
   std::vector<rt::i64> ends_;
   std::uint64_t compared_ = 0, steps_ = 0;
   const PublishedTrace* trace_ = nullptr;
-  bool ends_with_fault_ = false;
+  bool ends_with_fault_ = false, has_unnamed_fault_ = false;
   bool lists_event_ports_ = false, has_unnamed_event_ = false, is_late_ = false;
   std::uint64_t without_values_ = 0;  // events of which the trace does not show all values
 };

@@ -122,6 +122,15 @@ TraceEnd end_of(std::string_view text) {
   return TraceEnd::None;
 }
 
+// The word behind `words`, without the mark at its end; empty: there is none.
+std::string_view word_after(std::string_view text, std::string_view words) {
+  const std::size_t at = text.find(words);
+  if (at == std::string_view::npos) return {};
+  text.remove_prefix(at + words.size());
+  text = text.substr(0, text.find(' '));
+  return text.ends_with('!') ? text.substr(0, text.size() - 1) : text;
+}
+
 class PublishedTraceReader {
  public:
   explicit PublishedTraceReader(std::string_view text) : text_(text) {}
@@ -155,8 +164,29 @@ class PublishedTraceReader {
     if (end == TraceEnd::None || trace_.end != TraceEnd::None) return;
     trace_.end = end;
     trace_.end_line = number_;
+    // Without its newline it is whole if it has the mark that ends all of them.
+    const bool is_whole = !is_cut_ || line.ends_with('!');
+    if (line.starts_with("ERROR") && !is_whole) trace_.end = TraceEnd::CutError;
     if (take(line, "ERROR:")) line = trimmed(line);
     trace_.end_text = line;
+    if (is_whole) note_names(line);
+  }
+
+  // What the end is about: "the invariant i of component ROOT.a has been violated!", "invariant ROOT.a.i violated!",
+  // "Petri net not 1-safe in ROOT.a!", "time-lock at 5s!".
+  void note_names(std::string_view line) {
+    if (trace_.end == TraceEnd::TimeLock) trace_.end_lock = word_after(line, " at ");
+    if (trace_.end == TraceEnd::TwoTransitions || trace_.end == TraceEnd::NotOneSafe)
+      trace_.end_component = word_after(line, " in ");
+    if (trace_.end != TraceEnd::Invariant) return;
+    std::string_view invariant = word_after(line, "invariant "), component = word_after(line, " of component ");
+    if (invariant == "has" || invariant == "violated") return;
+    if (const std::size_t dot = invariant.rfind('.'); dot != std::string_view::npos && component.empty()) {
+      component = invariant.substr(0, dot);
+      invariant.remove_prefix(dot + 1);
+    }
+    trace_.end_invariant = invariant;
+    trace_.end_component = component;
   }
 
   void read_state(std::string_view line) {
@@ -174,6 +204,7 @@ class PublishedTraceReader {
     const auto has = [&](std::string_view words) { return rest.find(words) != std::string_view::npos; };
     const bool is_list = has("interaction") || has("internal port") || has("external port");
     // "limit reached", "error": nothing to compare there.
+    if (!is_cut_) trace_.ends_behind_choice = false;
     if (!state.is_deadlock && !is_list) {
       trace_.end_instant = state.entered;
       return note_end(rest);
@@ -198,6 +229,7 @@ class PublishedTraceReader {
     if (trace_.states.empty() || !take_candidate(line, number, chosen))
       return fail("line {} chooses nothing that can be read");
     if (!is_last_complete()) return fail("line {} follows a state that lists fewer interactions than it announces");
+    trace_.ends_behind_choice = true;
     TraceState& state = trace_.states.back();
     if (const std::size_t at = chosen.rfind(kAtTime);
         at != std::string::npos && chosen.find('"', at) == std::string::npos) {

@@ -14,7 +14,8 @@
 
 namespace bip::driver {
 
-/// How a trace says that the run ended. Error: with one that has no kind of its own.
+/// How a trace says that the run ended. Error: with one that has no kind of its own. CutError: with one whose line was
+/// cut off.
 enum class TraceEnd : std::uint8_t {
   None,
   Deadlock,
@@ -25,7 +26,8 @@ enum class TraceEnd : std::uint8_t {
   PriorityCycle,
   Event,
   Late,
-  Error
+  Error,
+  CutError
 };
 
 struct TraceState {
@@ -46,6 +48,11 @@ struct PublishedTrace {
   std::size_t end_line = 0;
   std::string end_text;     // "invariant ROOT.a.i violated!"
   std::string end_instant;  // "1s600ms", of the line that says of the last state how the run ended; empty: none does
+  // What the line of the end names; empty: nothing.
+  std::string end_component;        // "ROOT.a", in which an invariant or a Petri net is violated
+  std::string end_invariant;        // "i"
+  std::string end_lock;             // "5s", at which time stands still
+  bool ends_behind_choice = false;  // no state and no end follow the last choice: the run was cut off there
 };
 
 /// Fails if neither a state nor an end is found or a line of a state, unless it is the text's last, cannot be read; the

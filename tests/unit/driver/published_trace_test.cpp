@@ -110,6 +110,41 @@ TEST_CASE("a last line without its end says nothing for certain") {
   CHECK((*read_published_trace(head + whole + choice + "\n")).states.at(0).instant == "1s400ms");
 }
 
+TEST_CASE("what the end of a trace names is read, and nothing of an end that was cut off") {
+  const std::string head = "[BIP ENGINE]: state #0: 1 internal port:\n[BIP ENGINE]:   [0] ROOT.a.p\n";
+  const std::string choice = "[BIP ENGINE]: -> choose [0] ROOT.a.p\n";
+  const std::string error = "[BIP ENGINE]: ERROR: the invariant i of component ROOT.a has been violated!";
+  for (const std::string& line :
+       {error, error + "\n", std::string("[BIP ENGINE]: ERROR: invariant ROOT.a.i violated!\n")}) {
+    const auto trace = read_published_trace(head + choice + line);
+    REQUIRE(trace);
+    CHECK((*trace).end == TraceEnd::Invariant);
+    CHECK((*trace).end_invariant == "i");
+    CHECK((*trace).end_component == "ROOT.a");
+  }
+  for (std::size_t length = error.find("ERROR") + 5; length < error.size(); ++length) {
+    const auto trace = read_published_trace(head + choice + error.substr(0, length));
+    REQUIRE(trace);
+    CHECK((*trace).end == TraceEnd::CutError);
+    CHECK((*trace).end_invariant.empty());
+  }
+  CHECK((*read_published_trace(head + "[BIP ENGINE]: ERROR: Petri net not 1-safe in ROOT.b.c!\n")).end_component ==
+        "ROOT.b.c");
+  CHECK((*read_published_trace("[BIP ENGINE]: state #0 and global time 0: time-lock at 5s!\n")).end_lock == "5s");
+  CHECK((*read_published_trace("[BIP ENGINE]: state #0 and global time 0: time-lock at 5")).end_lock.empty());
+}
+
+TEST_CASE("a trace ends behind a choice if nothing whole follows it") {
+  const std::string head = "[BIP ENGINE]: state #0: 1 internal port:\n[BIP ENGINE]:   [0] ROOT.a.p\n";
+  const std::string choice = "[BIP ENGINE]: -> choose [0] ROOT.a.p\n";
+  const auto ends_so = [](const std::string& text) { return (*read_published_trace(text)).ends_behind_choice; };
+  CHECK_FALSE(ends_so(head));
+  CHECK(ends_so(head + choice));
+  CHECK(ends_so(head + choice + "[BIP ENGINE]: state #1"));
+  CHECK_FALSE(ends_so(head + choice + "[BIP ENGINE]: state #1: limit reached\n"));
+  CHECK_FALSE(ends_so(head + choice + "[BIP ENGINE]: state #1: 1 interaction:\n"));
+}
+
 TEST_CASE("numbers and instants that no engine writes are refused with their line") {
   const std::string state = ": 1 interaction:\n[BIP ENGINE]:   [0] ROOT.k: a.p()\n";
   const std::string choice = "[BIP ENGINE]: -> choose [0] ROOT.k: a.p()\n";
