@@ -1,5 +1,9 @@
 // `bipc check`: reports everything that can be wrong without running. Prints nothing if there is nothing to report.
 // With `--lesson` it judges an exercise of the book.
+#include <algorithm>
+#include <cstdio>
+
+#include "bip/process.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/distributed_runs.hpp"
 #include "compiler/driver/emit_stage.hpp"
@@ -8,8 +12,9 @@
 
 namespace bip::driver {
 
-int command_check(const CheckArguments& arguments) {
-  if (!arguments.lesson.empty()) return judge_lesson(arguments);
+namespace {
+
+int check_files(const CheckArguments& arguments) {
   int worst = 0;
   for (const std::string& file : arguments.files) {
     Compilation c(arguments.compile);
@@ -25,6 +30,14 @@ int command_check(const CheckArguments& arguments) {
     worst = std::max(worst, report(c));
   }
   return worst;
+}
+
+}  // namespace
+
+int command_check(const CheckArguments& arguments) {
+  const int code = arguments.lesson.empty() ? check_files(arguments) : judge_lesson(arguments);
+  // What other commands say beside their product is the product here.
+  return std::ferror(stderr) != 0 ? kOutputLost : code;
 }
 
 }  // namespace bip::driver

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "bip/process.hpp"
 #include "compiler/diag/explain.hpp"
 #include "compiler/diag/render.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
@@ -92,6 +93,8 @@ int report(const Compilation& c) {
   if (c.options.time_passes) print_error_text(time_table(c.times));
   const bool is_for_people = options.format == DiagnosticFormat::Frame || options.format == DiagnosticFormat::Short;
   if (c.options.explain && is_for_people) print_error_text(explained(c, options.color));
+  // Whoever reads it with a program must not take half of it for all.
+  if (!is_for_people && std::ferror(stderr) != 0) return kOutputLost;
   if (c.diags.has_errors()) return kModelErrors;
   const std::string reason = fatal_warning(c);
   if (reason.empty()) return kOk;

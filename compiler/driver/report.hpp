@@ -21,7 +21,7 @@ void print_words(std::string_view text);
 void print_error_words(std::string_view text);
 
 /// Writes diagnostics and, if asked for, the time table to standard error. Call once, before a run starts.
-/// 1 if there are errors (or warnings under --Werror), else 0.
+/// 1 if there are errors (or warnings under --Werror), else 0; kOutputLost if JSON or SARIF could not be written whole.
 [[nodiscard]] int report(const Compilation& c);
 
 }  // namespace bip::driver

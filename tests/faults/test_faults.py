@@ -8,7 +8,7 @@ its allocations (about 40,000) 5,000, evenly spread, in less than an hour. How m
 
 | group | what happens |
 |---|---|
-| `output` | standard output is full or closed in every command and in an emitted program; traces of all formats on a full disk |
+| `output` | standard output is full or closed in every command and in an emitted program; traces of all formats on a full disk; diagnostics on a full standard error |
 | `input` | events that are a folder, records that are cut off, outputs that are inputs or other outputs, an output that is a pipe |
 | `calls` | the k-th system call fails (fail_system_call.c) |
 | `memory` | the k-th allocation fails, once or for ever (fail_allocation.c) |
@@ -383,6 +383,14 @@ def output():
             done = subprocess.run(words, cwd=place.files, capture_output=True, env=place.environment, timeout=TIMEOUT)
             if form == "steps" and done.returncode == 2: continue  # no such format of a trace
             good(f"output trace {form} {command[0]}", done.returncode == OUTPUT_LOST and b"cannot write `/dev/full`: No space" in done.stderr, f"{done.returncode} {done.stderr}")
+    # Diagnostics are what `check` prints, and what programs read as JSON and SARIF.
+    (place.files / "warned.bip").write_text(MODEL.replace("  compound type", "  atom type Unused()\n    export port Signal p()\n    place S\n    initial to S\n  end\n  compound type", 1))
+    for words, code in (("check warned.bip", OUTPUT_LOST), ("check --diagnostics=json warned.bip", OUTPUT_LOST), ("check --diagnostics=sarif m.bip", OUTPUT_LOST),
+                        ("verify --diagnostics=json warned.bip", OUTPUT_LOST), ("verify warned.bip", 0), ("check m.bip", 0)):
+        warned = place.run(words)
+        good(f"output told {words}", warned.returncode == 0 and bool(warned.stderr) == (words not in ("check m.bip",)), f"{warned.returncode} {warned.stderr}")
+        with open("/dev/full", "wb") as full: done = place.run(words, stdout=subprocess.DEVNULL, stderr=full)
+        good(f"output diagnostics {words}", done.returncode == code, f"{done.returncode}")
     # Servers that speak by messages.
     initialize = b"Content-Length: 58\r\n\r\n" + b'{"jsonrpc":"2.0","id":1,"method":"initialize","params":{}}'
     for name, command, asked in (("dap", [BIPC, "dap"], FRAMES.encode()), ("bipc-lsp", [str(BUILD / "bipc-lsp")], initialize)):

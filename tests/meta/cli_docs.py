@@ -59,7 +59,7 @@ def page():
     text = ("# The command line\n\nGenerated from `--help` and each command's `--help-all` (`tests/meta/cli_docs.py --update`); a test compares them.\n\n"
             "Exit codes: 0 success, 1 errors in the model or at run time, 2 wrong command line, 3 a violated property or a deadlock that `verify` or\n"
             "`explore` found, 4 no verdict or a limit reached, 70 an error of bipc itself, 71 no memory or no thread, 74 not all of standard output, a trace or a record could be\n"
-            "written (emitted programs: alike). SIGINT (Ctrl-C), SIGTERM and SIGHUP end a run as a limit does, with exit code 128 + the signal's number. [SECURITY.md](../../SECURITY.md) says what is trusted.\n"
+            "written (emitted programs: alike), or of the diagnostics of `check` or in JSON or SARIF. SIGINT (Ctrl-C), SIGTERM and SIGHUP end a run as a limit does, with exit code 128 + the signal's number. [SECURITY.md](../../SECURITY.md) says what is trusted.\n"
             "Errors and warnings are written to standard error, everything else to standard output.\n\n"
             "A model that calls C++ (`extern function`) needs a C++20 compiler: $CXX, else c++, g++ or clang++. `run` compiles the model's C++ code once.\n"
             "It is cached below `$XDG_CACHE_HOME/bipc` (else `~/.cache/bipc`; without a home nothing is cached) together with a hash of what the compiler's preprocessor makes of it, as are the JIT's machine code and the proofs of `verify`.\n"
