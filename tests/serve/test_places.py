@@ -2,6 +2,7 @@
 """Who gets a place at a served model (compiler/docs/serve.md): 64 clients of lower roles, idle ones or silent ones do not keep its owner
 out, and what is idle or silent too long goes. As root also: another user is not let in although the socket's mode would.
 """
+import atexit
 import json
 import os
 import pathlib
@@ -27,6 +28,7 @@ class Served:
         self.path = os.path.join(self.folder, "s")
         where = ["--port", "0"] if tcp else ["--socket", self.path]
         self.server = subprocess.Popen([BIPC, "serve", "--backend", "interp", *where, *options, str(MODEL)], stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        atexit.register(self.server.kill)
         told = self.server.stderr.readline()
         assert "listening" in told, told
         self.tokens = {}
