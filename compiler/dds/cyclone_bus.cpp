@@ -66,8 +66,12 @@ class CycloneBus final : public ros2::Bus {
     return participant_ < 0 ? failure("no participant", participant_).message : "";
   }
 
-  Result<std::size_t> add_reader(const EndpointPlan& plan) override { return add(plan, readers_, true); }
-  Result<std::size_t> add_writer(const EndpointPlan& plan) override { return add(plan, writers_, false); }
+  Result<std::size_t> add_reader(const EndpointPlan& plan) override {
+    return add(plan, readers_, EndpointKind::Reader);
+  }
+  Result<std::size_t> add_writer(const EndpointPlan& plan) override {
+    return add(plan, writers_, EndpointKind::Writer);
+  }
 
   [[nodiscard]] int descriptor() const override { return event_; }
   void reset() override {
@@ -125,7 +129,9 @@ class CycloneBus final : public ros2::Bus {
     });
   }
 
-  Result<std::size_t> add(const EndpointPlan& plan, std::vector<dds_entity_t>& entities, bool is_reader) {
+  enum class EndpointKind : std::uint8_t { Reader, Writer };
+  Result<std::size_t> add(const EndpointPlan& plan, std::vector<dds_entity_t>& entities, EndpointKind kind) {
+    const bool is_reader = kind == EndpointKind::Reader;
     ddsi_sertype* type = make_sertype(plan.type);
     dds_qos_t* const qos = dds_create_qos();
     dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, kMostBlocked);

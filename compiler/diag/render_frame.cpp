@@ -17,10 +17,11 @@ constexpr std::size_t kTabStop = 4;
 constexpr std::size_t kWindow = 160;
 constexpr std::size_t kWindowBefore = 60;
 
+enum class MarkKind : std::uint8_t { Primary, Label };
 struct Mark {
   std::size_t begin_byte = 0;  // within the line
   std::size_t end_byte = 0;
-  bool primary = false;
+  MarkKind kind = MarkKind::Label;
   std::string_view text;
   std::size_t begin = 0;  // columns on the screen
   std::size_t end = 0;
@@ -40,7 +41,7 @@ File& file_of(std::vector<File>& files, FileId id) {
 }
 
 // A range over several lines is marked on its first one, to that line's end.
-void add_mark(std::vector<File>& files, const SourceMap& sources, SourceRange range, bool primary,
+void add_mark(std::vector<File>& files, const SourceMap& sources, SourceRange range, MarkKind kind,
               std::string_view text) {
   if (!range.is_valid()) return;
   const Loc at = sources.loc(range);
@@ -51,7 +52,7 @@ void add_mark(std::vector<File>& files, const SourceMap& sources, SourceRange ra
       std::min<std::size_t>(begin + (range.end > range.begin ? range.end - range.begin : 0), length);
   file_of(files, range.file)
       .lines[at.line]
-      .push_back({.begin_byte = begin, .end_byte = end, .primary = primary, .text = text});
+      .push_back({.begin_byte = begin, .end_byte = end, .kind = kind, .text = text});
 }
 
 struct ScreenLine {
@@ -151,7 +152,7 @@ class Frame {
       BIP_ASSERT(column <= m.begin, "marks overlap at column {}", m.begin);
       text.append(m.begin - column, ' ');
       text += color_of(m);
-      text.append(m.end - m.begin, m.primary ? '^' : '-');
+      text.append(m.end - m.begin, m.kind == MarkKind::Primary ? '^' : '-');
       text += colors_.reset;
       column = m.end;
     }
@@ -186,7 +187,7 @@ class Frame {
     return width;
   }
   [[nodiscard]] std::string_view color_of(const Mark& m) const {
-    return m.primary ? colors_.of(severity_) : colors_.note;
+    return m.kind == MarkKind::Primary ? colors_.of(severity_) : colors_.note;
   }
 
   std::string& out_;
@@ -201,8 +202,8 @@ void render_frame(std::string& out, const Diagnostic& d, const SourceMap& source
   out += fmt::format("{}{}[{}]{}{}: {}{}\n", colors.of(d.severity), severity_name(d.severity), info(d.kind).code,
                      colors.reset, colors.bold, printable(d.message), colors.reset);
   std::vector<File> files;
-  add_mark(files, sources, d.range, true, d.label);
-  for (const Label& label : d.labels) add_mark(files, sources, label.range, false, label.text);
+  add_mark(files, sources, d.range, MarkKind::Primary, d.label);
+  for (const Label& label : d.labels) add_mark(files, sources, label.range, MarkKind::Label, label.text);
   std::uint32_t last_line = 1;
   for (const File& f : files) last_line = std::max(last_line, f.lines.rbegin()->first);
   Frame frame(out, colors, d.severity, std::to_string(last_line).size());
@@ -234,7 +235,7 @@ std::string excerpt(const SourceMap& sources, Loc at, const Palette& colors) {
   const std::size_t begin = std::min<std::size_t>(at.column == 0 ? 0 : at.column - 1, line.size());
   frame.place("-->", sources.name(file), at);
   frame.gutter('|');
-  frame.source_line(at.line, line, {{.begin_byte = begin, .end_byte = begin, .primary = true, .text = {}}});
+  frame.source_line(at.line, line, {{.begin_byte = begin, .end_byte = begin, .kind = MarkKind::Primary, .text = {}}});
   return out;
 }
 

@@ -61,7 +61,8 @@ std::string emit(const lower::LoweredSystem& lowered, const Options& options) {
     out.line(ffi_text(code, options.const_names,
                       {.mark = options.mark_ffi, .names_crashes = options.with_main, .files = lowered.system->files}));
   if (code.has_draws()) out.line(draws_text(code));
-  if (!classes.empty()) out.line(event_class_text(*lowered.system, classes, options.mark_ffi));
+  if (!classes.empty())
+    out.line(event_class_text(*lowered.system, classes, options.mark_ffi ? LineMarks::OfUses : LineMarks::None));
   out.line("namespace {");
   out.line();
   // Not the whole namespace yet: a variable of the model may be called like one of its types.

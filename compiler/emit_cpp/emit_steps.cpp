@@ -33,12 +33,14 @@ const char* name_of(lower::ReductionOp reduction) {
 
 class ShapeWriter {
  public:
-  ShapeWriter(const lower::LoweredSystem& lowered, const lower::StepShape& shape, bool on_cells, CppWriter& out)
+  /// Cells one by one, or those of the columnar layout.
+  enum class Cells : std::uint8_t { Single, Column };
+  ShapeWriter(const lower::LoweredSystem& lowered, const lower::StepShape& shape, Cells cells, CppWriter& out)
       : lowered_(lowered),
         shape_(shape),
         out_(out),
-        all_(on_cells ? "s.cells" : "s.all"),
-        cell_(on_cells ? "ColumnCell" : "Cell") {}
+        all_(cells == Cells::Column ? "s.cells" : "s.all"),
+        cell_(cells == Cells::Column ? "ColumnCell" : "Cell") {}
 
   void write(const std::string& specifiers, const std::string& name) {
     out_.line();
@@ -302,7 +304,7 @@ void emit_steps(const lower::LoweredSystem& lowered, CppWriter& out) {
   for (std::size_t k = 0; k < steps.shapes.size(); ++k) {
     const lower::StepShape& shape = steps.shapes[k];
     const std::string name = "shape_" + std::to_string(k);
-    ShapeWriter writer(lowered, shape, false, out);
+    ShapeWriter writer(lowered, shape, ShapeWriter::Cells::Single, out);
     if (!shape.has_loops()) {
       writer.write(shape.is_inlined() ? "BIP_INLINE " : "", name);
     } else if (cells.empty() && is_in_loop(steps, k)) {
@@ -316,7 +318,8 @@ void emit_steps(const lower::LoweredSystem& lowered, CppWriter& out) {
     }
   }
   for (std::size_t k = 0; k < cells.shapes.size(); ++k)
-    ShapeWriter(lowered, cells.shapes[k], true, out).write("BIP_INLINE ", "cells_" + std::to_string(k));
+    ShapeWriter(lowered, cells.shapes[k], ShapeWriter::Cells::Column, out)
+        .write("BIP_INLINE ", "cells_" + std::to_string(k));
   out.line();
   out.line("}  // namespace steps");
 }

@@ -24,11 +24,11 @@ const char* cell_function(Type type) {
 
 }  // namespace
 
-std::string event_class_text(const System& system, const std::vector<lower::EventClassUse>& uses, bool mark) {
+std::string event_class_text(const System& system, const std::vector<lower::EventClassUse>& uses, LineMarks marks) {
   std::string out = "namespace ffi {\n";
   for (std::size_t k = 0; k < uses.size(); ++k) {
     const std::string name = "event_class_" + std::to_string(k);
-    if (mark) out += "#line 1 \"bip-class-" + std::to_string(k) + "\"\n";
+    if (marks == LineMarks::OfUses) out += "#line 1 \"bip-class-" + std::to_string(k) + "\"\n";
     out += "using " + name + " = " + port_of(system, uses[k]).event_class + ";\n";
     out += "template <class Source>\ninline void event_values_" + std::to_string(k) +
            "([[maybe_unused]] Source& source, [[maybe_unused]] bip::rt::Cell* out, [[maybe_unused]] "
@@ -42,7 +42,7 @@ std::string event_class_text(const System& system, const std::vector<lower::Even
     }
     out += "}\n";
   }
-  if (mark) out += "#line 1 \"bip-shim\"\n";
+  if (marks == LineMarks::OfUses) out += "#line 1 \"bip-shim\"\n";
   return out + "}  // namespace ffi\n";
 }
 

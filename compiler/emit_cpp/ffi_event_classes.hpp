@@ -1,5 +1,6 @@
 // Emits the C++ classes behind event ports: their names, their getters, and their rows of Image::event_classes.
 #pragma once
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -7,9 +8,11 @@
 
 namespace bip::emit_cpp {
 
-/// In namespace `ffi`, after ffi_text. `mark`: what a compiler says about use k names the file "bip-class-k".
+/// Whether what a compiler says about use k names the file "bip-class-k".
+enum class LineMarks : std::uint8_t { None, OfUses };
+/// Returns the classes in namespace `ffi`; they come after ffi_text.
 [[nodiscard]] std::string event_class_text(const System& system, const std::vector<lower::EventClassUse>& uses,
-                                           bool mark);
+                                           LineMarks marks);
 /// The initializer of row k.
 [[nodiscard]] std::string event_class_row(const System& system, const std::vector<lower::EventClassUse>& uses,
                                           std::size_t k);

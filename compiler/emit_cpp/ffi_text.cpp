@@ -193,7 +193,7 @@ std::string shim_text(const System& system, const ConstNames& const_names) {
   if (!classes.empty()) out += "#include \"bip/event_source.hpp\"\n";
   out += "\n" + ffi_text(code, const_names,
                          {.own_context = false, .mark = true, .names_crashes = true, .files = system.files});
-  if (!classes.empty()) out += event_class_text(system, classes, true);
+  if (!classes.empty()) out += event_class_text(system, classes, LineMarks::OfUses);
   const auto line = [&](const std::string& text) { out += text + "\n"; };
   out += watch_text();
   for (std::size_t k = 0; k < code.functions.size(); ++k) {

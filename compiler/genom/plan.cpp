@@ -76,9 +76,13 @@ bool yields(const Activity& activity, const ActivityPlan& a, std::size_t to, Nex
   return false;
 }
 
-// `is_killed`: the plan of a task that a service `kill` can stop; it ends like a task that stops by itself.
-ActivityPlan plan_activity(const Activity& activity, bool can_be_stopped, const std::vector<std::string>& reports,
-                           int generation, bool is_killed = false) {
+// Who can stop an activity: requests that of a service; a service `kill` that of a task, which then ends like one that
+// stops by itself.
+enum class StoppedBy : std::uint8_t { Nobody, Requests, Kill };
+
+ActivityPlan plan_activity(const Activity& activity, StoppedBy stopped_by, const std::vector<std::string>& reports,
+                           int generation) {
+  const bool can_be_stopped = stopped_by == StoppedBy::Requests;
   const bool has_reports = !reports.empty();
   ActivityPlan a;
   Scope scope;
@@ -89,7 +93,7 @@ ActivityPlan plan_activity(const Activity& activity, bool can_be_stopped, const 
   a.holds.assign(activity.states.size(), false);
   a.timed.assign(activity.states.size(), false);
   std::vector<std::size_t> todo{activity.start};
-  if (can_be_stopped || is_killed) todo.push_back(activity.stop);
+  if (stopped_by != StoppedBy::Nobody) todo.push_back(activity.stop);
   while (!todo.empty()) {
     const std::size_t row = todo.back();
     todo.pop_back();
@@ -172,7 +176,7 @@ class Planner {
     plan.type = "ControlService";
     if (is_execution) {
       plan.type = types_.claim(plan_.type + type_name(s.name.text), "Service");
-      plan.activity = plan_activity(s.activity, true, activity_reports(plan_, s), module_.generation);
+      plan.activity = plan_activity(s.activity, StoppedBy::Requests, activity_reports(plan_, s), module_.generation);
       plan.activity.type = types_.claim(plan.type + "Activity", "Atom");
       if (plan.activity.has_async) plan.work_type = types_.claim(plan.type + "Work", "Atom");
     }
@@ -193,7 +197,8 @@ class Planner {
     plan.type = types_.claim(plan_.type + type_name(t.name.text), "Task");
     plan.scheduler = types_.claim(plan.type + "Scheduler", "Atom");
     if (!t.activity.states.empty())
-      plan.permanent = plan_activity(t.activity, false, {}, module_.generation, module_.is_killed);
+      plan.permanent =
+          plan_activity(t.activity, module_.is_killed ? StoppedBy::Kill : StoppedBy::Nobody, {}, module_.generation);
     plan.permanent.type = types_.claim(plan.type + "Permanent", "Atom");
     if (plan.permanent.has_async) plan.work_type = types_.claim(plan.type + "Work", "Atom");
     for (std::size_t k = 0; k < plan_.activities.size(); ++k) {

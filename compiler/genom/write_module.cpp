@@ -198,17 +198,18 @@ void ModuleWriter::control_cycle() {
 
 // `before S`: once S has succeeded it is too late; `after S`: until then it is too early.
 void ModuleWriter::order_guards(const Service& s, std::vector<std::string>& ports, std::string& guard) const {
-  const auto add = [&](std::size_t other, bool must_be_done) {
+  enum class Order : std::uint8_t { After, Before };
+  const auto add = [&](std::size_t other, Order order) {
     std::string done;
     for (const std::size_t activity : plan_.services[other].activities) {
       const std::string stat = of_activity(activity, "stat");
       if (std::find(ports.begin(), ports.end(), stat) == ports.end()) ports.push_back(stat);
       done += (done.empty() ? "" : " || ") + stat + ".done";
     }
-    guard += (guard.empty() ? "" : " && ") + (must_be_done ? "(" + done + ")" : "!(" + done + ")");
+    guard += std::string(guard.empty() ? "" : " && ") + (order == Order::After ? "(" : "!(") + done + ")";
   };
-  for (const std::size_t other : s.after_index) add(other, true);
-  for (const std::size_t other : s.before_index) add(other, false);
+  for (const std::size_t other : s.after_index) add(other, Order::After);
+  for (const std::size_t other : s.before_index) add(other, Order::Before);
 }
 
 void ModuleWriter::request(std::size_t i) {

@@ -182,22 +182,23 @@ class AutomatonDrawing {
 
   /// Lines that meet a place on the same side get places beside each other.
   void spread_ends() {
+    enum class EdgeEnd : std::uint8_t { Start, Target };
     struct End {
       Row edge;
-      bool is_start;
+      EdgeEnd which;
       double toward;
     };
     std::map<std::pair<Row, bool>, std::vector<End>> sides;
     for (Row e = 0; e < edges_.size(); ++e) {
       const std::vector<Point>& points = edges_[e].points;
-      const auto add = [&](Row node, bool is_start, Point end, Point next, Point far) {
+      const auto add = [&](Row node, EdgeEnd which, Point end, Point next, Point far) {
         if (node == 0 || node > type_.places.size()) return;
-        sides[{node, end.y < next.y || (end.y == next.y && end.y < far.y)}].push_back({e, is_start, far.x});
+        sides[{node, end.y < next.y || (end.y == next.y && end.y < far.y)}].push_back({e, which, far.x});
       };
       const std::size_t n = points.size();
       BIP_ASSERT(n >= 4 && n % 2 == 0, "edge {} has {} points", e, n);
-      add(edges_[e].from, true, points[0], points[1], points[2]);
-      add(edges_[e].to, false, points[n - 1], points[n - 2], points[n - 3]);
+      add(edges_[e].from, EdgeEnd::Start, points[0], points[1], points[2]);
+      add(edges_[e].to, EdgeEnd::Target, points[n - 1], points[n - 2], points[n - 3]);
     }
     for (auto& [where, ends] : sides) {
       std::stable_sort(ends.begin(), ends.end(), [](const End& a, const End& b) { return a.toward < b.toward; });
@@ -207,11 +208,12 @@ class AutomatonDrawing {
         std::vector<Point>& points = edges_[ends[k].edge].points;
         const double away = (static_cast<double>(k) - (count - 1) / 2) * step;
         const std::size_t last = points.size() - 1;
-        points[ends[k].is_start ? 0 : last].x += away;
-        points[ends[k].is_start ? 1 : last - 1].x += away;
+        const bool is_start = ends[k].which == EdgeEnd::Start;
+        points[is_start ? 0 : last].x += away;
+        points[is_start ? 1 : last - 1].x += away;
         // A place whose loops need more height is as high as the others.
         const double rest = (nodes_[where.first].height - kPlaceHeight) / 2;
-        points[ends[k].is_start ? 0 : last].y += where.second ? -rest : rest;
+        points[is_start ? 0 : last].y += where.second ? -rest : rest;
       }
     }
   }
@@ -255,9 +257,10 @@ class AutomatonDrawing {
   void head(Point at, double down) {
     shapes_.path(fmt::format("M{} {}l-4 {}h8Z", coordinate(at.x), coordinate(at.y), coordinate(-8 * down)), "head");
   }
-  void arrow(const LayerEdge& edge, bool has_head) {
+  enum class ArrowHead : std::uint8_t { None, AtEnd };
+  void arrow(const LayerEdge& edge, ArrowHead arrow_head) {
     shapes_.path(curve(edge.points), "arrow");
-    if (!has_head) return;
+    if (arrow_head == ArrowHead::None) return;
     const std::vector<Point>& points = edge.points;
     const Point end = points.back();
     Point before = points[points.size() - 2];
@@ -298,7 +301,7 @@ class AutomatonDrawing {
       shapes_.path(fmt::format("M{} {}l8 -1l-2 7Z", coordinate(edge - 3), coordinate(middle + 5)), "head");
       draw_lines(label.lines, edge + kLoop, middle - label.height() / 2 + 1);
     } else {
-      for (const Row e : label.edges) arrow(edges_[e], edges_[e].to != label.node);
+      for (const Row e : label.edges) arrow(edges_[e], edges_[e].to == label.node ? ArrowHead::None : ArrowHead::AtEnd);
       const double height = node.height, beside = label.is_bar() ? kBar : 4;
       shapes_.path(fmt::format("M{} {}v{}", coordinate(at.x), coordinate(at.y), coordinate(height)), "arrow");
       if (label.is_bar()) shapes_.box(at.x - kBar, at.y + height / 2 - 2, 2 * kBar, 4, 1, "bar");
@@ -313,7 +316,7 @@ class AutomatonDrawing {
     const Point at = shown({node.x, node.y + node.height - 5});
     shapes_.circle(at, 4, "dot");
     draw_lines(begin_, at.x + 10, shown({0, node.y}).y);
-    for (std::size_t k = 0; k < type_.initial.size(); ++k) arrow(edges_[k], true);
+    for (std::size_t k = 0; k < type_.initial.size(); ++k) arrow(edges_[k], ArrowHead::AtEnd);
     shapes_.end_group();
   }
 

@@ -395,21 +395,24 @@ class ChannelLayout {
     }
   }
 
+  // Sides of a channel.
+  enum class Side : std::uint8_t { Upper, Lower };
+
   void place_vertically() {
     double y = kHead;
     for (u32 c = 0; c < channels_.size(); ++c) {
       Channel& channel = channels_[c];
-      const auto row_at = [&](bool upper) -> u32 {
+      const auto row_at = [&](Side side) -> u32 {
         for (u32 r = 0; r < rows_.size(); ++r)
-          if (channel_of(r) == c && is_upper(r) == upper) return r;
+          if (channel_of(r) == c && is_upper(r) == (side == Side::Upper)) return r;
         return kNoRow;
       };
-      if (const u32 row = row_at(true); row != kNoRow) y = place_row_at(row, y);
+      if (const u32 row = row_at(Side::Upper); row != kNoRow) y = place_row_at(row, y);
       channel.top = y;
       double from_top = y;
       for (std::size_t t = 0; t < channel.named_high.size(); ++t)
         from_top += (t == 0 ? kClear - kUnnamed : 0) + (channel.named_high[t] ? kNamed : kUnnamed);
-      set_tracks(c, true, y);
+      set_tracks(c, Side::Upper, y);
       double height = 0;
       for (std::size_t t = 0; t < channel.named_low.size(); ++t)
         height += (t == 0 ? kClear : 0) + (channel.named_low[t] ? kNamed : kUnnamed);
@@ -420,9 +423,9 @@ class ChannelLayout {
                                         : c == 0 ? 0.0
                                                  : kGap) +
                        (from_top > y ? kUnnamed : 0);
-      set_tracks(c, false, channel.bottom);
+      set_tracks(c, Side::Lower, channel.bottom);
       y = channel.bottom;
-      if (const u32 row = row_at(false); row != kNoRow)
+      if (const u32 row = row_at(Side::Lower); row != kNoRow)
         y = place_row_at(row, y) + (c + 1 < channels_.size() ? kGap : 0);
     }
     self_.notes = y + kGrid;
@@ -437,7 +440,8 @@ class ChannelLayout {
     return y + height;
   }
   /// Heights of the tracks from one side of the channel; a name stands above its track.
-  void set_tracks(u32 c, bool upper, double y) {
+  void set_tracks(u32 c, Side side, double y) {
+    const bool upper = side == Side::Upper;
     const std::vector<bool>& named = upper ? channels_[c].named_high : channels_[c].named_low;
     std::vector<double> ys(named.size());
     for (std::size_t t = 0; t < named.size(); ++t) {

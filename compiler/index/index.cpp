@@ -104,18 +104,19 @@ std::vector<Use> Index::uses_of(SymbolId symbol) const {
 SymbolId Index::member(SymbolId owner, std::string_view name) const {
   BIP_ASSERT(owner.value < symbols.size(), "there is no symbol {}", owner.value);
   const Symbol& symbol = symbols[owner];
-  const auto among = [&](const Symbol& in, bool hidden_too) -> SymbolId {
+  enum class Members : std::uint8_t { Visible, All };
+  const auto among = [&](const Symbol& in, Members which) -> SymbolId {
     for (const SymbolId m : in.members) {
-      if (symbols[m].name == name && (hidden_too || symbols[m].is_visible)) return m;
+      if (symbols[m].name == name && (which == Members::All || symbols[m].is_visible)) return m;
     }
     return {};
   };
   if (symbol.type.is_valid()) {
-    if (const SymbolId found = among(symbols[symbol.type], false); found.is_valid()) return found;
+    if (const SymbolId found = among(symbols[symbol.type], Members::Visible); found.is_valid()) return found;
   }
-  if (const SymbolId found = among(symbol, true); found.is_valid()) return found;
+  if (const SymbolId found = among(symbol, Members::All); found.is_valid()) return found;
   // What may not be named from here is still what was meant.
-  return symbol.type.is_valid() ? among(symbols[symbol.type], true) : SymbolId();
+  return symbol.type.is_valid() ? among(symbols[symbol.type], Members::All) : SymbolId();
 }
 
 std::vector<SymbolId> Index::members_behind_dot(SymbolId owner) const {

@@ -165,18 +165,19 @@ class NameMender {
 
   /// The path that a wrong one stands for: the end of one, one with another index, a similar one; empty if none.
   std::string meant(const std::string& path, const Paths& paths, const char* what) {
-    const auto ends_so = [&](std::string_view end, bool with_indices) {
+    enum class Indices : std::uint8_t { Kept, Dropped };
+    const auto ends_so = [&](std::string_view end, Indices indices) {
       Paths found;
       for (const std::string& known : paths) {
-        const std::string shown = with_indices ? known : without_indices(known);
+        const std::string shown = indices == Indices::Kept ? known : without_indices(known);
         if (shown == end ||
             (shown.size() > end.size() && shown.ends_with(end) && shown[shown.size() - end.size() - 1] == '.'))
           found.push_back(known);
       }
       return found;
     };
-    Paths found = ends_so(path, true);
-    if (found.empty()) found = ends_so(without_indices(path), false);
+    Paths found = ends_so(path, Indices::Kept);
+    if (found.empty()) found = ends_so(without_indices(path), Indices::Dropped);
     if (found.empty()) {
       found = similar_names(path, paths);
       if (found.empty()) return {};

@@ -27,7 +27,10 @@ std::string count_of(std::size_t count, const char* what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
-const char* name_of(verify::QuestionKind asked, bool holds) {
+enum class Finding : std::uint8_t { Holds, Violated };
+
+const char* name_of(verify::QuestionKind asked, Finding finding) {
+  const bool holds = finding == Finding::Holds;
   switch (asked) {
     case verify::QuestionKind::DeadlockFreedom: return holds ? "deadlock-free" : "deadlock";
     case verify::QuestionKind::NoErrors: return holds ? "error-free" : "error";
@@ -106,7 +109,7 @@ std::string method_text(const Compilation& c, const verify::Question& question, 
 
 std::string free_text(const Compilation& c, const verify::Question& question, const verify::Decision& d,
                       const verify::Portfolio& portfolio, Explanation explanation) {
-  std::string text = name_of(question.what, true);
+  std::string text = name_of(question.what, Finding::Holds);
   if (question.what == verify::QuestionKind::State) text += fmt::format(": `{}`", question.property.text);
   text += method_text(c, question, d);
   if (explanation == Explanation::None) return text;
@@ -153,10 +156,10 @@ VerdictText verdict_text(const Compilation& c, const verify::Question& question,
   VerdictText v;
   switch (d.outcome) {
     case verify::Outcome::Holds:
-      v = {kOk, name_of(question.what, true), free_text(c, question, d, portfolio, explanation)};
+      v = {kOk, name_of(question.what, Finding::Holds), free_text(c, question, d, portfolio, explanation)};
       break;
     case verify::Outcome::Violated:
-      v = {kViolated, name_of(question.what, false),
+      v = {kViolated, name_of(question.what, Finding::Violated),
            verify::counterexample_text(c.lowered->image, question, *d.counterexample(), kStepsShown)};
       break;
     case verify::Outcome::Unknown: v = {kUnknown, "unknown", unknown_text(c, d, portfolio)}; break;

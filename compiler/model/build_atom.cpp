@@ -47,9 +47,12 @@ struct AtomBuilder {
     scope.drawing = &out;
   }
 
-  void add_interaction(const syntax::Name& name, Type type, bool is_param, bool exported) {
+  enum class VariableKind : std::uint8_t { Data, ExportedData, Parameter };
+  void add_variable(const syntax::Name& name, Type type, VariableKind kind) {
+    const bool is_param = kind == VariableKind::Parameter;
     const std::uint32_t row = static_cast<std::uint32_t>(out.variables.size());
-    out.variables.push_back({std::string(name.text), type, is_param, exported, b.loc(name.range)});
+    out.variables.push_back(
+        {std::string(name.text), type, is_param, kind == VariableKind::ExportedData, b.loc(name.range)});
     variables[std::string(name.text)] = row;
     scope.names[std::string(name.text)] = {.load = Op::LoadSelf,
                                            .index = row,
@@ -102,7 +105,7 @@ struct AtomBuilder {
     for (const syntax::Param& p : decl.params) {
       const std::uint32_t given = row++;
       if (!is_data(p)) continue;
-      add_interaction(p.name, out.variables[given].type, false, false);
+      add_variable(p.name, out.variables[given].type, VariableKind::Data);
       inits.push_back({variables[std::string(p.name.text)], nullptr, given, b.loc(p.name.range)});
       const Change& change = changed.at(std::string(p.name.text));
       auto d = b.diags.report(Diag::kB1053, change.range, p.name.text);
@@ -124,7 +127,8 @@ struct AtomBuilder {
         out.variables.push_back({fmt::format("given {}", p.name.text), type, true, false, b.loc(p.name.range)});
         continue;
       }
-      add_interaction(p.name, native_data_type(b.model, p.type, "a parameter of a component", b.diags), true, false);
+      add_variable(p.name, native_data_type(b.model, p.type, "a parameter of a component", b.diags),
+                   VariableKind::Parameter);
       scope.names[std::string(p.name.text)].is_constant = p.type.is_const;
     }
     const auto given = b.initialised_data.find(out.name);
@@ -144,7 +148,7 @@ struct AtomBuilder {
       const Type type = data_type(b.model, d.type, b.diags);
       for (const syntax::Var& v : d.vars) {
         names.declare(v.name, "data");
-        add_interaction(v.name, type, false, d.exported);
+        add_variable(v.name, type, d.exported ? VariableKind::ExportedData : VariableKind::Data);
         if (d.type.is_const) constants[std::string(v.name.text)] = v.name.range;
         const auto h = hidden.find(std::string(v.name.text));
         const std::uint32_t param = h == hidden.end() ? Id<void>::kNone : h->second;

@@ -16,12 +16,14 @@ struct Edge {
 };
 using Edges = std::vector<std::vector<Edge>>;  // by lower port
 
-Edges edges_of(const AtomType& atom, bool with_guards, const std::vector<bool>& left_out) {
+enum class Rules : std::uint8_t { Unguarded, All };
+
+Edges edges_of(const AtomType& atom, Rules rules, const std::vector<bool>& left_out) {
   Edges edges(atom.ports.size());
   const auto count = static_cast<std::uint32_t>(atom.ports.size());
   for (std::uint32_t row = 0; row < atom.priorities.size(); ++row) {
     const AtomPriority& rule = atom.priorities[row];
-    if ((rule.guard.is_valid() && !with_guards) || left_out[row]) continue;
+    if ((rule.guard.is_valid() && rules == Rules::Unguarded) || left_out[row]) continue;
     for (std::uint32_t port = 0; port < count; ++port) {
       if (rule.low == AtomPriority::kAnyPort && port != rule.high) edges[port].push_back({rule.high, row});
       if (rule.high == AtomPriority::kAnyPort && port != rule.low) edges[rule.low].push_back({port, row});
@@ -71,10 +73,10 @@ void report_cycle(ModelBuilder& b, const AtomType& atom, const syntax::Decl& dec
 // Without the rule that closes a cycle there may be others: all are reported.
 void check_atom_priorities(ModelBuilder& b, const AtomType& atom, const syntax::Decl& decl) {
   std::vector<bool> told(atom.priorities.size());
-  const bool sure = !first_cycle(edges_of(atom, false, told)).empty();
+  const bool sure = !first_cycle(edges_of(atom, Rules::Unguarded, told)).empty();
   if (!sure && is_suppressed(decl.annotations, "atomprioritycycle")) return;
   for (;;) {
-    const std::vector<Edge> cycle = first_cycle(edges_of(atom, !sure, told));
+    const std::vector<Edge> cycle = first_cycle(edges_of(atom, sure ? Rules::Unguarded : Rules::All, told));
     if (cycle.empty()) return;
     report_cycle(b, atom, decl, cycle, sure);
     told[cycle.back().rule] = true;

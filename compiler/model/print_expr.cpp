@@ -7,8 +7,11 @@ namespace bip {
 
 namespace {
 
+enum class Operand : std::uint8_t { Left, Right };
+
 // A C++ operand: without parentheses if it binds tighter and -Wparentheses does not warn of the two operators.
-std::string cpp_operand(ExprText t, Op op, bool is_left) {
+std::string cpp_operand(ExprText t, Op op, Operand side) {
+  const bool is_left = side == Operand::Left;
   const Precedence level = precedence_of(op);
   const bool is_not = t.precedence == Precedence::Unary && t.text[0] == '!';
   if (is_left && is_not && is_comparison(op)) return parens(t.text);
@@ -19,10 +22,10 @@ std::string cpp_operand(ExprText t, Op op, bool is_left) {
 }
 
 // Comparisons do not chain; of other operators the left operand may be one of the same level.
-std::string bip_operand(ExprText t, Op op, bool is_left) {
+std::string bip_operand(ExprText t, Op op, Operand side) {
   if (is_comparison(op)) return at_least(std::move(t), Precedence::Sum);
   const int level = static_cast<int>(precedence_of(op));
-  return at_least(std::move(t), static_cast<Precedence>(is_left ? level : level + 1));
+  return at_least(std::move(t), static_cast<Precedence>(side == Operand::Left ? level : level + 1));
 }
 
 }  // namespace
@@ -54,12 +57,12 @@ ExprText print_binary(Dialect dialect, Op op, ExprText a, ExprText b) {
   std::string text;
   switch (dialect) {
     case Dialect::Bip:
-      text = bip_operand(std::move(a), op, true);
-      text.append(" ").append(info.symbol).append(" ").append(bip_operand(std::move(b), op, false));
+      text = bip_operand(std::move(a), op, Operand::Left);
+      text.append(" ").append(info.symbol).append(" ").append(bip_operand(std::move(b), op, Operand::Right));
       return {std::move(text), info.precedence};
     case Dialect::Cpp:
-      text = cpp_operand(std::move(a), op, true);
-      text.append(" ").append(info.symbol).append(" ").append(cpp_operand(std::move(b), op, false));
+      text = cpp_operand(std::move(a), op, Operand::Left);
+      text.append(" ").append(info.symbol).append(" ").append(cpp_operand(std::move(b), op, Operand::Right));
       return {std::move(text), info.precedence};
     case Dialect::Promela: return {"(" + a.text + " " + info.promela + " " + b.text + ")"};
   }

@@ -110,23 +110,25 @@ Result<std::size_t> ActionBus::action_of(const EndpointPlan& plan) {
   action.type = plan.message.substr(0, plan.message.size() - suffix.size());
   action.name = short_name(action.type);
   std::string wrong;
-  const auto open = [&](bool is_subscriber, const char* topic, const std::string& type) -> std::size_t {
+  enum class TopicEnd : std::uint8_t { Subscriber, Publisher };
+  const auto open = [&](TopicEnd end, const char* topic, const std::string& type) -> std::size_t {
     if (!wrong.empty()) return 0;
     const TopicPlan topic_plan{.topic = "/" + name + "/" + topic,
                                .type = type,
                                .md5 = types_.md5_of(type),
                                .definition = types_.definition_of(type),
                                .depth = kMostWaiting};
-    const Result<std::size_t> made = is_subscriber ? topics_->subscribe(topic_plan) : topics_->advertise(topic_plan);
+    const Result<std::size_t> made =
+        end == TopicEnd::Subscriber ? topics_->subscribe(topic_plan) : topics_->advertise(topic_plan);
     if (made) return *made;
     wrong = made.error();
     return 0;
   };
-  action.goal = open(true, "goal", action.name + "ActionGoal");
-  action.cancel = open(true, "cancel", "actionlib_msgs/GoalID");
-  action.status = open(false, "status", "actionlib_msgs/GoalStatusArray");
-  action.feedback = open(false, "feedback", action.name + "ActionFeedback");
-  action.result = open(false, "result", action.name + "ActionResult");
+  action.goal = open(TopicEnd::Subscriber, "goal", action.name + "ActionGoal");
+  action.cancel = open(TopicEnd::Subscriber, "cancel", "actionlib_msgs/GoalID");
+  action.status = open(TopicEnd::Publisher, "status", "actionlib_msgs/GoalStatusArray");
+  action.feedback = open(TopicEnd::Publisher, "feedback", action.name + "ActionFeedback");
+  action.result = open(TopicEnd::Publisher, "result", action.name + "ActionResult");
   if (!wrong.empty()) return Failure{wrong};
   actions_.push_back(std::move(action));
   action_rows_.emplace(name, actions_.size() - 1);

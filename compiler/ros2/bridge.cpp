@@ -83,9 +83,10 @@ std::string Bridge::open() {
   const Messages& messages = interfaces_.messages;
   const std::string in_front = options_.name_space.empty() ? "" : options_.name_space + "/";
   std::string wrong;
-  const auto add = [&](bool is_reader, const EndpointPlan& plan) -> std::size_t {
+  enum class EndpointKind : std::uint8_t { Reader, Writer };
+  const auto add = [&](EndpointKind kind, const EndpointPlan& plan) -> std::size_t {
     if (!wrong.empty()) return 0;
-    const Result<std::size_t> made = is_reader ? bus_.add_reader(plan) : bus_.add_writer(plan);
+    const Result<std::size_t> made = kind == EndpointKind::Reader ? bus_.add_reader(plan) : bus_.add_writer(plan);
     if (made) return *made;
     wrong = made.error();
     return 0;
@@ -95,24 +96,25 @@ std::string Bridge::open() {
     Ends ends;
     const auto service = [&](const char* of, const std::string& type, std::size_t& request, std::size_t& answer) {
       const std::string id = make_service_id();
-      request = add(true, service_plan(messages, name + of, type, Half::Request, id));
-      answer = add(false, service_plan(messages, name + of, type, Half::Reply, id));
+      request = add(EndpointKind::Reader, service_plan(messages, name + of, type, Half::Request, id));
+      answer = add(EndpointKind::Writer, service_plan(messages, name + of, type, Half::Reply, id));
     };
     service("send_goal", action.type + "_SendGoal", ends.send_goal, ends.send_goal_reply);
     service("cancel_goal", "action_msgs/srv/CancelGoal", ends.cancel_goal, ends.cancel_goal_reply);
     service("get_result", action.type + "_GetResult", ends.get_result, ends.get_result_reply);
-    ends.feedback = add(false, topic_plan(messages, name + "feedback", action.type + "_FeedbackMessage"));
+    ends.feedback =
+        add(EndpointKind::Writer, topic_plan(messages, name + "feedback", action.type + "_FeedbackMessage"));
     EndpointPlan status = topic_plan(messages, name + "status", "action_msgs/msg/GoalStatusArray");
     status.depth = 1;
     status.keep = Keep::LastForLateJoiners;
-    ends.status = add(false, status);
+    ends.status = add(EndpointKind::Writer, status);
     ends_.push_back(ends);
   }
   for (const Topic& topic : interfaces_.topics) {
     EndpointPlan plan = topic_plan(messages, in_front + topic.name, topic.type);
     plan.keep = Keep::LastForLateJoiners;
     plan.depth = 1;
-    posters_.push_back({.writer = add(false, plan)});
+    posters_.push_back({.writer = add(EndpointKind::Writer, plan)});
   }
   return wrong;
 }

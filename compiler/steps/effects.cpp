@@ -19,18 +19,20 @@ constexpr std::size_t kMaxHiders = 8;
 // of others is available, at the end of a chain of rules or directly.
 bool Deriver::link_priorities() {
   std::vector<u32> all;
-  const auto matches = [&](u32 rule, u32 interaction, bool high) {
+  enum class Side : std::uint8_t { Low, High };
+  const auto matches = [&](u32 rule, u32 interaction, Side side) {
     const u32 connector = tables_.connector_of(interaction);
     all.clear();
     for (u32 k = 0; k < tables_.connector_type(connector).params.size; ++k) all.push_back(k);
     const rt::Priority& row = image_.priorities[rule];
-    return high ? rt::matches_high(tables_, row, connector, all) : rt::matches_low(tables_, row, connector, all);
+    return side == Side::High ? rt::matches_high(tables_, row, connector, all)
+                              : rt::matches_low(tables_, row, connector, all);
   };
   std::vector<std::vector<u32>> highs(rules_.count);
   for (const rt::HighEdge& edge : rules_.high_edges) {
     const rt::InteractionInfo info = tables_.interactions[edge.interaction];
     if (info.kind != InteractionKind::Flat || info.searched) return false;
-    if (matches(edge.rule, edge.interaction, true)) highs[edge.rule].push_back(edge.interaction);
+    if (matches(edge.rule, edge.interaction, Side::High)) highs[edge.rule].push_back(edge.interaction);
   }
   std::vector<u32> reached;
   for (u32 rule = 0; rule < rules_.count; ++rule) {
@@ -47,7 +49,7 @@ bool Deriver::link_priorities() {
     }
     for (const u32 low : rules_.interactions_of_low[rule]) {
       if (tables_.interactions[low].kind != InteractionKind::Flat) return false;
-      if (!matches(rule, low, false)) continue;
+      if (!matches(rule, low, Side::Low)) continue;
       std::vector<u32>& hiders = hiders_[low];
       for (const u32 other : reached) hiders.insert(hiders.end(), highs[other].begin(), highs[other].end());
       std::sort(hiders.begin(), hiders.end());

@@ -357,7 +357,9 @@ class BsysPrinter {
     close(row.loc);
   }
   /// Choices stand above the connectors that they name, so there the number stands alone.
-  void binding(const PortRef& port, bool named) {
+  // Whether the reference to a connector tells its path.
+  enum class PathOf : std::uint8_t { None, Connector };
+  void binding(const PortRef& port, PathOf shown) {
     switch (port.kind) {
       case PortRef::Kind::Atom:
         out_ += " (atom";
@@ -366,7 +368,7 @@ class BsysPrinter {
         break;
       case PortRef::Kind::Connector:
         out_ += port.maximal_only ? " (maximal" : " (connector";
-        ref(port.connector.value, named ? system_.connectors[port.connector].path : std::string());
+        ref(port.connector.value, shown == PathOf::Connector ? system_.connectors[port.connector].path : std::string());
         break;
       case PortRef::Kind::Choice:
         out_ += " (choice";
@@ -378,7 +380,7 @@ class BsysPrinter {
   void choice(const Choice& row, std::size_t k) {
     open("(choice", k, row.name);
     out_ += " (ports";
-    for (const PortRef& port : row.ports) binding(port, false);
+    for (const PortRef& port : row.ports) binding(port, PathOf::None);
     out_ += "))\n";
   }
   void connector(const Connector& row, std::size_t k) {
@@ -387,7 +389,7 @@ class BsysPrinter {
     if (row.bound) out_ += " bound";
     parent(row.parent);
     out_ += " (ports";
-    for (const PortRef& port : row.ports) binding(port, true);
+    for (const PortRef& port : row.ports) binding(port, PathOf::Connector);
     out_ += ')';
     for (const ShownPort& shown : row.shown) {
       out_ += " (shown";

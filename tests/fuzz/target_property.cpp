@@ -56,7 +56,7 @@ Verdict try_property(std::string_view input) {
   // The larger language first; what is a property of states there is one here.
   Result<verify::ParsedProperty> any = verify::PropertyReader(system).read(std::string(input));
   if (any && any->is_formula) {
-    const Result<verify::Automaton> automaton = verify::make_automaton(any->formula, true);
+    const Result<verify::Automaton> automaton = verify::make_automaton(any->formula, verify::RunsOf::Negation);
     return {!automaton && automaton.error().empty() ? "property: no automaton, and no reason" : "", true};
   }
   Result<verify::Property> property = verify::parse_property(std::string(input), system);

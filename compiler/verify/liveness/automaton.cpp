@@ -614,8 +614,8 @@ bool Automaton::accepts_whatever_follows(std::uint32_t state) const {
   });
 }
 
-Result<Automaton> make_automaton(const Formula& formula, bool is_negated) {
-  Result<Automaton> made = Tableau().run(formula, is_negated);
+Result<Automaton> make_automaton(const Formula& formula, RunsOf runs) {
+  Result<Automaton> made = Tableau().run(formula, runs == RunsOf::Negation);
   if (!made) return made;
   prune(*made);
   if (made->is_empty()) return made;

@@ -32,7 +32,8 @@ struct Automaton {
   [[nodiscard]] bool accepts_whatever_follows(std::uint32_t state) const;
 };
 
-/// Makes the automaton of the formula, or of its negation. The error says which limit it exceeds.
-[[nodiscard]] Result<Automaton> make_automaton(const Formula& formula, bool is_negated);
+enum class RunsOf : std::uint8_t { Formula, Negation };
+/// Makes the automaton of the runs that satisfy the formula, or its negation. The error says which limit it exceeds.
+[[nodiscard]] Result<Automaton> make_automaton(const Formula& formula, RunsOf runs);
 
 }  // namespace bip::verify

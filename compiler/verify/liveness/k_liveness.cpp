@@ -74,7 +74,7 @@ class KLiveness {
       : formula_(formula), system_(system), image_(image), options_(options) {}
 
   KLivenessProof run() {
-    Result<Automaton> automaton = make_automaton(formula_, true);
+    Result<Automaton> automaton = make_automaton(formula_, RunsOf::Negation);
     if (!automaton) return unknown(automaton.error());
     automaton_ = std::move(*automaton);
     if (options_.wants_certificate && (automaton_.is_empty() || is_invariant_of_past(formula_)))

@@ -156,7 +156,7 @@ class LivenessDecision {
                        .predicates = predicates_of(formula)}) {}
 
   LivenessResult run() {
-    Result<Automaton> automaton = make_automaton(formula_, true);
+    Result<Automaton> automaton = make_automaton(formula_, RunsOf::Negation);
     if (!automaton) return unknown(automaton.error());
     automaton_ = std::move(*automaton);
     result_.automaton_states = static_cast<std::uint32_t>(automaton_.edges.size());

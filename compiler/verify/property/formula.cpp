@@ -199,8 +199,9 @@ std::optional<std::string> certificate_text(const Formula& formula, const System
   constexpr std::size_t kMostBytes = 1'000'000;
   std::vector<std::string> texts;  // by node
   for (const FormulaNode& node : formula.nodes) {
-    const auto with_operands = [&](const char* name, bool is_unary) {
-      return '(' + std::string(name) + ' ' + texts[node.a] + (is_unary ? "" : ' ' + texts[node.b]) + ')';
+    const auto unary = [&](const char* name) { return '(' + std::string(name) + ' ' + texts[node.a] + ')'; };
+    const auto binary = [&](const char* name) {
+      return '(' + std::string(name) + ' ' + texts[node.a] + ' ' + texts[node.b] + ')';
     };
     const auto text = [&]() -> std::string {
       switch (node.kind) {
@@ -216,14 +217,14 @@ std::optional<std::string> certificate_text(const Formula& formula, const System
           const Atom& atom = system.atoms[AtomId(std::size_t{step.owner})];
           return "(happens-port " + atom.path + ' ' + system.atom_types[atom.type].ports[step.port].name + ')';
         }
-        case FormulaKind::Not: return with_operands("not", true);
-        case FormulaKind::And: return with_operands("and", false);
-        case FormulaKind::Or: return with_operands("or", false);
-        case FormulaKind::Next: return with_operands("next", true);
-        case FormulaKind::Until: return with_operands("until", false);
-        case FormulaKind::Release: return with_operands("release", false);
-        case FormulaKind::Previously: return with_operands("previously", true);
-        case FormulaKind::Since: return with_operands("since", false);
+        case FormulaKind::Not: return unary("not");
+        case FormulaKind::And: return binary("and");
+        case FormulaKind::Or: return binary("or");
+        case FormulaKind::Next: return unary("next");
+        case FormulaKind::Until: return binary("until");
+        case FormulaKind::Release: return binary("release");
+        case FormulaKind::Previously: return unary("previously");
+        case FormulaKind::Since: return binary("since");
       }
       BIP_UNREACHABLE("a formula of no kind");
     };

@@ -105,9 +105,11 @@ struct Letters {
 
 class WordProver {
  public:
-  /// `counts`: sets that bound a count take part, too.
-  WordProver(const WordProblem& problem, bool counts, WordEvidence evidence, const CancellationToken& cancellation)
-      : problem_(problem), counts_(counts), evidence_(evidence), cancellation_(cancellation) {}
+  /// Which sets take part: traps, or also those that bound a count.
+  enum class Promises : std::uint8_t { Traps, All };
+  WordProver(const WordProblem& problem, Promises promises, WordEvidence evidence,
+             const CancellationToken& cancellation)
+      : problem_(problem), promises_(promises), evidence_(evidence), cancellation_(cancellation) {}
 
   WordAnswer prove();
 
@@ -141,7 +143,7 @@ class WordProver {
   [[nodiscard]] std::vector<WordSetRow> needed_sets();
 
   const WordProblem& problem_;
-  bool counts_ = false;
+  Promises promises_ = Promises::Traps;
   WordEvidence evidence_ = WordEvidence::None;
   const CancellationToken& cancellation_;
   std::vector<std::int64_t> base_offset_;  // by event: least offset of a loop's window
@@ -311,7 +313,7 @@ bool WordProver::list_letters(Letters& letters, const std::vector<WordAtom>& ato
   // All sets once, then for each letter the best of each signature.
   std::map<Signature, std::vector<u32>> sets;
   for (const SetPromise kind : {SetPromise::Trap, SetPromise::AtMost, SetPromise::AtLeast}) {
-    if (kind != SetPromise::Trap && !counts_) break;
+    if (kind != SetPromise::Trap && promises_ == Promises::Traps) break;
     for (u32 set = 0; set < (u32(1) << letters.modes); ++set) {
       Signature signature = signature_of_set(letters, kind, set);
       if (leave_out_local(letters, signature)) sets[std::move(signature)].push_back(set);
@@ -532,11 +534,12 @@ std::vector<WordSetRow> WordProver::needed_sets() {
     return numbers.try_emplace({zone, std::move(state)}, static_cast<u32>(numbers.size())).first->second;
   };
   std::set<std::tuple<std::size_t, u32, u32, u32, u8>> rows;  // 0 or the letter's zone + 1, from, set, to, kind
-  const auto link = [&](u32 node, u32 run, u32 before, u32 letter, bool is_needed) {
+  enum class Runs : std::uint8_t { Needed, All };
+  const auto link = [&](u32 node, u32 run, u32 before, u32 letter, Runs runs) {
     const std::size_t zone = nodes_[before].zone;
     const Letters& letters = zones_[zone];
     for (const u32 from : sets_[nodes_[before].runs]) {
-      if (is_needed && !needed.contains({before, from})) continue;
+      if (runs == Runs::Needed && !needed.contains({before, from})) continue;
       for (std::size_t k = 0; k < letters.sets[letter].size(); ++k) {
         if (next(from, zone, letters.sets[letter][k]) != run) continue;
         rows.emplace(zone + 1, number(zone, from), letters.bits[letter][k], number(nodes_[node].zone, run),
@@ -552,7 +555,8 @@ std::vector<WordSetRow> WordProver::needed_sets() {
     open.pop_back();
     if (cancellation_.is_over()) reason_ = "the limit of time is met";
     for (const auto& [before, letter] : incoming_[node]) {
-      const bool is_linked = link(node, run, before, letter, true) || link(node, run, before, letter, false);
+      const bool is_linked =
+          link(node, run, before, letter, Runs::Needed) || link(node, run, before, letter, Runs::All);
       BIP_ENSURE(is_linked, "run {} of node {} comes from node {}", run, node, before);
     }
     for (std::size_t s = 0; s < begins_.size(); ++s) {
@@ -619,9 +623,9 @@ WordAnswer WordProver::prove() {
 WordAnswer prove_words(const WordProblem& problem, const CancellationToken& cancellation, WordEvidence evidence) {
   BIP_ASSERT(problem.zones.size() == static_cast<std::size_t>(2 * problem.margin + 1), "{} zones",
              problem.zones.size());
-  WordAnswer answer = WordProver(problem, false, evidence, cancellation).prove();
+  WordAnswer answer = WordProver(problem, WordProver::Promises::Traps, evidence, cancellation).prove();
   if (answer.outcome != WordAnswer::Outcome::Candidate) return answer;
-  WordAnswer counted = WordProver(problem, true, evidence, cancellation).prove();
+  WordAnswer counted = WordProver(problem, WordProver::Promises::All, evidence, cancellation).prove();
   // A candidate says more than a limit does.
   return counted.outcome == WordAnswer::Outcome::TooLarge ? answer : counted;
 }

@@ -112,7 +112,7 @@ struct Forms {
   }
   std::size_t negated_states(std::uint32_t root) {
     formula.root = root;
-    Result<Automaton> made = make_automaton(formula, true);
+    Result<Automaton> made = make_automaton(formula, RunsOf::Negation);
     REQUIRE(made);
     return made->edges.size();
   }
@@ -125,7 +125,8 @@ TEST_CASE("an automaton accepts the runs that satisfy its formula") {
   for (std::uint64_t seed = 1; seed <= 1500; ++seed) {
     Random random(seed);
     const Formula formula = random_formula(random);
-    Result<Automaton> same = make_automaton(formula, false), negation = make_automaton(formula, true);
+    Result<Automaton> same = make_automaton(formula, RunsOf::Formula),
+                      negation = make_automaton(formula, RunsOf::Negation);
     REQUIRE(same);
     REQUIRE(negation);
     for (int run = 0; run < 6; ++run) {
@@ -195,7 +196,7 @@ TEST_CASE("an invariant that looks back has an automaton that ends where it is v
   const std::uint32_t negated = add(f.formula, {.kind = FormulaKind::Not, .a = 1, .b = 1});
   f.formula.root = f.always(add(f.formula, {.kind = FormulaKind::Or, .a = negated, .b = once}));
   CHECK(is_invariant_of_past(f.formula));
-  Result<Automaton> made = make_automaton(f.formula, true);
+  Result<Automaton> made = make_automaton(f.formula, RunsOf::Negation);
   REQUIRE(made);
   // Not yet, and violated; once it was true nothing violates it.
   REQUIRE(made->edges.size() == 2);
@@ -210,7 +211,7 @@ TEST_CASE("a formula that no run violates has an empty negation") {
   const std::uint32_t eventually = f.eventually(0);
   const std::uint32_t never = add(f.formula, {.kind = FormulaKind::Not, .a = eventually, .b = eventually});
   f.formula.root = add(f.formula, {.kind = FormulaKind::Or, .a = eventually, .b = never});
-  Result<Automaton> made = make_automaton(f.formula, true);
+  Result<Automaton> made = make_automaton(f.formula, RunsOf::Negation);
   REQUIRE(made);
   CHECK(made->is_empty());
 }
