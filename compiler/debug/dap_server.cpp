@@ -205,9 +205,9 @@ DapServer::Answer DapServer::launch(const json& arguments) {
   wanted.refuses_cpp = truth_of(arguments, "noCpp", false);
   stops_on_entry_ = truth_of(arguments, "stopOnEntry", true);
   launched_ = wanted;
-  std::string problem;
-  debuggee_ = launch_(wanted, problem);
-  if (debuggee_ == nullptr) return {{}, without_end(problem), {}};
+  Result<std::unique_ptr<Debuggee>> made = launch_(wanted);
+  if (!made) return {{}, without_end(made.error()), {}};
+  debuggee_ = std::move(*made);
   begin_session();
   return {json::object(), {}, [this] { send_event("initialized", json::object()); }};
 }
@@ -255,10 +255,9 @@ DapServer::Answer DapServer::restart(const json&) {
     (void)session().go_to(0);
   } else {
     std::vector<rt::Breakpoint> kept = session().breakpoints();
-    std::string problem;
-    std::unique_ptr<Debuggee> again = launch_(launched_, problem);
-    if (again == nullptr) return {{}, without_end(problem), {}};
-    debuggee_ = std::move(again);
+    Result<std::unique_ptr<Debuggee>> again = launch_(launched_);
+    if (!again) return {{}, without_end(again.error()), {}};
+    debuggee_ = std::move(*again);
     begin_session();
     // Conditions are about the other compilation's rows, which are the same.
     session().breakpoints() = std::move(kept);

@@ -16,6 +16,7 @@
 #include "compiler/debug/console.hpp"
 #include "compiler/debug/debug_model.hpp"
 #include "runtime/debug/session.hpp"
+#include "runtime/include/bip/result.hpp"
 
 namespace bip::debug {
 
@@ -33,8 +34,8 @@ struct Debuggee {
   rt::DebugSession* session = nullptr;
   std::unique_ptr<DebugModel> model;
 };
-/// Returns null and fills `problem` if the model cannot be run.
-using Launch = std::function<std::unique_ptr<Debuggee>(const LaunchRequest& request, std::string& problem)>;
+/// Returns a model with its session, never null; the error says why the model cannot be run.
+using Launch = std::function<Result<std::unique_ptr<Debuggee>>(const LaunchRequest& request)>;
 
 class DapServer {
  public:

@@ -38,7 +38,7 @@ std::string diagnostics_of(const Compilation& c) {
   return render(c.diags, c.sources, options);
 }
 
-std::unique_ptr<debug::Debuggee> launch_model(const debug::LaunchRequest& request, std::string& problem) {
+Result<std::unique_ptr<debug::Debuggee>> launch_model(const debug::LaunchRequest& request) {
   CompileOptions options;
   options.root = request.root;
   options.folders = request.folders;
@@ -51,10 +51,7 @@ std::unique_ptr<debug::Debuggee> launch_model(const debug::LaunchRequest& reques
   session.trusts_cpp = request.trusts_cpp;
   if (!request.policy.empty()) {
     const rt::PolicyRow* const policy = rt::find_policy(request.policy);
-    if (policy == nullptr) {
-      problem = fmt::format("there is no policy `{}`", request.policy);
-      return nullptr;
-    }
+    if (policy == nullptr) return Failure{fmt::format("there is no policy `{}`", request.policy)};
     session.policy = policy->policy;
   }
   std::optional<RunFileText> run;
@@ -63,25 +60,17 @@ std::unique_ptr<debug::Debuggee> launch_model(const debug::LaunchRequest& reques
     run = read_run(c, request.trace, session);
     is_ready = run.has_value();
   }
-  if (!is_ready || !model->executor.prepare(c, Backend::Interp, Optimisation::Auto)) {
-    problem = diagnostics_of(c);
-    return nullptr;
-  }
+  if (!is_ready || !model->executor.prepare(c, Backend::Interp, Optimisation::Auto)) return Failure{diagnostics_of(c)};
   model->started = std::make_unique<rt::DebugSession>(c.lowered->image, session);
   if (!request.events.empty()) {
-    if (const Result<bool> are_read = model->started->read_events(request.events); !are_read) {
-      problem = are_read.error();
-      return nullptr;
-    }
+    if (const Result<bool> are_read = model->started->read_events(request.events); !are_read)
+      return Failure{are_read.error()};
   }
   (void)model->started->start();
-  if (run && !load_moves(c, *run, *model->started)) {
-    problem = diagnostics_of(c);
-    return nullptr;
-  }
+  if (run && !load_moves(c, *run, *model->started)) return Failure{diagnostics_of(c)};
   model->session = model->started.get();
   model->model = std::make_unique<debug::DebugModel>(*c.system, c.lowered->image);
-  return model;
+  return std::unique_ptr<debug::Debuggee>(std::move(model));
 }
 
 bool has_bytes() {

@@ -132,10 +132,9 @@ bool prepare_distributed(Compilation& c, const RunArguments& arguments, rt::Plac
   if (arguments.placement_path.empty()) placement = rt::place_atoms(linked.tables, linked.rules, arguments.run.nodes);
   else if (!read_placement(c, arguments.placement_path, placement)) return false;
   if (arguments.split_above != 0) placement.split_above = arguments.split_above;
-  rt::NetworkFaults faults;
-  if (const std::string problem = rt::read_faults(arguments.run.network_faults, placement.nodes, faults);
-      !problem.empty()) {
-    c.diags.report(Diag::kB5070, {}, problem);
+  if (const Result<rt::NetworkFaults> faults = rt::read_faults(arguments.run.network_faults, placement.nodes);
+      !faults) {
+    c.diags.report(Diag::kB5070, {}, faults.error());
     return false;
   }
   placement.next_moves = prove_next_moves(c).moves;

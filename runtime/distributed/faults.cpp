@@ -62,9 +62,9 @@ bool read_time(std::string_view text, i64& time) {
 
 class FaultReader {
  public:
-  FaultReader(const std::vector<std::string>& nodes, NetworkFaults& faults) : nodes_(nodes), faults_(faults) {}
+  explicit FaultReader(const std::vector<std::string>& nodes) : nodes_(nodes) {}
 
-  std::string read(std::string_view text) {
+  Result<NetworkFaults> read(std::string_view text) {
     for (const std::string_view part : split(text, ',')) {
       words_ = words_of(part);
       if (words_.empty()) {
@@ -82,9 +82,9 @@ class FaultReader {
       } else {
         problem_ = quoted(words_[0]) + " is no fault: there are cut, crash, slow, lose and double";
       }
-      if (!problem_.empty()) return problem_;
+      if (!problem_.empty()) return Failure{problem_};
     }
-    return {};
+    return std::move(faults_);
   }
 
  private:
@@ -151,16 +151,15 @@ class FaultReader {
   }
 
   const std::vector<std::string>& nodes_;
-  NetworkFaults& faults_;
+  NetworkFaults faults_;
   std::vector<std::string_view> words_;
   std::string problem_;
 };
 
 }  // namespace
 
-std::string read_faults(std::string_view text, const std::vector<std::string>& nodes, NetworkFaults& faults) {
-  faults = {};
-  return text.empty() ? std::string() : FaultReader(nodes, faults).read(text);
+Result<NetworkFaults> read_faults(std::string_view text, const std::vector<std::string>& nodes) {
+  return text.empty() ? NetworkFaults{} : FaultReader(nodes).read(text);
 }
 
 }  // namespace bip::rt

@@ -13,6 +13,7 @@
 
 #include "runtime/core/link/tables.hpp"
 #include "runtime/core/time/interval.hpp"
+#include "runtime/include/bip/result.hpp"
 
 namespace bip::rt {
 
@@ -32,8 +33,7 @@ struct NetworkFaults {
   [[nodiscard]] i64 slowness_of(u32 node) const { return slowness.empty() ? 1 : slowness[node]; }
 };
 
-/// Reads the text; `nodes` are their names. Returns what is wrong with it; empty: nothing.
-[[nodiscard]] std::string read_faults(std::string_view text, const std::vector<std::string>& nodes,
-                                      NetworkFaults& faults);
+/// Reads the text; `nodes` are their names. No text: no faults. The error says what is wrong with the text.
+[[nodiscard]] Result<NetworkFaults> read_faults(std::string_view text, const std::vector<std::string>& nodes);
 
 }  // namespace bip::rt

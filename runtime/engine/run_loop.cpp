@@ -169,14 +169,13 @@ void RunLoop::run_on_nodes() {
   Distribution distribution = distribute(
       tables, rules, options_.placement != nullptr ? *options_.placement : place_atoms(tables, rules, options_.nodes));
   distribution.history = resumed_.history;
-  NetworkFaults faults;
-  const std::string problem = read_faults(options_.network_faults, distribution.placement.nodes, faults);
-  BIP_ENSURE(problem.empty() && distribution.crossing.empty(), "what cannot run was refused");
+  const Result<NetworkFaults> faults = read_faults(options_.network_faults, distribution.placement.nodes);
+  BIP_ENSURE(faults && distribution.crossing.empty(), "what cannot run was refused");
   if (options_.engine == Engine::Distributed) {
     distributed_ = run_distributed(core_, distribution, options_, seed_, output_, resumed_.steps);
   } else {
     static_cast<SimulatedResult&>(distributed_) =
-        run_simulated(core_, distribution, faults, options_, seed_, output_, resumed_.steps);
+        run_simulated(core_, distribution, *faults, options_, seed_, output_, resumed_.steps);
   }
   result_.steps = distributed_.steps;
   end_with(distributed_.error.empty() ? distributed_.end : End::Interrupted);

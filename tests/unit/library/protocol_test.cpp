@@ -167,15 +167,15 @@ Followed follow_messages(const Ready& model, const Ready& protocol, u32 nodes, s
   rt::Placement placement = rt::place_atoms(core.tables(), core.priorities(), nodes);
   placement.next_moves = verify::find_next_moves(*model.c.system, verify::within_seconds(10)).moves;
   const rt::Distribution distribution = rt::distribute(core.tables(), core.priorities(), placement);
-  rt::NetworkFaults faults;
-  REQUIRE(rt::read_faults(text, placement.nodes, faults).empty());
+  const Result<rt::NetworkFaults> faults = rt::read_faults(text, placement.nodes);
+  REQUIRE(faults);
   std::vector<std::unique_ptr<Protocol>> protocols;
   for (u32 atom = 0; atom < model.image().atoms.size; ++atom)
     protocols.push_back(std::make_unique<Protocol>(protocol.image()));
   Followed result;
   std::uint64_t events = 0;
   const rt::SimulatedResult run =
-      rt::run_simulated(core, distribution, faults, options, seed, output, 0, [&](rt::NodeEvent event) {
+      rt::run_simulated(core, distribution, *faults, options, seed, output, 0, [&](rt::NodeEvent event) {
         Protocol& of_atom = *protocols[event.atom];
         of_atom.take(event.kind);
         if (++events == forged) of_atom.take(event.kind);
@@ -221,14 +221,15 @@ LockedRun follow_locks(const Ready& ring, const rt::Image& protocol, u32 size, s
     REQUIRE(ring.image().connectors[core.tables().connector_of(row)].path() ==
             "ROOT.both[" + std::to_string(row) + "]");
   change(distribution);
-  rt::NetworkFaults faults;
-  REQUIRE(rt::read_faults(text, placement.nodes, faults).empty());
+  const Result<rt::NetworkFaults> faults = rt::read_faults(text, placement.nodes);
+  REQUIRE(faults);
   LockChain chain(protocol, size);
   LockedRun result;
-  result.run = rt::run_simulated(core, distribution, faults, options, seed, output, 0, [&](const rt::NodeEvent& event) {
-    chain.take(event);
-    if (++result.events == forged) chain.take(event);
-  });
+  result.run =
+      rt::run_simulated(core, distribution, *faults, options, seed, output, 0, [&](const rt::NodeEvent& event) {
+        chain.take(event);
+        if (++result.events == forged) chain.take(event);
+      });
   std::fclose(out);
   result.problem = chain.problem();
   result.parked = chain.parked();

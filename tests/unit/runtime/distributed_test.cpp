@@ -506,8 +506,10 @@ TEST_CASE("stations measure round trips, but not of frames that came late on pur
 
 TEST_CASE("faults are read, or told what is wrong with them") {
   const std::vector<std::string> nodes{"1", "lab"};
-  NetworkFaults faults;
-  CHECK(read_faults("cut 1-lab 3s..1min, crash lab 5s500ms,slow 1 x10, lose 5%, double 7%", nodes, faults).empty());
+  const Result<NetworkFaults> read =
+      read_faults("cut 1-lab 3s..1min, crash lab 5s500ms,slow 1 x10, lose 5%, double 7%", nodes);
+  REQUIRE(read);
+  const NetworkFaults& faults = *read;
   REQUIRE(faults.cuts.size() == 1);
   CHECK(faults.cuts[0].from == 3'000'000'000);
   CHECK(faults.cuts[0].until == 60'000'000'000);
@@ -523,7 +525,7 @@ TEST_CASE("faults are read, or told what is wrong with them") {
         "crash 3 5s", "crash lab", "crash lab 5 s", "crash lab 99999999999999999999s", "slow 1 10", "slow 1 x0",
         "slow 1 x1001", "lose 51%", "lose 5", "double 5%,", ",", "lose 5% now"}) {
     INFO(wrong);
-    CHECK_FALSE(read_faults(wrong, nodes, faults).empty());
+    CHECK_FALSE(read_faults(wrong, nodes));
   }
 }
 
