@@ -5,6 +5,10 @@
 
 Needs python3; check_cli_docs needs a built bipc ($BIPC or build/bipc).
 """
+import contextlib
+import importlib.machinery
+import importlib.util
+import io
 import json
 import os
 import pathlib
@@ -409,6 +413,36 @@ def check_builds_show_progress():
     problems = [] if first.startswith("[10/20] Building 10  (") else [f"tools/lib.sh: shown before the last step: {first!r}"]
     if not (len(rest) == 2 and rest[0] == "  error: two  blanks" and rest[1].startswith("[20/20] Linking bipc  (")):
         problems.append(f"tools/lib.sh: shown then: {rest!r}")
+    return problems
+
+
+def check_nightly():
+    """tools/test_nightly has all the long runs that pages name, its parts are there, and a part that decides nothing fails."""
+    loader = importlib.machinery.SourceFileLoader("test_nightly", str(ROOT / "tools/test_nightly"))
+    nightly = importlib.util.module_from_spec(importlib.util.spec_from_loader("test_nightly", loader))
+    without_cache, sys.dont_write_bytecode = sys.dont_write_bytecode, True
+    loader.exec_module(nightly)
+    sys.dont_write_bytecode = without_cache
+    rows = nightly.parts(1)
+    problems = [f"tools/test_nightly: part {name}: no {nightly.missing_script(command)}" for name, command, _ in rows if nightly.missing_script(command)]
+    listed = [nightly.text_of(command, variables) for _, command, variables in rows]
+    for page in [ROOT / "CONTRIBUTING.md", ROOT / "compiler/docs/testing.md", *sorted((ROOT / "tests").glob("**/README.md"))]:
+        for line in page.read_text(encoding="utf-8").splitlines():
+            if "nightly" not in line.lower():
+                continue
+            for script in re.findall(r"tests/[\w/]+\.(?:py|sh)", line):
+                if not any(script in text for text in listed):
+                    problems.append(f"{page.relative_to(ROOT)} names {script} as a nightly run, and tools/test_nightly has no such part")
+    faults = next((command for name, command, _ in rows if name == "faults"), [])
+    if "--all" not in faults:
+        problems.append("tools/test_nightly: the part faults has no --all")
+    for command, wanted in ((["tests/no_such_test.py"], (0, 1)), ([sys.executable, "tests/no_such_test.py"], (0, 1)),
+                            ([sys.executable, "tests/meta/nightly_parts.py", "silent"], (0, 1)), ([sys.executable, "tests/meta/nightly_parts.py", "nothing"], (0, 1)),
+                            ([sys.executable, "tests/meta/nightly_parts.py", "crash"], (3, 1)), ([sys.executable, "tests/meta/nightly_parts.py", "sound"], (3, 0))):
+        with contextlib.redirect_stdout(io.StringIO()):
+            found = nightly.run_part(command, {})
+        if found != wanted:
+            problems.append(f"tools/test_nightly: {' '.join(command[-2:])} counts as {found}, not as {wanted}")
     return problems
 
 
