@@ -1,4 +1,7 @@
 // The options of the commands that decide, count and draw: one function per command.
+#include <cstdint>
+#include <limits>
+
 #include "compiler/base/log.hpp"
 #include "compiler/driver/option_groups.hpp"
 
@@ -259,6 +262,12 @@ void add_export(CLI::App& app, ExportArguments& a) {
           "states (default: deadlock)")
       ->check(is_no_empty_property())
       ->type_name("PROPERTY");
+  command
+      ->add_option("--max-size", a.max_size,
+                   "refuse a Petri net (pnml) of more than N transitions (default: 1000000), or a Markov chain (prism) "
+                   "of more than N states (default: 100000)")
+      ->check(is_number(1, std::numeric_limits<std::uint32_t>::max()))
+      ->type_name("N");
   command->add_option("-o,--output", a.output, "output file (default: standard output)")->type_name("FILE");
   command->add_flag_callback(
       "--disable-maximal-progress", [&a] { a.maximal_progress = false; },

@@ -87,9 +87,11 @@ Result<std::string> net(const Compilation& c) {
   return verify::net_dot(made);
 }
 
+// Of a chain; the text has a line per step.
+constexpr std::uint32_t kMostStates = 100'000;
+
 // A label for each place of each component: "coin_HEADS".
 Result<std::string> prism(Compilation& c, const ExportArguments& arguments) {
-  constexpr std::uint32_t kMostStates = 100'000;
   if (const std::string what = system::first_timed(*c.system); !what.empty()) return Failure{what};
   if (uses_ffi(c)) return Failure{"it calls C++"};
   Executor executor;
@@ -113,8 +115,8 @@ Result<std::string> prism(Compilation& c, const ExportArguments& arguments) {
   }
   std::vector<library::StateSet> sets;
   const Result<library::MarkovChain> chain = library::build_chain(
-      c.lowered->image, arguments.maximal_progress ? rt::MaximalProgress::On : rt::MaximalProgress::Off, kMostStates,
-      conditions, sets);
+      c.lowered->image, arguments.maximal_progress ? rt::MaximalProgress::On : rt::MaximalProgress::Off,
+      arguments.max_size.value_or(kMostStates), conditions, sets);
   if (!chain) return Failure{chain.error()};
   return library::prism_text(*chain, c.root_name, names, sets);
 }
@@ -144,7 +146,8 @@ Result<std::string> promela(const Compilation& c, const ExportArguments& argumen
 }
 
 Result<std::string> exported(Compilation& c, const ExportArguments& arguments, const verify::Question& question) {
-  const exchange::Options options{.maximal_progress = arguments.maximal_progress, .root_name = c.root_name};
+  exchange::Options options{.maximal_progress = arguments.maximal_progress, .root_name = c.root_name};
+  if (arguments.max_size) options.max_transitions = *arguments.max_size;
   switch (arguments.format) {
     case ExportFormat::Promela: return promela(c, arguments, question);
     case ExportFormat::Pnml: return exchange::pnml(*c.system, options);

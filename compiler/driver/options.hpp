@@ -173,6 +173,8 @@ struct ExportArguments {
   std::string output;  // empty: standard output
   ExportFormat format = ExportFormat::Promela;
   std::string property;  // Aiger: what is bad; empty: a deadlock
+  // Transitions of a Petri net, states of a Markov chain; none: the format's default.
+  std::optional<std::uint32_t> max_size;
   bool maximal_progress = true;
 };
 /// A file checked against a trace: of the published engine, or a binary one.

@@ -17,9 +17,12 @@ using u32 = std::uint32_t;
 /// A connector with more interactions is refused: each is text of its own.
 inline constexpr std::size_t kMaxInteractions = 2048;
 
+inline constexpr std::size_t kMaxTransitions = 1'000'000;
+
 struct Options {
   bool maximal_progress = true;
-  std::string root_name;  // for the comment at the top
+  std::string root_name;                          // for the comment at the top
+  std::size_t max_transitions = kMaxTransitions;  // of PNML
   /// Of Promela: what SPIN is asked instead of deadlocks; null: nothing.
   const verify::Formula* formula = nullptr;
 };
@@ -28,7 +31,7 @@ struct Options {
 /// Failure: what the format cannot express, with its place. Cost: interactions times their size, squared per connector.
 [[nodiscard]] Result<std::string> promela(const System& system, const Options& options);
 /// Writes a place/transition net (ISO/IEC 15909-2) of a model whose guards are decided by parameters. Failure: what a
-/// net cannot express, or more than a million transitions.
+/// net cannot express, or more transitions than `max_transitions`.
 [[nodiscard]] Result<std::string> pnml(const System& system, const Options& options);
 
 }  // namespace bip::exchange

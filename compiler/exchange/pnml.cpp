@@ -22,8 +22,6 @@ namespace {
 using analysis::InteractionTree;
 using analysis::Leaves;
 
-constexpr std::size_t kMaxTransitions = 1000000;
-
 class NetWriter {
  public:
   NetWriter(const System& system, const Options& options) : system_(system), options_(options) {}
@@ -145,8 +143,9 @@ class NetWriter {
         }
       }
       found = std::move(next);
-      if (count_ + found.size() > kMaxTransitions)
-        return refuse("more than " + std::to_string(kMaxTransitions) + " transitions of the net");
+      if (count_ + found.size() > options_.max_transitions)
+        return refuse(
+            fmt::format("more than {} transitions of the net (--max-size allows more)", options_.max_transitions));
     }
     for (const auto& some : found) {
       transitions_ +=

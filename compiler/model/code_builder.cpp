@@ -239,8 +239,10 @@ std::optional<Typed> CodeBuilder::type_error(const syntax::Expr* e, const syntax
 
 std::string CodeBuilder::operator_help(const syntax::Expr* e, const Typed& a, const Typed& b) const {
   if (a.type != Type::String && b.type != Type::String) return "";
-  return fmt::format("C++ can define it: `extern operator const string {} (const {}, const {})`", text_of(e->binary),
-                     name_of(a.type), name_of(b.type));
+  const bool is_sum = e->binary == BinaryOp::Add || e->binary == BinaryOp::Sub || e->binary == BinaryOp::Mul ||
+                      e->binary == BinaryOp::Div || e->binary == BinaryOp::Mod;
+  return fmt::format("C++ can define it: `extern operator const {} {} (const {}, const {})`",
+                     is_sum ? "string" : "bool", text_of(e->binary), name_of(a.type), name_of(b.type));
 }
 
 std::optional<Typed> CodeBuilder::unary(const syntax::Expr* e) {
