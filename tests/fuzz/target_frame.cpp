@@ -102,7 +102,7 @@ Verdict try_frame(std::string_view input) {
   const rt::Codec codec(peers.core->tables(), peers.distribution, kRun);
   NoFabric fabric;
   rt::Station station(fabric, codec, 0, 3);
-  std::vector<rt::Heard> heard;
+  std::vector<rt::ReceivedMessage> heard;
   station.take({1, std::string(input)}, 1, heard);
   station.send(2);
   station.tick(3);

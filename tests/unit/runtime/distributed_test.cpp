@@ -425,9 +425,9 @@ TEST_CASE("stations hand over what is said once and in order, and rest when all 
         std::vector<Arrival> arrivals;
         (void)fabrics[self].wait(0, {}, arrivals);
         arrivals.push_back({1 - self, "odd"});
-        std::vector<Heard> messages;
+        std::vector<ReceivedMessage> messages;
         for (const Arrival& arrival : arrivals) stations[self].take(arrival, now, messages);
-        for (const Heard& message : messages) REQUIRE(std::get<Stop>(message.message).step == ++heard[self]);
+        for (const ReceivedMessage& message : messages) REQUIRE(std::get<Stop>(message.message).step == ++heard[self]);
         // More than one frame may carry.
         if (turn < 200 && draws.below(8) == 0) {
           for (u64 n = draws.below(3000); n > 0; --n) stations[self].say(1 - self, Stop{++said[self]});
@@ -442,9 +442,9 @@ TEST_CASE("stations hand over what is said once and in order, and rest when all 
       for (u32 self = 0; self < 2; ++self) {
         std::vector<Arrival> arrivals;
         (void)fabrics[self].wait(0, {}, arrivals);
-        std::vector<Heard> messages;
+        std::vector<ReceivedMessage> messages;
         for (const Arrival& arrival : arrivals) stations[self].take(arrival, now, messages);
-        for (const Heard& message : messages) REQUIRE(std::get<Stop>(message.message).step == ++heard[self]);
+        for (const ReceivedMessage& message : messages) REQUIRE(std::get<Stop>(message.message).step == ++heard[self]);
         stations[self].tick(now);
       }
     }
@@ -462,7 +462,7 @@ TEST_CASE("stations measure round trips, but not of frames that came late on pur
   const Codec codec(pairs.core->tables(), pairs.distribution, 1);
   KeptFabric fabrics[2];
   Station stations[] = {{fabrics[0], codec, 0, 2}, {fabrics[1], codec, 1, 2}};
-  std::vector<Heard> heard;
+  std::vector<ReceivedMessage> heard;
   const auto carry = [&](u32 from, i64 now) {
     for (const std::string& bytes : std::exchange(fabrics[from].sent, {}))
       stations[1 - from].take({from, bytes}, now, heard);
@@ -506,8 +506,7 @@ TEST_CASE("stations measure round trips, but not of frames that came late on pur
 
 TEST_CASE("faults are read, or told what is wrong with them") {
   const std::vector<std::string> nodes{"1", "lab"};
-  const Result<NetworkFaults> read =
-      read_faults("cut 1-lab 3s..1min, crash lab 5s500ms,slow 1 x10, lose 5%, double 7%", nodes);
+  const auto read = read_faults("cut 1-lab 3s..1min, crash lab 5s500ms,slow 1 x10, lose 5%, double 7%", nodes);
   REQUIRE(read);
   const NetworkFaults& faults = *read;
   REQUIRE(faults.cuts.size() == 1);

@@ -271,9 +271,9 @@ TEST_CASE("links lose and double nothing while connections stall, end and are cu
     for (u32 self = 0; self < 2; ++self) {
       std::vector<Arrival> arrivals;
       (void)fabrics[self]->wait(1, {}, arrivals);
-      std::vector<Heard> messages;
+      std::vector<ReceivedMessage> messages;
       for (const Arrival& arrival : arrivals) stations[self].take(arrival, now_ns(), messages);
-      for (const Heard& message : messages) REQUIRE(std::get<Stop>(message.message).step == ++heard[self]);
+      for (const ReceivedMessage& message : messages) REQUIRE(std::get<Stop>(message.message).step == ++heard[self]);
       stations[self].send(now_ns());
       stations[self].tick(now_ns());
     }
