@@ -13,7 +13,7 @@ std::string systems_checked(const std::list<Model>& models, std::istream& text, 
   const Tree* grows = nullptr;
   int least = 0;
   for (const Model& model : models) {
-    const Tree &for_all = model.tree["for-for_all"], &size = model.tree["size"];
+    const Tree &for_all = model.tree["for-all"], &size = model.tree["size"];
     if (for_all.items.empty() == size.items.empty()) throw Rejected("a system among several does not say its size");
     const Tree& row = for_all.items.empty() ? size : for_all;
     if (!by_size.emplace(row.at(2).number(), &model).second) throw Rejected("a size twice");
