@@ -11,9 +11,9 @@
 #include <string_view>
 #include <vector>
 
+#include "bip/result.hpp"
 #include "runtime/core/link/tables.hpp"
 #include "runtime/core/time/interval.hpp"
-#include "runtime/include/bip/result.hpp"
 
 namespace bip::rt {
 
