@@ -53,6 +53,7 @@ class Level {
       : description_(description),
         books_(description_.modules.size()),
         accepted_(description_.owners.size()),
+        deaths_without_trace_(description_.owners.size()),
         told_(description_.posters.size()) {
     // One for each codel that may run at a time, and for what others ask meanwhile.
     std::vector<std::size_t> owners(description_.modules.size());
@@ -271,9 +272,8 @@ class Level {
     std::optional<CodelTimer> timer;
     if (description_.functions[index(function)].is_codel) timer.emplace(description_.functions[index(function)].name);
     if (!start()) return {.why = "no process can be started"};
-    // A task goes on in another process, if not its own codel has ended this one. If nothing tells what has (SIGKILL
-    // when there is no memory, `_exit`), it does so once.
-    int retries = call.owner >= 0 && description_.owner_rows[index(call.owner)].is_task ? 1 : -1;
+    // A task goes on in another process, if not its own codel has ended this one.
+    const bool is_task = call.owner >= 0 && description_.owner_rows[index(call.owner)].is_task;
     while (true) {
       notice_death(module);
       const std::uint32_t generation = state(module).generation;
@@ -301,7 +301,7 @@ class Level {
         }
       } else {
         const std::uint32_t culprit = state(module).ended_by;
-        if (retries >= 0 && culprit != k + 1 && (culprit != 0 || retries-- > 0)) {
+        if (is_task && culprit != k + 1 && (culprit != 0 || may_go_on(call.owner))) {
           free_channel(module, k);
           continue;
         }
@@ -314,6 +314,19 @@ class Level {
       free_channel(module, k);
       return outcome;
     }
+  }
+
+  // If nothing tells what has ended the process of a task (SIGKILL when there is no memory, `_exit`), it goes on, but
+  // not for the fourth time in a minute: then its own codel is what does it.
+  bool may_go_on(int task) {
+    constexpr std::size_t kMost = 3;
+    const std::lock_guard<std::mutex> hold(lock_);
+    std::vector<Clock::time_point>& deaths = deaths_without_trace_[index(task)];
+    const Clock::time_point now = Clock::now();
+    std::erase_if(deaths, [&](Clock::time_point death) { return now - death > std::chrono::minutes(1); });
+    if (deaths.size() == kMost) return false;
+    deaths.push_back(now);
+    return true;
   }
 
   // Calls to earlier processes of the module are repeated before any other call.
@@ -797,6 +810,7 @@ class Level {
   std::mutex module_lock_;   // of `told_`; only modules take it, so that no fork finds it taken
   std::vector<Book> books_;
   std::vector<Acceptance> accepted_;
+  std::vector<std::vector<Clock::time_point>> deaths_without_trace_;  // by owner, if it is a task
   std::vector<std::uint64_t> told_;  // in a module: versions of the posters that were sent to it or by it
   std::size_t width_ = 3;            // channels of a module
   Channels shared_;
