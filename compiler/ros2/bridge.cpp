@@ -381,6 +381,8 @@ void Bridge::take_goal(std::size_t k, const Sample& sample) {
     return reply(ends_[k].send_goal_reply, action.type + "_SendGoal_Response", {{"accepted", false}}, asker);
   }
   goal->asker = asker;
+  // Until it is accepted: a cancellation of what is older than an instant does not mean goals that came after that.
+  goal->accepted = stamp_now();
   if (!is_ready_) return refuse(*goal, kLost, "there is no `bipc serve`");
   Json input;
   std::string wrong;

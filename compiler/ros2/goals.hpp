@@ -51,7 +51,7 @@ struct Goal {
   GoalState state = GoalState::Unknown;
   bool is_refused = false;  // then it is over, and no part of the status
   bool is_cancel_asked = false;
-  Stamp accepted;
+  Stamp accepted;               // until it is accepted: when it came
   std::optional<Asker> asker;   // waits for acceptance
   std::vector<Asker> awaiting;  // wait for the result
   Json result = Json::object();

@@ -177,11 +177,12 @@ struct Scene {
                      &header));
     turn();
   }
-  void cancel(std::uint8_t id) {
+  // An id of zero and an instant: all goals that are older.
+  void cancel(std::uint8_t id, const Stamp& instant = {}) {
     const RequestHeader header{77, 200 + id};
     bus.send("rq/r1/M/Go/_action/cancel_goalRequest",
              *to_cdr(interfaces.messages, "action_msgs/srv/CancelGoal_Request",
-                     {{"goal_info", {{"goal_id", to_json(GoalId{id})}}}}, &header));
+                     {{"goal_info", {{"goal_id", to_json(GoalId{id})}, {"stamp", to_json(instant)}}}}, &header));
     turn();
   }
   // A request of the bridge that is no sign of life.
@@ -341,6 +342,19 @@ TEST_CASE("a cancellation is asked for again while the module decides") {
   s.model.answer(cancel);
   s.note(7, "final", "ACTIVITY_INTERRUPTED");
   CHECK(s.all_heard() == "status 5");
+}
+
+TEST_CASE("a cancellation of older goals does not mean one that came later and is not accepted yet") {
+  Scene s;
+  Stamp before = stamp_now();
+  --before.seconds;
+  s.goal(1, kGoal);
+  s.cancel(0, before);
+  CHECK(s.all_heard() == "cancelling 0");
+  Stamp after = stamp_now();
+  ++after.seconds;
+  s.cancel(0, after);
+  CHECK(s.all_heard() == "cancelling 1; status");
 }
 
 TEST_CASE("a model that goes and comes back") {
