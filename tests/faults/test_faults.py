@@ -695,6 +695,9 @@ def files():
 
 
 GROUPS = {"output": output, "input": inputs, "files": files, "limits": limits, "threads": threads, "kill": kill, "calls": calls, "memory": memory}
+# Who starts this may ignore signals (nohup), and children would, too.
+for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+    if signal.getsignal(number) == signal.SIG_IGN: signal.signal(number, signal.SIG_DFL)
 started = time.time()
 made = Place()
 assert made.run("run --silent --seed 1 --limit 9 --trace run.jsonl m.bip").returncode == 0
