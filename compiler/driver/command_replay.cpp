@@ -353,8 +353,8 @@ class Replay {
     d.note("the trace has" + set_text(theirs)).note("the model has" + set_text(ours));
     return false;
   }
-  // Is the model's error of the kind that ends the trace, and does it have the names and the instant that the trace
-  // gives? Cycles of priorities, which can be told from any of their members on, are compared by their kind.
+  // Returns true if the model's error has the kind that ends the trace, and the names and the instant that the trace
+  // gives. Of a cycle of priorities only the kind is compared: a message may begin with any member of the cycle.
   [[nodiscard]] bool is_named_fault() const {
     const rt::Fault& fault = core_.fault();
     if (trace_->end != end_of(fault.code)) return false;

@@ -93,7 +93,7 @@ int report(const Compilation& c) {
   if (c.options.time_passes) print_error_text(time_table(c.times));
   const bool is_for_people = options.format == DiagnosticFormat::Frame || options.format == DiagnosticFormat::Short;
   if (c.options.explain && is_for_people) print_error_text(explained(c, options.color));
-  // Whoever reads it with a program must not take half of it for all.
+  // A program that reads them must not take a part for the whole.
   if (!is_for_people && std::ferror(stderr) != 0) return kOutputLost;
   if (c.diags.has_errors()) return kModelErrors;
   const std::string reason = fatal_warning(c);

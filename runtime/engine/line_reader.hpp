@@ -1,8 +1,8 @@
-// The lines of a file that may be a pipe or a FIFO: whoever waits for them can be asked to stop.
+// Reads the lines of a file that may be a pipe or a FIFO; a wait for them can be interrupted.
 //
-// A read that waits goes on after a signal (SA_RESTART), and so does opening a FIFO that nobody writes to. Therefore
-// the file is opened without waiting, and poll() waits: signals end it, and it returns now and then, since another
-// thread may have handled the signal, or it came just before.
+// A signal does not end a read() that waits, nor an open() of a FIFO without a writer, because the handlers are
+// installed with SA_RESTART. So the file is opened with O_NONBLOCK, and poll() waits. A signal ends poll(); a time
+// limit of poll() covers a signal that another thread handled, or that came just before poll().
 #pragma once
 #include <cstddef>
 #include <cstdint>
