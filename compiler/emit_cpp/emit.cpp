@@ -52,7 +52,7 @@ std::string emit(const lower::LoweredSystem& lowered, const Options& options) {
   if (options.with_c_image) out.line("#include \"bip/bip.h\"");
   if (!lowered.steps.shapes.empty()) out.line("#include \"bip/step_loop.hpp\"");
   out.line();
-  if (has_ffi) out.line(ffi_includes(code));
+  if (has_ffi) out.line("#include \"bip/ffi_state.hpp\"\n" + ffi_includes(code));
   if (code.has_draws()) out.line("#include \"bip/draws.hpp\"");
   const std::vector<lower::EventClassUse> classes = lower::event_class_uses(*lowered.system);
   if (!classes.empty()) out.line("#include \"bip/event_source.hpp\"");

@@ -103,7 +103,7 @@ std::string signature_text(const CodeTable& code, const Function& function) {
 std::string ffi_includes(const CodeTable& code) {
   std::string out;
   const auto line = [&](const std::string& text) { out += text + "\n"; };
-  for (const char* header : {"algorithm", "cmath", "cstdio", "cstdlib", "iostream", "string"})
+  for (const char* header : {"algorithm", "cmath", "cstdio", "cstdlib", "iostream", "string", "vector"})
     line(std::string("#include <") + header + ">");
   line("");
   line("#include \"bip/ffi_calls.hpp\"");
@@ -120,7 +120,7 @@ std::string ffi_text(const CodeTable& code, const ConstNames& const_names, const
   line("namespace ffi {");
   line("using namespace std;");
   if (options.names_crashes) line("inline const bool names_crashes = bip::rt::name_crashes();");
-  if (options.own_context) line("inline bip::rt::FfiContext own_context;");
+  if (options.own_context) line("inline bip::rt::FfiState own_context;");
   line(std::string("inline bip::rt::FfiContext* bip_context = ") +
        (options.own_context ? "&own_context;" : "nullptr;"));
   for (std::size_t k = 0; k < code.ffi_types.size(); ++k) {

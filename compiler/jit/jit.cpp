@@ -74,7 +74,7 @@ struct Compiler {
     add(kCodesName, lowered.codes.data());
     add(kDrawName, reinterpret_cast<const void*>(&draw));
     add(kOperandTableName, lowered.steps.table.numbers.data());
-    add(kFfiContextName, &lowered.ffi);
+    add(kFfiContextName, static_cast<const rt::FfiContext*>(&lowered.ffi));
     if (lowered.image.ffi != nullptr) {
       add(kLoweredName, &lowered);
       add(kResultName, reinterpret_cast<const void*>(&result_cell));

@@ -10,7 +10,7 @@
 #include "compiler/lower/step_shapes.hpp"
 #include "compiler/system/system_ids.hpp"
 #include "runtime/include/bip/image_time.hpp"
-#include "runtime/include/bip/ffi.hpp"
+#include "runtime/include/bip/ffi_state.hpp"
 
 namespace bip::lower {
 
@@ -40,7 +40,7 @@ struct LoweredSystem {
   std::vector<rt::FfiType> ffi_types;
   std::vector<rt::EventClass> event_classes;  // one an EventClassUse
   Results results;
-  rt::FfiContext ffi;
+  rt::FfiState ffi;
   // Compiled steps: shapes that derive_steps found, and a function each if an executor made them.
   Steps steps;
   std::vector<rt::StepFn> step_fns;

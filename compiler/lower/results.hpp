@@ -1,7 +1,7 @@
 // Objects that hold the result of a call with an FFI type until it is used: one per call and thread.
 //
 // Calls do not nest in themselves, but with `--engine=threads` two atoms of a type can execute the same call at the
-// same time. An object is created at the first call of a thread and reused; each access takes one lock (as FfiContext
+// same time. An object is created at the first call of a thread and reused; each access takes one lock (as FfiState
 // does for strings).
 #pragma once
 #include <cstdint>

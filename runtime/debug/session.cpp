@@ -237,7 +237,7 @@ Halt DebugSession::assign(u32 atom, u32 variable, Cell value) {
   if (is_ffi(declared.type)) return refuse("an object of C++ cannot be set");
   branch();
   // The move may be repeated when no state has the string any more.
-  if (core_.image().ffi != nullptr && declared.type == CellType::String) core_.image().ffi->pin({value.i});
+  if (core_.image().ffi != nullptr && declared.type == CellType::String) core_.image().ffi->pin({&value.i, 1});
   assignments_.push_back({core_.image().atoms[atom].first_cell + variable, value});
   record({kAssign, static_cast<u32>(assignments_.size() - 1)}, core_.now());
   return forward(Track::No);

@@ -21,10 +21,10 @@ void LiveStrings::add(const std::vector<u64>& cells) {
 
 void LiveStrings::keep_only(FfiContext& ffi) {
   std::sort(rows_.begin(), rows_.end());
-  ffi.keep_only(rows_);
+  ffi.keep_only({rows_.data(), static_cast<u32>(rows_.size())});
 }
 
-void LiveStrings::pin(FfiContext& ffi) const { ffi.pin(rows_); }
+void LiveStrings::pin(FfiContext& ffi) const { ffi.pin({rows_.data(), static_cast<u32>(rows_.size())}); }
 
 bool wants_collection(const Image& image) { return image.ffi != nullptr && image.ffi->wants_collection(); }
 

@@ -4,7 +4,7 @@
 #include <limits>
 #include <vector>
 
-#include "bip/ffi.hpp"
+#include "bip/ffi_state.hpp"
 #include "runtime/core/state/ffi_data.hpp"
 
 using namespace bip::rt;
@@ -36,7 +36,7 @@ Image image_of(AtomType& type, const Atom& atom, FfiContext& ffi) {
 }  // namespace
 
 TEST_CASE("objects are saved and loaded as copies") {
-  FfiContext ffi;
+  FfiState ffi;
   AtomType type{};
   const Atom atom{};
   const Image image = image_of(type, atom, ffi);
@@ -69,7 +69,7 @@ TEST_CASE("objects are saved and loaded as copies") {
 }
 
 TEST_CASE("strings made at run time stand above those of the image, each once") {
-  FfiContext ffi;
+  FfiState ffi;
   ffi.attach({kTexts, 2});
   ffi.attach({kTexts, 2});
   CHECK(ffi.intern("one") == 1);
@@ -82,16 +82,17 @@ TEST_CASE("strings made at run time stand above those of the image, each once") 
 
 TEST_CASE("after the last row the rows of freed strings come again, and no row of a kept one") {
   constexpr std::int32_t kLast = std::numeric_limits<std::int32_t>::max();
-  FfiContext ffi(kLast - 1);
+  FfiState ffi(kLast - 1);
   ffi.attach({kTexts, 2});
   CHECK(ffi.intern("one") == 1);
   CHECK(ffi.intern("a") == kLast - 1);
   CHECK(ffi.intern("b") == kLast);
   CHECK(ffi.intern("c") == 2);
-  ffi.pin({1, kLast - 1, kLast, 2, 77});
+  constexpr std::int32_t kPinned[] = {1, kLast - 1, kLast, 2, 77}, kLive[] = {4};
+  ffi.pin({kPinned, 5});
   CHECK(ffi.intern("d") == 3);
   CHECK(ffi.intern("e") == 4);
-  ffi.keep_only({4});
+  ffi.keep_only({kLive, 1});
   CHECK(std::string(ffi.text(kLast)) == "b");
   CHECK(std::string(ffi.text(2)) == "c");
   CHECK(std::string(ffi.text(3)).empty());
