@@ -1,6 +1,7 @@
 // What the runner's commands call and the runner does not have: each says so.
 #include <fmt/format.h>
 
+#include "bip/run.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/distributed_runs.hpp"
 #include "compiler/driver/emit_stage.hpp"
@@ -57,3 +58,14 @@ std::string distribution_text(Compilation& c, const std::string&) {
 }
 
 }  // namespace bip::driver
+
+namespace bip::rt {
+
+ExploreResult explore(const Image&, const RunOptions&, std::FILE*, std::FILE*) {
+  ExploreResult refused;
+  refused.complete = false;
+  refused.exit_code = driver::missing("run --explore");
+  return refused;
+}
+
+}  // namespace bip::rt
