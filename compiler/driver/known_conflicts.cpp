@@ -89,6 +89,14 @@ verify::NextMoves prove_next_moves(const Compilation& c) {
 }
 
 std::string removed_conflicts_text(const rt::Tables& tables, const verify::NextMoves& known) {
+  switch (known.question) {
+    case verify::ConflictQuestion::Answered: break;
+    case verify::ConflictQuestion::TooLarge:
+      return "conflicts go by places: the model is too large to ask which of them cannot be\n";
+    case verify::ConflictQuestion::OutOfTime:
+      return fmt::format("conflicts go by places: {} s of the processor did not prove which of them cannot be\n",
+                         kSecondsOfConflicts);
+  }
   const std::vector<PlaceConflicts> rows = conflicts_of_places(tables, known);
   if (rows.empty()) return {};
   std::size_t by_modes = 0, by_invariants = 0;

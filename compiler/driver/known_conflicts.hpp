@@ -19,7 +19,7 @@ inline constexpr double kSecondsOfConflicts = 2;
 /// Asks the prover. Requires a System.
 [[nodiscard]] verify::NextMoves prove_next_moves(const Compilation& c);
 
-/// Returns which conflicts, of those that places tell, are none, and why; empty: all are.
+/// Returns which conflicts, of those that places tell, are none, and why, or why that is not known; empty: all are.
 [[nodiscard]] std::string removed_conflicts_text(const rt::Tables& tables, const verify::NextMoves& known);
 
 /// Rows of numbers, one line each.

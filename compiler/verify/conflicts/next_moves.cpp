@@ -220,7 +220,9 @@ std::vector<NextMove> moves_of_atom(const System& original, const SplitSystem& s
 }  // namespace
 
 NextMoves find_next_moves(const System& system, const CancellationToken& cancellation) {
-  if (system.atoms.size() > kMostAtomsOfNextMoves) return {};
+  NextMoves result;
+  result.question = ConflictQuestion::TooLarge;
+  if (system.atoms.size() > kMostAtomsOfNextMoves) return result;
   const SharedPorts shared(system);
   std::set<HistoryMove> excluded;
   bool is_first = true;
@@ -232,12 +234,12 @@ NextMoves find_next_moves(const System& system, const CancellationToken& cancell
       if (!excluded.empty()) split = split_by_history(system, shared, excluded);
     }
     const Net net = build_net(split.system);
-    if (net.too_large_atom != kNoRow) return {};
+    if (net.too_large_atom != kNoRow) return result;
     NextMoveProof proof(system, split, net, cancellation);
     const std::size_t before = excluded.size();
     std::erase_if(excluded, [&](const HistoryMove& move) { return !proof.excludes(move); });
     if (excluded.size() != before) continue;
-    NextMoves result;
+    result.question = ConflictQuestion::Answered;
     result.excluded.assign(excluded.begin(), excluded.end());
     result.invariants = proof.invariants();
     for (u32 atom = 0; atom < system.atoms.size(); ++atom) {
@@ -246,7 +248,8 @@ NextMoves find_next_moves(const System& system, const CancellationToken& cancell
     }
     return result;
   }
-  return {};
+  result.question = ConflictQuestion::OutOfTime;
+  return result;
 }
 
 }  // namespace bip::verify

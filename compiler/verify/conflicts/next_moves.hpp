@@ -13,6 +13,7 @@
 // Cost: a few rounds of at most one call of the solver for each move left out, and for each invariant; linear passes
 // over the net for each invariant.
 #pragma once
+#include <cstdint>
 #include <vector>
 
 #include "compiler/system/system_ids.hpp"
@@ -23,15 +24,18 @@
 namespace bip::verify {
 
 using rt::NextMove;
+/// Whether the question was gone into; if it was not, places tell all that is known.
+enum class ConflictQuestion : std::uint8_t { Answered, TooLarge, OutOfTime };
 struct NextMoves {
   std::vector<NextMove> moves;        // sorted; all of the atoms of which more is known than places tell
   std::vector<HistoryMove> excluded;  // by invariants, sorted
   std::size_t invariants = 0;         // that they need, at most
+  ConflictQuestion question = ConflictQuestion::Answered;
 };
 
 inline constexpr std::size_t kMostAtomsOfNextMoves = 20'000;
 
-/// Returns nothing of larger systems, of those whose atoms have too many modes, and after the time.
+/// Returns no moves of larger systems, of those whose atoms have too many modes (TooLarge), and after the time.
 [[nodiscard]] NextMoves find_next_moves(const System& system, const CancellationToken& cancellation);
 
 }  // namespace bip::verify

@@ -213,6 +213,20 @@ TEST_CASE("next moves: a fork is given back by who took it, and by modes some do
   }
 }
 
+TEST_CASE("next moves: an answer that needs more time than there is, and one of too many components, say so") {
+  const gen::Compiled c = compile_root("Dinner");
+  REQUIRE(c.problem.empty());
+  const verify::NextMoves late = verify::find_next_moves(*c.system, verify::within_seconds(0));
+  CHECK(late.question == verify::ConflictQuestion::OutOfTime);
+  CHECK(late.moves.empty());
+  system::System many = *c.system;
+  many.atoms = {};
+  for (std::size_t k = 0; k <= verify::kMostAtomsOfNextMoves; ++k)
+    many.atoms.push_back(c.system->atoms[AtomId(std::size_t{0})]);
+  CHECK(verify::find_next_moves(many, verify::within_seconds(20)).question == verify::ConflictQuestion::TooLarge);
+  CHECK(verify::find_next_moves(*c.system, verify::within_seconds(20)).question == verify::ConflictQuestion::Answered);
+}
+
 TEST_CASE("next moves: what is offered together is one conflict") {
   const gen::Compiled c = gen::compile_texts({kClerk});
   INFO(c.problem);
