@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Every model on every executor: traces must be the same bytes.
 
-    tests/models/test_models.py [--seeds N] [--limit N] [--jobs N] [--verdicts|--no-verdicts] [part of a model's name ...]
+    tests/models/test_models.py [--seeds N] [--first N] [--limit N] [--jobs N] [--verdicts|--no-verdicts] [part of a model's name ...]
 
 Each models/**/*.bip runs with the interpreter, the JIT at -O0 and -O2, and as an emitted C++ program, with N seeds.
 Compared: the JSON trace, standard output, standard error, exit code. A header line `// run: --root 'Ring(5)' …` gives
@@ -190,7 +190,7 @@ def check_model(model, options, execs):
             commands = [(n, [BIPC, "run", str(model), *root, *run, *flags]) for n, flags in execs]
             if program:
                 commands.append(("emitted", [str(program), *run]))
-            for seed in range(options.seeds):
+            for seed in range(options.first, options.first + options.seeds):
                 common = ["--seed", str(seed), *([] if "--limit" in run else ["--limit", str(options.limit)])]
                 first_name, first = None, None
                 for executor, command in commands:
@@ -218,8 +218,9 @@ def check_model(model, options, execs):
 
 def main():
     parser = argparse.ArgumentParser(description="Runs every model on every executor.")
-    parser.add_argument("--seeds", type=int, default=10)
-    parser.add_argument("--limit", type=int, default=200)
+    parser.add_argument("--seeds", type=int, default=3, help="of each, runs with the seeds from --first on")
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--limit", type=int, default=500)
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--no-verdicts", dest="verdicts", action="store_const", const=None, default="too", help="runs only")
     parser.add_argument("--verdicts", dest="verdicts", action="store_const", const="only", help="no runs, only verdicts")
