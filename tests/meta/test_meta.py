@@ -438,7 +438,8 @@ def check_nightly():
         problems.append("tools/test_nightly: the part faults has no --all")
     for command, wanted in ((["tests/no_such_test.py"], (0, 1)), ([sys.executable, "tests/no_such_test.py"], (0, 1)),
                             ([sys.executable, "tests/meta/nightly_parts.py", "silent"], (0, 1)), ([sys.executable, "tests/meta/nightly_parts.py", "nothing"], (0, 1)),
-                            ([sys.executable, "tests/meta/nightly_parts.py", "crash"], (3, 1)), ([sys.executable, "tests/meta/nightly_parts.py", "sound"], (3, 0))):
+                            ([sys.executable, "tests/meta/nightly_parts.py", "crash"], (3, 1)), ([sys.executable, "tests/meta/nightly_parts.py", "sound"], (3, 0)),
+                            ([sys.executable, "tests/meta/nightly_parts.py", "systems"], (3, 2))):
         with contextlib.redirect_stdout(io.StringIO()):
             found = nightly.run_part(command, {})
         if found != wanted:

@@ -219,7 +219,7 @@ TEST_CASE("next moves: an answer that needs more time than there is, and one of 
   const verify::NextMoves late = verify::find_next_moves(*c.system, verify::within_seconds(0));
   CHECK(late.question == verify::ConflictQuestion::OutOfTime);
   CHECK(late.moves.empty());
-  system::System many = *c.system;
+  auto many = *c.system;
   many.atoms = {};
   for (std::size_t k = 0; k <= verify::kMostAtomsOfNextMoves; ++k)
     many.atoms.push_back(c.system->atoms[AtomId(std::size_t{0})]);
