@@ -528,6 +528,7 @@ class Server {
     if (client.reads || client.writes) return;
     BIP_ASSERT(!watched_.contains(number), "client {} leaves its subscription behind", number);
     clients_.erase(number);
+    controller_.requests().leave(number);
     if (ends_) try_stop();
   }
 

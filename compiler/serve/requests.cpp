@@ -14,8 +14,8 @@ namespace bip::serve {
 
 namespace {
 
-// Codels of the model are no client of the server.
-constexpr std::uint64_t kCaller = ~std::uint64_t{0};
+// Codels of the model are no client of the server. Clients that have left are one client.
+constexpr std::uint64_t kCaller = ~std::uint64_t{0}, kGone = kCaller - 1;
 
 constexpr std::string_view kReply = ".controller.reply", kTrig = ".controller.trig";
 
@@ -65,6 +65,18 @@ std::string report_of(const Step& step) {
 template <class Queue>
 auto find_number(Queue& queue, std::uint64_t number) {
   return std::find_if(queue.begin(), queue.end(), [&](const auto& r) { return r.number == number; });
+}
+
+template <class Queue>
+std::size_t count_of_client(const Queue& queue, std::uint64_t client) {
+  return static_cast<std::size_t>(
+      std::count_if(queue.begin(), queue.end(), [&](const auto& r) { return r.client == client; }));
+}
+
+// What stops or interrupts with the same words does the same.
+template <class Request>
+bool is_alike(const Request& a, const Request& b) {
+  return a.client == b.client && a.text == b.text && a.input == b.input;
 }
 
 }  // namespace
@@ -143,20 +155,84 @@ std::string Requests::ask(const std::string& text, const std::string& input, std
       if (!problem.empty()) return "input of `" + std::string(service->name) + "`: " + problem;
     }
     const std::lock_guard<std::mutex> hold(lock_);
-    if (box.waiting.size() + box.overtaking.size() >= kMostWaiting)
-      return "full: too many requests wait for `" + std::string(module_of(service->name)) + "`";
+    Request request{next_, client, std::string(service->name), written_request(wanted), input, false};
+    if (std::string problem = full(box, *service, request); !problem.empty()) return problem;
     number = next_++;
-    enter(box, *service, {number, client, std::string(service->name), text, input, false});
+    enter(box, *service, std::move(request));
     return {};
   }
   return unknown(wanted.service);
 }
 
+// Each client may have as many requests wait as there is room left: one gets half of the room, two together two thirds
+// (dynamic thresholds: Choudhury and Hahne, 1998, with factor 1); and a few if there is none. What overtakes waits in a
+// queue of its own and is not kept out by others: only by what its own client has asked for already.
+std::string Requests::full(const Mailbox& box, const ServiceText& service, const Request& request) {
+  const std::string module = "`" + std::string(module_of(service.name)) + "`";
+  if (!service.overtakes) {
+    const std::size_t own = count_of_client(box.waiting, request.client), all = box.waiting.size();
+    BIP_ASSERT(own <= all, "{} of {} requests wait", own, all);
+    if (own < kLeastShare || own + all < kMostWaiting) return {};
+    return "full: " + std::to_string(own) + " requests of this client wait for " + module + ", " + std::to_string(all) +
+           " in all";
+  }
+  const auto alike = std::count_if(box.overtaking.begin(), box.overtaking.end(),
+                                   [&](const Request& r) { return is_alike(r, request); });
+  if (static_cast<std::size_t>(alike) >= kMostAlike)
+    return "full: " + std::to_string(alike) + " requests `" + request.text + "` of this client wait for " + module;
+  if (count_of_client(box.overtaking, request.client) < kMostWaiting) return {};
+  return "full: " + std::to_string(kMostWaiting) + " requests of this client that overtake wait for " + module;
+}
+
 void Requests::enter(Mailbox& box, const ServiceText& service, Request request) {
   BIP_ASSERT(request.number != 0 && request.number < next_ && box.find(request.service) == &service,
              "request {} for `{}`", request.number, request.service);
-  (service.overtakes ? box.overtaking : box.waiting).push_back(std::move(request));
+  if (service.overtakes) {
+    // Clients take turns: the first one of each goes before the second one of any.
+    const std::size_t own = count_of_client(box.overtaking, request.client);
+    std::map<std::uint64_t, std::size_t> seen;
+    const auto place = std::find_if(box.overtaking.begin(), box.overtaking.end(), [&](const Request& r) {
+      return r.client != request.client && seen[r.client]++ > own;
+    });
+    box.overtaking.insert(place, std::move(request));
+  } else {
+    box.waiting.push_back(std::move(request));
+  }
   hand_over(box);
+}
+
+void Requests::leave(std::uint64_t client) {
+  std::vector<RequestReply> lost;
+  {
+    const std::lock_guard<std::mutex> hold(lock_);
+    const auto drop = [&](std::deque<Request>& queue, std::deque<Request>::iterator at) {
+      lost.push_back({at->number, at->client, at->service, true, "LOST"});
+      return queue.erase(at);
+    };
+    for (Mailbox& box : mailboxes_) {
+      std::size_t gone = count_of_client(box.waiting, kGone);
+      for (auto at = box.waiting.begin(); at != box.waiting.end();) {
+        if (at->client != client) {
+          ++at;
+        } else if (gone++ < kMostOfGone) {
+          at++->client = kGone;
+        } else {
+          at = drop(box.waiting, at);
+        }
+      }
+      // A stop is done although its client has left, but once.
+      for (auto at = box.overtaking.begin(); at != box.overtaking.end();) {
+        if (at->client == client) at->client = kGone;
+        const bool is_there = at->client == kGone && std::any_of(box.overtaking.begin(), at,
+                                                                 [&](const Request& r) { return is_alike(r, *at); });
+        at = is_there ? drop(box.overtaking, at) : at + 1;
+      }
+      while (count_of_client(box.overtaking, kGone) > kMostWaiting)
+        drop(box.overtaking, std::find_if(box.overtaking.begin(), box.overtaking.end(),
+                                          [](const Request& r) { return r.client == kGone; }));
+    }
+  }
+  for (const RequestReply& r : lost) send(r);
 }
 
 // One of each kind at a time, and none behind one that overtakes it: what waits here can be taken back.
@@ -205,7 +281,10 @@ std::string Requests::cancel(std::uint64_t number, std::uint64_t client) {
         if (service == nullptr) return "`" + request.service + "` cannot be aborted";
         // "ROOT.NDD.GoTo": the activity of this name.
         const std::string activity = path.substr(path.rfind('.') + 1);
-        enter(box, *service, {next_++, client, abort, abort + "(" + activity + ")", "", false});
+        Request stop{next_, client, abort, abort + "(" + activity + ")", "", false};
+        if (std::string problem = full(box, *service, stop); !problem.empty()) return problem;
+        ++next_;
+        enter(box, *service, std::move(stop));
         return {};
       }
     }
@@ -222,15 +301,16 @@ std::string Requests::abort_activity(const std::string& service, std::uint64_t n
                                 [&](const Mailbox& mailbox) { return mailbox.find(abort) != nullptr; });
   if (box == mailboxes_.end()) return unknown(service);
   const std::lock_guard<std::mutex> hold(lock_);
-  if (box->overtaking.size() >= kMostWaiting)
-    return "full: too many requests wait for `" + std::string(module_of(service)) + "`";
-  count = next_++;
   for (const auto& [path, request] : box->running) {
     if (request.number != number) continue;
     const std::string activity = path.substr(path.rfind('.') + 1);
-    enter(*box, *box->find(abort), {count, client, abort, abort + "(" + activity + ")", "", false, service});
+    Request stop{next_, client, abort, abort + "(" + activity + ")", "", false, service};
+    if (std::string problem = full(*box, *box->find(abort), stop); !problem.empty()) return problem;
+    count = next_++;
+    enter(*box, *box->find(abort), std::move(stop));
     return {};
   }
+  count = next_++;
   at_once = {count, client, service, true, "no_such_activity"};
   return {};
 }

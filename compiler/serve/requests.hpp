@@ -34,7 +34,11 @@ struct RequestReply {
 
 class Requests {
  public:
-  static constexpr std::size_t kMostWaiting = 1000;  // for a module
+  /// For a module, but for the share that each client has. Of those that overtake, for a module and a client.
+  static constexpr std::size_t kMostWaiting = 1000;
+  static constexpr std::size_t kLeastShare = 10;
+  static constexpr std::size_t kMostAlike = 20;    // that overtake: of one text and input, of one client
+  static constexpr std::size_t kMostOfGone = 100;  // for a module, whose clients have left
 
   /// Looks for mailboxes. Linear in the atoms.
   Requests(const rt::Image& image, Execution& system);
@@ -55,6 +59,9 @@ class Requests {
   /// "NDD.GoTo(3)" with what its codels get. Returns an empty text, and its number; or why it is refused.
   [[nodiscard]] std::string ask(const std::string& text, const std::string& input, std::uint64_t client,
                                 std::uint64_t& number);
+  /// The client asks for no more, and hears of nothing. What of it waits goes on, as far as there is room for clients
+  /// that have left; the others are lost.
+  void leave(std::uint64_t client);
   /// Takes a request back, or tells its activity to stop. Its final reply tells what came of it. Returns an empty text,
   /// or why not.
   [[nodiscard]] std::string cancel(std::uint64_t number, std::uint64_t client);
@@ -111,6 +118,7 @@ class Requests {
   };
 
   [[nodiscard]] std::string unknown(std::string_view service) const;
+  [[nodiscard]] static std::string full(const Mailbox& box, const ServiceText& service, const Request& request);
   void enter(Mailbox& box, const ServiceText& service, Request request);
   void hand_over(Mailbox& box);
   void hear(Mailbox& box, MailboxSignal what, const Step& step, std::uint32_t port);

@@ -5,6 +5,7 @@ stops first, numbers in replies, taken back by number.
 Two modules with C++ codels, `north` and `south`. Every sentence of the test is a promise to who drives a robot: his stop does not wait
 for what others mistyped or asked for, and nothing older begins after it.
 """
+import contextlib
 import os
 import pathlib
 import subprocess
@@ -103,6 +104,12 @@ class Level:
         """Requests wait meanwhile: else each is read as soon as it comes."""
         return StandStill(self.client)
 
+    def waits_for(self, holds, seconds=10):
+        end = time.monotonic() + seconds
+        while not (it_does := holds()) and time.monotonic() < end:
+            time.sleep(0.02)
+        return it_does
+
     def accepted(self, number):
         self.listen(lambda: number in self.replies)
         return (self.replies.get(number) or [(None, None)])[0]
@@ -133,6 +140,7 @@ def main():
             values(level)
             stops_first(level)
             taken_back(level)
+            floods(level)
             set_back(level)
             exceptions(level)
             over_budget(level)
@@ -141,6 +149,7 @@ def main():
         level.output.seek(0)
         told = level.output.read()
         check("codels get inputs of what is accepted", "north.Go(99.5) gets 3 1" in told, told)
+        check("and the request as the rule judged it", "north.Go(98.5) gets 3 2" in told and "( 98.5" not in told and "south.Mark gets bare" in told, told)
         check("and of nothing else", "gets too fast" not in told and "gets never" not in told, told)
     return finish("requests")
 
@@ -178,6 +187,9 @@ def values(level):
     check("and runs", {"request": go, "service": "north.Go", "running": True} in level.client.ask("requests")["requests"])
     check("a stop ends", level.final(level.ask("north.Stop")) == "OK")
     check("and the activity", level.final(go) == "ACTIVITY_INTERRUPTED", level.replies)
+    go = level.ask(" north.Go\t( 98.5 )", "3 2")
+    check("blanks do not matter", level.accepted(go) == ("intermediate", "OK") and level.final(level.ask("south.Mark( )", "bare")) == "OK", level.replies)
+    check("also of a stop", level.final(level.ask(" north.Stop ()")) == "OK" and level.final(go) == "ACTIVITY_INTERRUPTED", level.replies)
 
 
 def stops_first(level):
@@ -234,6 +246,55 @@ def taken_back(level):
         told = [other.note(timeout=10) for _ in range(2)]
         check("it is told", [(n["note"], n["service"], n["report"]) for n in told if n["request"] == turn] == [("request", "south.Turn", "ACTIVITY_INTERRUPTED")], told)
     check("an activity that is not there", level.final(level.ask("south.Abort(Fly)")) == "UNKNOWN_ACTIVITY", level.replies)
+
+
+def floods(level):
+    """One client asks for more than its share: it is refused, others are not, and no stop is."""
+    turn = level.ask("north.Turn")
+    go = level.ask("north.Go(1)")
+    check("two run", level.accepted(turn) == level.accepted(go) == ("intermediate", "OK"), level.replies)
+    with contextlib.ExitStack() as several, Client(level.path, 20) as crowd:
+        with level.stands_still():
+            taken, said = flood(crowd, "north.Mark")
+            check("a flood is refused to who floods", 500 <= taken <= 502 and said == "full: 500 requests of this client wait for `north`, 500 in all", (taken, said))
+            check("another client has its room", level.refusal(service="north.Mark") is None)
+            many = [several.enter_context(Client(level.path, 20)) for _ in range(12)]
+            shares = [flood(client, "north.Mark")[0] for client in many]
+            check("nor are others while many flood", min(shares) == 10 and sum(shares) < 1000 - taken + 10 * len(shares), shares)
+            twenty, said = flood(crowd, "north.Stop")
+            check("the same stop twenty times is enough", 20 <= twenty <= 22 and "full: 20 requests `north.Stop` of this client wait" in (said or ""), (twenty, said))
+            check("another stop of this client is accepted", crowd.ask("request", service="north.Abort(Turn)")["ok"])
+            stop = level.ask("north.Stop")
+            abort = level.refusal(service="north.Abort(Nothing)")
+            taken_back = level.refusal("cancel", request=turn)
+            check("so is each of others: stop, Abort, cancel", stop and abort is None and taken_back is None, (abort, taken_back))
+        check("the stop comes through", level.final(stop) == "OK" and level.final(go) == "ACTIVITY_INTERRUPTED", level.replies.get(go))
+        # A reply to the first client tells of its own requests: how many of the flood came before is seen in what is open.
+        check("before the flood", (rest := len(level.client.ask("requests")["requests"])) > 100, rest)
+        check("the other activity ends", level.final(turn) in ("ACTIVITY_INTERRUPTED", "ZOMBIE_REMOVED", "ABORTED"), level.replies.get(turn))
+    empties(level)
+    with level.stands_still():
+        # Each time as a new client: who has left keeps little.
+        for _ in range(12):
+            with Client(level.path, 20) as crowd:
+                flood(crowd, "north.Mark")
+                flood(crowd, "north.Stop")
+            check("most of what has left is gone", level.waits_for(lambda: len(level.client.ask("requests")["requests"]) <= 104, 2), len(level.client.ask("requests")["requests"]))
+        check("and there is room", level.refusal(service="north.Mark") is None and level.refusal(service="north.Stop") is None)
+    empties(level)
+
+
+def flood(client, service):
+    """How many are taken, and why no more."""
+    for taken in range(3000):
+        answer = client.ask("request", service=service)
+        if not answer["ok"]:
+            return taken, answer["error"]
+    return 3000, None
+
+
+def empties(level):
+    check("then nothing waits", level.waits_for(lambda: not level.client.ask("requests")["requests"], 30), level.client.ask("requests")["requests"][:3])
 
 
 def set_back(level):

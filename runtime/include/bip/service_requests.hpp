@@ -42,6 +42,14 @@ inline RequestText read_request(std::string_view text) {
   }
 }
 
+/// The one form that codels, rules and replies see: "NDD.GoTo(3, 0.5)", "NDD.Stop".
+inline std::string written_request(const RequestText& request) {
+  std::string text(request.service);
+  for (std::size_t k = 0; k < request.values.size(); ++k)
+    text.append(k == 0 ? "(" : ", ").append(request.values[k]).append(k + 1 == request.values.size() ? ")" : "");
+  return text;
+}
+
 /// A finite number, whole or a fraction. False: it is none.
 inline bool read_request_number(std::string_view text, double& number) {
   if (!text.empty() && text.front() == '+') text.remove_prefix(1);
