@@ -354,7 +354,8 @@ std::string Bridge::request_of(const Action& action, const Json& goal, Json& inp
   input = goal;
   for (const std::string& name : action.values) {
     const Json& value = goal[name];
-    input.erase(name);
+    if (std::find(action.shared_values.begin(), action.shared_values.end(), name) == action.shared_values.end())
+      input.erase(name);
     if (!value.is_string() && !value.is_number()) wrong = fmt::format("`{}` is no number", name);
     else if (value.is_string() && !is_word(value.get<std::string>())) wrong = fmt::format("`{}` is no word", name);
     else

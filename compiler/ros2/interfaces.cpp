@@ -104,9 +104,14 @@ class Maker {
     for (const genom::ParameterRow& p : constraints_.parameters) {
       if (p.service != genom::ServiceRef{index, s}) continue;
       if (p.name == kInput) return left_out(row.name, "service", "`input` is the goal's own member");
+      action.values.push_back(p.name);
+      // One member, of the codels' type: what the rule judges is what they get.
+      if (is_input(m, row, p.name)) {
+        action.shared_values.push_back(p.name);
+        continue;
+      }
       const bool is_text = p.type == genom::ValueType::Text;
       goal_names.add({.name = "", .kind = is_text ? Kind::String : Kind::Float64}, p.name);
-      action.values.push_back(p.name);
     }
     std::string wrong;
     if (m.component) {
@@ -138,6 +143,18 @@ class Maker {
     feedback_names.add({.name = "", .kind = Kind::String}, kDetail);
     out_.messages.add_action(action.type, std::move(goal), std::move(result), std::move(feedback));
     out_.actions.push_back(std::move(action));
+  }
+
+  // Is it a parameter that codels of genom3 get with a request?
+  static bool is_input(const Module& m, const genom::Service& row, const std::string& name) {
+    if (!m.component) return false;
+    for (const idl::Service& service : m.component->services) {
+      if (service.name != row.name.text) continue;
+      for (const idl::Parameter& p : service.parameters) {
+        if (p.name == name && p.direction != idl::Direction::Out) return true;
+      }
+    }
+    return false;
   }
 
   // A default of a .action file: of numbers, truth values and texts.

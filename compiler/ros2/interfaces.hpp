@@ -20,6 +20,8 @@ struct Action {
   std::string type;     // "dala_msgs/action/NDDGoTo"
   /// Members of the goal that are written in parentheses behind the service: rules speak of them.
   std::vector<std::string> values;
+  /// Of these, parameters that codels of genom3 get: they are in the input as well.
+  std::vector<std::string> shared_values = {};
   bool takes_text = false;  // the input is the member `input`, a text; else all other members are the input, an object
 };
 /// A poster, or a port out, as a topic.

@@ -8,6 +8,7 @@
 
 #include "bip/assert.hpp"
 #include "bip/image_time.hpp"
+#include "compiler/serve/request_values.hpp"
 #include "runtime/core/text.hpp"
 
 namespace bip::serve {
@@ -142,26 +143,30 @@ std::string Requests::unknown(std::string_view service) const {
   return text + ": there are the modules " + modules;
 }
 
-std::string Requests::ask(const std::string& text, const std::string& input, std::uint64_t client,
+std::string Requests::ask(const std::string& asked, const std::string& asked_input, std::uint64_t client,
                           std::uint64_t& number) {
   if (mailboxes_.empty()) return "the model has no services: it was not made by `bipc genom --served`";
-  const RequestText wanted = read_request(text);
+  const std::string asked_service(read_request(asked).service);
   for (Mailbox& box : mailboxes_) {
-    const ServiceText* const service = box.find(wanted.service);
+    const ServiceText* const service = box.find(asked_service);
     if (service == nullptr) continue;
+    std::string text = asked, input = asked_input;
+    if (!read_request(text).is_sound) return service->problem_of(read_request(text));
+    if (std::string problem = settle_values(*service, input_problem, text, input); !problem.empty()) return problem;
+    const RequestText wanted = read_request(text);
     if (std::string problem = service->problem_of(wanted); !problem.empty()) return problem;
     if (input_problem != nullptr) {
       const std::string problem = input_problem(std::string(service->name).c_str(), input.c_str());
       if (!problem.empty()) return "input of `" + std::string(service->name) + "`: " + problem;
     }
     const std::lock_guard<std::mutex> hold(lock_);
-    Request request{next_, client, std::string(service->name), written_request(wanted), input, false};
+    Request request{next_, client, std::string(service->name), written_request(wanted), std::move(input), false};
     if (std::string problem = full(box, *service, request); !problem.empty()) return problem;
     number = next_++;
     enter(box, *service, std::move(request));
     return {};
   }
-  return unknown(wanted.service);
+  return unknown(asked_service);
 }
 
 // Each client may have as many requests wait as there is room left: one gets half of the room, two together two thirds

@@ -56,8 +56,9 @@ class Requests {
   const char* (*codel_times)() = nullptr;
 
   // ---- any thread
-  /// "NDD.GoTo(3)" with what its codels get. Returns an empty text, and its number; or why it is refused.
-  [[nodiscard]] std::string ask(const std::string& text, const std::string& input, std::uint64_t client,
+  /// "NDD.GoTo(3)" with what its codels get. Its values are settled (request_values.hpp), so that rules judge what
+  /// codels get. Returns an empty text, and its number; or why it is refused.
+  [[nodiscard]] std::string ask(const std::string& asked, const std::string& asked_input, std::uint64_t client,
                                 std::uint64_t& number);
   /// The client asks for no more, and hears of nothing. What of it waits goes on, as far as there is room for clients
   /// that have left; the others are lost.

@@ -138,6 +138,7 @@ def main():
         with level.client:
             refusals(level)
             values(level)
+            one_value(level)
             stops_first(level)
             taken_back(level)
             floods(level)
@@ -146,11 +147,12 @@ def main():
             over_budget(level)
             level.client.ask("shutdown")
         check("it ends with 0", level.server.wait(20) == 0)
+        codels_of_genom3(work)
         level.output.seek(0)
         told = level.output.read()
-        check("codels get inputs of what is accepted", "north.Go(99.5) gets 3 1" in told, told)
-        check("and the request as the rule judged it", "north.Go(98.5) gets 3 2" in told and "( 98.5" not in told and "south.Mark gets bare" in told, told)
-        check("and of nothing else", "gets too fast" not in told and "gets never" not in told, told)
+        check("codels get inputs of what is accepted", "north.Go(99.5) gets {\"id\":3}\n" in told, told)
+        check("and the request as the rule judged it", "north.Go(98.5) gets {\"speed\":98.5}\n" in told and "north.Go(97) gets {\"speed\":97}\n" in told and "( 98.5" not in told and "south.Mark gets bare" in told, told)
+        check("and of nothing else", "too fast" not in told and "never" not in told, told)
     return finish("requests")
 
 
@@ -181,15 +183,69 @@ def over_budget(level):
 def values(level):
     """Parameters are data: the rule's condition judges any value."""
     for value in ("300", "100.5", "1e3"):
-        check(f"TOO-FAST speaks for {value}", level.final(level.ask(f"north.Go({value})", "too fast")) == "TOO-FAST")
-    go = level.ask("north.Go(99.5)", "3 1")
+        check(f"TOO-FAST speaks for {value}", level.final(level.ask(f"north.Go({value})", {"id": "too fast"})) == "TOO-FAST")
+    go = level.ask("north.Go(99.5)", {"id": 3})
     check("99.5 is accepted", level.accepted(go) == ("intermediate", "OK"), level.replies)
     check("and runs", {"request": go, "service": "north.Go", "running": True} in level.client.ask("requests")["requests"])
     check("a stop ends", level.final(level.ask("north.Stop")) == "OK")
     check("and the activity", level.final(go) == "ACTIVITY_INTERRUPTED", level.replies)
-    go = level.ask(" north.Go\t( 98.5 )", "3 2")
+    go = level.ask(" north.Go\t( 98.5 )", {"speed": 98.5})
     check("blanks do not matter", level.accepted(go) == ("intermediate", "OK") and level.final(level.ask("south.Mark( )", "bare")) == "OK", level.replies)
     check("also of a stop", level.final(level.ask(" north.Stop ()")) == "OK" and level.final(go) == "ACTIVITY_INTERRUPTED", level.replies)
+
+
+def one_value(level):
+    """What the rule judges is what the codel gets: a second value for a parameter is refused, both are named."""
+    for service, input, part in (("north.Go(20)", {"speed": 4000}, "`speed` is `20` in parentheses and `4000` in the input"), ("north.Go(4000)", '{"speed": 20}', "`4000` in parentheses and `20`"),
+                                 ("north.Go(20)", '{"speed": 20, "speed": 4000}', "`4000` in the input"), ("north.Go(20)", "4000", "beside values in parentheses"), ("north.Go(20)", "[4000]", "beside values"),
+                                 ("north.Go(20)", {"speed": "4000"}, '`speed` is a number, not `"4000"`'), ("north.Go", {"pace": 20}, "`north.Go(speed)`"), ("north.Go", "20", "`north.Go(speed)`"),
+                                 ("north.Go(20)", '{"a":' + "[" * 20000 + "]" * 20000 + "}", "beside values")):
+        said = level.refusal(service=service, input=input)
+        check(f"`{service}` with {str(input)[:30]} is refused", said and part in said, said)
+    check("the value of the input alone is judged", level.final(level.ask("north.Go", {"speed": 300})) == "TOO-FAST")
+    go = level.ask("north.Go", {"speed": 97})
+    check("and accepted", level.accepted(go) == ("intermediate", "OK"), level.replies.get(go))
+    check("a stop ends it", level.final(level.ask("north.Stop")) == "OK" and level.final(go) == "ACTIVITY_INTERRUPTED", level.replies)
+
+
+def codels_of_genom3(folder):
+    """The same for codels that have their parameters by name."""
+    work = pathlib.Path(folder, "arm")
+    work.mkdir()
+    (work / "arm.gen").write_text("""component arm {
+  task main { period 10 ms; };
+  activity go(in double speed, in long count = 3) { task main; codel<start> goStart(in speed, in count) yield ether; };
+  activity turn(in double speed = 7.) { task main; codel<start> turnStart(in speed) yield ether; };
+};
+""", encoding="utf-8")
+    (work / "arm.rules").write_text("""rules arm;
+modules "arm.gen";
+parameter speed of arm.go: 10, 20;
+parameter count of arm.turn: 1, 2;
+slow: arm.go requires request.speed <= 100 report "TOO-FAST";
+few: arm.turn requires request.count <= 5 report "TOO-MANY";
+""", encoding="utf-8")
+    (work / "codels.c").write_text("""#include "acarm.h"
+#include <stdio.h>
+genom_event goStart(double speed, int32_t count, genom_context self) { (void)self; printf("go gets %g and %d\\n", speed, (int)count); fflush(stdout); return arm_ether; }
+genom_event turnStart(double speed, genom_context self) { (void)self; printf("turn gets %g\\n", speed); fflush(stdout); return arm_ether; }
+""", encoding="utf-8")
+    made = subprocess.run([BIPC, "rules", "--served", "--codels", "codels.c", "arm.rules", "-o", "level.bip"], cwd=work, capture_output=True, text=True)
+    check("they are translated", made.returncode == 0, made.stderr)
+    level = Level(work)
+    with level.client:
+        for service, input, part in (("arm.go(20)", {"speed": 4000}, "`speed` is `20` in parentheses and `4000` in the input"), ("arm.go(4000)", {"speed": 20}, "`4000` in parentheses and `20`"),
+                                     ("arm.go", {}, "`arm.go(speed)`"), ("arm.go", {"speed": "fast"}, "`speed` is a number"), ("arm.go(20)", "4000", "an input is an object"), ("arm.go(20)", {"pace": 1}, "there is no parameter `pace`")):
+            said = level.refusal(service=service, input=input)
+            check(f"`{service}` with {input} is refused", said and part in said, said)
+        for service, input, report in (("arm.go(20)", {}, "OK"), ("arm.go(21)", "", "OK"), ("arm.go", {"speed": 22, "count": 4}, "OK"), ("arm.go(2.35e1)", {"speed": 23.5}, "OK"), ("arm.go", {"speed": 400}, "TOO-FAST"),
+                                       ("arm.go(401)", {"count": 5}, "TOO-FAST"), ("arm.turn(2)", {"speed": 8}, "OK"), ("arm.turn(9)", "", "TOO-MANY")):
+            check(f"`{service}` with {input}: {report}", (got := level.final(level.ask(service, input))) == report, got)
+        level.client.ask("shutdown")
+    check("it ends with 0", level.server.wait(20) == 0)
+    level.output.seek(0)
+    told = [line for line in level.output.read().splitlines() if " gets " in line]
+    check("codels get what rules have judged", told == ["go gets 20 and 3", "go gets 21 and 3", "go gets 22 and 4", "go gets 23.5 and 3", "turn gets 8"], told)
 
 
 def stops_first(level):
@@ -197,7 +253,7 @@ def stops_first(level):
     busy = level.ask("north.Go(1)")
     level.accepted(busy)
     with level.stands_still():
-        older = [level.ask(*request) for request in [("north.Go(1)", "never"), ("north.Mark", "")] * 20]
+        older = [level.ask(*request) for request in [("north.Go(1)", {"id": "never"}), ("north.Mark", "")] * 20]
         stop, other = level.ask("north.Stop"), level.ask("south.Mark")
         newer = level.ask("north.Go(2)")
     check("the stop comes through", level.final(stop) == "OK" and level.final(busy) == "ACTIVITY_INTERRUPTED", level.replies)

@@ -359,7 +359,7 @@ inline void check_names(const Json& input, std::initializer_list<const char*> kn
   for (const auto& [name, value] : input.members) {
     bool is_known = false;
     for (const char* const k : known) is_known = is_known || name == k;
-    if (!is_known) throw std::runtime_error("there is no parameter `" + name + "`");
+    if (!is_known) throw std::runtime_error(no_parameter(name));
   }
 }
 /// A request that cannot be read any more keeps the initial values: `bipc serve` has refused it before.

@@ -50,6 +50,9 @@ inline std::string written_request(const RequestText& request) {
   return text;
 }
 
+/// What is wrong with an input that has a member `name`, if codels have no parameter of this name.
+inline std::string no_parameter(std::string_view name) { return "there is no parameter `" + std::string(name) + "`"; }
+
 /// A finite number, whole or a fraction. False: it is none.
 inline bool read_request_number(std::string_view text, double& number) {
   if (!text.empty() && text.front() == '+') text.remove_prefix(1);
