@@ -155,7 +155,8 @@ class Structure {
     const std::string sides = is_plain ? "" : pattern_text(row.low) + " < " + pattern_text(row.high);
     std::string guard = text_of(system_.code, row.guard, names_of(system_, row));
     if (!guard.empty()) guard = "[" + guard + "]";
-    put("  {} -> {} [style=dashed, arrowhead=empty, constraint=false, label={}];\n", low, high,
+    // Not `label`: with it Graphviz 2.42 fails ("trouble in init_rank") where such edges cross clusters.
+    put("  {} -> {} [style=dashed, arrowhead=empty, constraint=false, xlabel={}];\n", low, high,
         dot_string(lines_of({row.name, shortened(sides), shortened(guard)})));
   }
 

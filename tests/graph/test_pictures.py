@@ -5,11 +5,13 @@
 
 In each picture no two labels overlap, each label and each box is inside of the box around it, boxes beside each other do
 not overlap, and no line of a connector crosses a box. Two runs give the same bytes. Widths of text are estimated here,
-independently of bipc. Needs python3 and a built bipc ($BIPC or build/bipc).
+independently of bipc. `dot` of Graphviz draws what `--format dot` prints of the rover's modules; skipped, and said so, where it is not
+installed. Needs python3 and a built bipc ($BIPC or build/bipc).
 """
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -130,6 +132,25 @@ def generated(folder):
         yield target, ["--depth", "1", "--show", "structure"] if name == "dala" else []
 
 
+def drawn_by_graphviz(folder):
+    """Of each module of the rover: what `dot` says that it should not; and how many it has drawn."""
+    dala = ROOT / "models/dala"
+    problems, drawn = [], 0
+    for modules in ([gen] for gen in sorted(dala.glob("*.gen"))):
+        target = pathlib.Path(folder) / f"{modules[0].stem}.bip"
+        subprocess.run([BIPC, "genom", *map(str, modules), "-o", str(target)], check=True, capture_output=True)
+        printed = subprocess.run([BIPC, "graph", str(target), "--format", "dot"], check=True, capture_output=True).stdout
+        done = subprocess.run(["dot", "-Tsvg"], input=printed, capture_output=True, timeout=120)
+        drawn += 1
+        if done.returncode != 0 or b"Error" in done.stderr:
+            problems.append(f"{target.name}: dot ends with {done.returncode}: {done.stderr.decode('utf-8', 'replace')[:300]}")
+        names = {e.text for e in xml.fromstring(done.stdout).iter("{http://www.w3.org/2000/svg}text")} if done.returncode == 0 else set()
+        priorities = {name.split("\\n")[0] for name in re.findall(r'style=dashed, arrowhead=empty, [^\]]*label="([^"]*)"', printed.decode("utf-8"))} - {""}
+        if done.returncode == 0 and not priorities <= names:
+            problems.append(f"{target.name}: dot draws no name of {sorted(priorities - names)[:3]}")
+    return problems, drawn
+
+
 ODD = '''package odd
   port type Signal()
   connector type Two(Signal a, Signal b) define a' b on a provided ("<b>&\\"x\\"" != "") end
@@ -172,6 +193,14 @@ def main():
             passed, failed = (passed, failed + 1) if problems else (passed + 1, failed)
             for problem in problems[:8]:
                 print(f"{name}: {problem}")
+        if not wanted or "dot" in wanted:
+            if shutil.which("dot"):
+                problems, drawn = drawn_by_graphviz(folder)
+                passed, failed = passed + drawn - len(problems), failed + len(problems)
+                for problem in problems:
+                    print(problem)
+            else:
+                print("skipped: `dot` of Graphviz is not installed, so it has drawn nothing (tools/setup --test installs it)")
     print(f"pictures: {passed} passed, {failed} failed")
     return 1 if failed or (not wanted and passed < 30) else 0
 
