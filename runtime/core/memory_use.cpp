@@ -52,7 +52,7 @@ MemoryUse memory_use(const CoreParts& core) {
   for (const Choice& choice : image.choices) use.connectors += bytes(choice.ports);
   use.connectors += t.interactions.bytes() + all_of(t.interaction_of_connector, t.flat_ports, t.inner_start, t.node_out,
                                                     t.port_out.items, t.port_watch, t.plans, t.plan_nodes, t.plan_uses,
-                                                    t.plan_params);
+                                                    t.plan_params, t.plan_ports);
   use.connectors += core.enabled.bytes() + bytes(core.memory.binds.own) + core.ports.network_bytes() +
                     core.programs.bytes() + core.steps.bytes() + core.search.bytes();
   // Rules hide and show interactions: theirs is what they keep.

@@ -28,7 +28,11 @@ bool Firing::fire_parts(const Candidate& candidate) {
   switch (info.kind) {
     case InteractionKind::Flat: done = fire_flat(info); break;
     case InteractionKind::Star: done = fire_star(info); break;
-    case InteractionKind::Planned: done = fire_planned(candidate, info); break;
+    case InteractionKind::Planned: {
+      const Span<u32> ports = core_.tables.fixed_ports(info);
+      done = ports.size != 0 ? fire_ports(ports) : fire_planned(candidate, info);
+      break;
+    }
     case InteractionKind::Port: done = core_.atom_steps.fire_port(info.row); break;
   }
   return done && (!core_.partial.is_on() ? core_.settle() : core_.partial.settle());
@@ -63,11 +67,14 @@ bool Firing::run_transfer(const InteractionInfo& info, u32 row) {
 
 bool Firing::fire_flat(const InteractionInfo& info) {
   if (info.clause() != kNone && !run_transfer(info, info.clause())) return false;
-  const u32* ports = core_.tables.flat_ports.data() + info.first;
   BIP_ASSERT(info.first + info.count <= core_.tables.flat_ports.size(), "ports {} to {}", info.first,
              info.first + info.count);
-  for (u32 i = 0; i < info.count; ++i) {
-    if (!core_.atom_steps.fire_port(ports[i])) return false;
+  return fire_ports(core_.tables.fixed_ports(info));
+}
+
+inline bool Firing::fire_ports(Span<u32> ports) {
+  for (const u32 instance : ports) {
+    if (!core_.atom_steps.fire_port(instance)) return false;
   }
   return true;
 }

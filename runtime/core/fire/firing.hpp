@@ -41,6 +41,7 @@ class Firing {
   void zero_frame(u32 connector);
 
  private:
+  bool fire_ports(Span<u32> ports);
   bool fire_star(const InteractionInfo& info);
   bool fire_planned(const Candidate& candidate, const InteractionInfo& info);
   bool run_transfer(const InteractionInfo& info, u32 clause);

@@ -80,6 +80,27 @@ std::vector<u32> groups_below(const Tables& tables, u32 top) {
   return groups;
 }
 
+// As Firing::fire_planned comes to them.
+void list_ports(Tables& tables, Plan& plan) {
+  BIP_ASSERT(plan.rigid && !plan.has_choice, "the ports of a plan that has choices");
+  plan.first_port = static_cast<u32>(tables.plan_ports.size());
+  std::vector<std::pair<u32, u32>> stack{{0, 0}};  // a use and its next parameter
+  while (!stack.empty()) {
+    const PlanUse& use = tables.plan_uses[plan.first_use + stack.back().first];
+    const u32 param = stack.back().second++;
+    if (param == tables.connector_type(use.connector).params.size) {
+      stack.pop_back();
+      continue;
+    }
+    const u32 row = tables.plan_params[use.first_param + param];
+    if (row == kNone) continue;
+    const PlanNode& node = tables.plan_nodes[plan.first_node + row];
+    if (node.kind == NodeKind::Link) stack.emplace_back(node.use, 0);
+    else tables.plan_ports.push_back(node.ref);
+  }
+  plan.port_count = static_cast<u32>(tables.plan_ports.size()) - plan.first_port;
+}
+
 // The plan of an interaction that is Planned: the connector with what lies below.
 void add_plan(Tables& tables, InteractionInfo& info) {
   // What is still to be added, last first: a define node of a use, below a node of the plan.
@@ -205,11 +226,12 @@ void add_plan(Tables& tables, InteractionInfo& info) {
     for (const Clause& clause : tables.connector_type(tables.plan_uses[plan.first_use + i].connector).clauses)
       plan.has_ranges &= clause.has_ranges;
   }
-  plan.needs_ups = tables.image->ffi != nullptr || plan.has_choice || !plan.witnesses.empty();
+  plan.needs_ups = plan.has_choice || !plan.witnesses.empty();
   for (u32 i = 0; i < plan.use_count && !plan.needs_ups; ++i) {
     for (const Clause& clause : tables.connector_type(tables.plan_uses[plan.first_use + i].connector).clauses)
-      plan.needs_ups |= clause.down != kNone;
+      plan.needs_ups |= clause.down != kNone || (tables.image->ffi != nullptr && clause.up != kNone);
   }
+  if (plan.rigid && !plan.needs_ups) list_ports(tables, plan);
   // Alternatives of one parameter are several candidates: they are listed.
   info.searched |= plan.guarded || plan.has_choice || !plan.witnesses.empty();
   info.ref = static_cast<u32>(tables.plans.size());

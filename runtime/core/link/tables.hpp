@@ -103,8 +103,10 @@ struct Plan {
   u32 first_node = 0, node_count = 0;
   u32 first_use = 0, use_count = 0;
   u32 leaves = 0, words = 0;  // 64-bit words of a configuration
-  bool guarded = false;       // a clause in its tree has a guard, or an `up` that may fault
-  bool rigid = true;          // no triggers and no choices: one configuration, all ports
+  // Rows of plan_ports: of a rigid plan without code to fire, its ports in the order of firing.
+  u32 first_port = 0, port_count = 0;
+  bool guarded = false;  // a clause in its tree has a guard, or an `up` that may fault
+  bool rigid = true;     // no triggers and no choices: one configuration, all ports
   bool has_choice = false;
   bool is_tree = true;                 // no connector has two uses
   std::vector<PlanWitness> witnesses;  // by depth of the group's compound, deepest last
@@ -167,6 +169,7 @@ struct Tables {
   std::vector<PlanNode> plan_nodes;
   std::vector<PlanUse> plan_uses;
   std::vector<u32> plan_params;
+  std::vector<u32> plan_ports;
   std::vector<std::vector<u32>> clause_order;  // by connector type: its clauses, sorted by their parameters
   InnerRules inner_rules;
 
@@ -185,6 +188,13 @@ struct Tables {
   }
   [[nodiscard]] PortRef port_ref(u32 connector, u32 param) const {
     return image->port_refs[image->connectors[connector].ports + param];
+  }
+  /// The ports of an interaction in which always the same ones take part, in the order of firing: of a flat one, and of
+  /// a planned one that runs no code. Empty: they have to be found.
+  [[nodiscard]] Span<u32> fixed_ports(const InteractionInfo& info) const {
+    if (info.kind == InteractionKind::Flat) return {flat_ports.data() + info.first, info.count};
+    if (info.kind != InteractionKind::Planned || plans[info.plan()].port_count == 0) return {};
+    return {plan_ports.data() + plans[info.plan()].first_port, plans[info.plan()].port_count};
   }
   [[nodiscard]] u32 first_mark(u32 atom) const { return mark_base.empty() ? 0 : mark_base[atom]; }
   /// kNone if it exports a port.

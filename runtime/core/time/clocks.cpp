@@ -590,10 +590,11 @@ CandidateTime Clocks::time_of(const Candidate& candidate) {
     BIP_ASSERT(port.interval.has(now_), "a candidate's port was possible until {}", port.interval.high);
   };
   const InteractionInfo info = core_.tables.interactions[candidate.interaction];
+  const Span<u32> ports = core_.tables.fixed_ports(info);
   if (info.kind == InteractionKind::Port) {
     meet(info.row);
-  } else if (info.kind == InteractionKind::Flat) {
-    for (u32 i = 0; i < info.count; ++i) meet(core_.tables.flat_ports[info.first + i]);
+  } else if (ports.size != 0) {
+    for (const u32 instance : ports) meet(instance);
   } else {
     core_.firing.participants(candidate, participant_scratch_);
     for (const Participant& participant : participant_scratch_)
@@ -620,15 +621,15 @@ bool Clocks::take(EnabledSet::Position at) {
   const bool is_sync =
       has_sync_ && info.kind != InteractionKind::Port && core_.tables.connector_type(info.row).resume_sync;
   if (info.kind == InteractionKind::Port) return begin_port(info.row) && core_.firing.take(at);
-  if (info.kind == InteractionKind::Flat && !is_sync) {
-    const u32* ports = core_.tables.flat_ports.data() + info.first;
+  const Span<u32> ports = core_.tables.fixed_ports(info);
+  if (ports.size != 0 && !is_sync) {
     bool is_timed = false;
-    for (u32 i = 0; i < info.count; ++i) {
-      if (!begin_port(ports[i])) return false;
-      is_timed = is_timed || core_.ports.port(ports[i]).place == kNone;
+    for (const u32 instance : ports) {
+      if (!begin_port(instance)) return false;
+      is_timed = is_timed || core_.ports.port(instance).place == kNone;
     }
     // Where places do not say all there is no program: not asked for again.
-    if (!is_timed) return core_.firing.take(at);
+    if (!is_timed || info.kind != InteractionKind::Flat) return core_.firing.take(at);
     core_.history.remember(at.interaction);
     return core_.firing.fire_flat(info) && core_.settle();
   }
