@@ -162,10 +162,12 @@ void Controller::run() {
       commands.swap(commands_);
       system_.go_on();
     }
-    watchdog_.begin();
-    for (Command& command : commands) command(*this);
-    commands.clear();
-    watchdog_.end();
+    if (!commands.empty()) {
+      watchdog_.begin();
+      for (Command& command : commands) command(*this);
+      commands.clear();
+      watchdog_.end();
+    }
     if (is_paused_ || has_ended_) continue;
     BIP_ASSERT(commands.empty(), "{} commands were not carried out", commands.size());
     if (steps_left_ != 0) note_state();

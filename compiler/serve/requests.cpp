@@ -402,7 +402,7 @@ bool Requests::hears(const std::string& port) const {
 }
 
 void Requests::note_step(const Step& step) {
-  if (mailboxes_.empty()) return;
+  if (mailboxes_.empty() || step.ports.empty()) return;
   {
     const std::lock_guard<std::mutex> hold(lock_);
     for (std::uint32_t k = 0; k < step.ports.size(); ++k) {

@@ -21,9 +21,19 @@ constexpr u32 kMostThreads = 64;
 void EventFeed::follow(RealTime& wall) {
   wall_ = &wall;
   engine_.wall = &wall;
+  passed_ = -1;
+}
+
+// Steps of an instant after the first one do not read the clock.
+bool EventFeed::has_passed(i64 instant) {
+  if (instant <= passed_) return true;
+  if (!wall_->has_passed(instant)) return false;
+  passed_ = instant;
+  return true;
 }
 
 void EventFeed::restart(RealTime& wall, i64 now) {
+  passed_ = -1;
   inbox_.restart(wall, now);
   for (Event& event : arrived_) event.time = now;
 }
@@ -201,7 +211,7 @@ i64 EventFeed::wait_for_outside(Core& core, i64 target) {
     const i64 until = event == kForever ? target : std::max(event, core.now());
     const bool comes = event != kForever;
     const bool may_come = is_open_ || !sources_.empty() || (pool_ != nullptr && !core.actions().working().empty());
-    const bool is_over = wall_ == nullptr || wall_->has_passed(until) || (until == kForever && !may_come);
+    const bool is_over = wall_ == nullptr || has_passed(until) || (until == kForever && !may_come);
     // What is due comes before what stop() wants.
     gave_up_ = is_interrupted() || (!is_over && wants_stop_.load());
     if (is_prepared && (is_over || gave_up_)) waker().stay_awake();

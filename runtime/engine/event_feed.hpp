@@ -95,6 +95,7 @@ class EventFeed {
  private:
   [[nodiscard]] i64 wait_for_outside(Core& core, i64 target);
   [[nodiscard]] bool is_due(const Event& event, i64 target) const;
+  [[nodiscard]] bool has_passed(i64 instant);
   bool collect(Core& core, i64 until);
   bool deliver(Core& core, const Event& event);
   bool hold_until_return(Core& core);
@@ -118,6 +119,7 @@ class EventFeed {
   u64 looks_ = 0, last_delivery_ = 0;  // the looks before it
   u32 stalls_ = 0;
   RealTime* wall_ = nullptr;
+  i64 passed_ = -1;  // the last instant of the model of which it is known that the wall clock has passed it
   RunFile* record_ = nullptr;
   std::vector<Event>* noted_ = nullptr;
   bool is_open_ = false, failed_ = false;

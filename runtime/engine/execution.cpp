@@ -103,11 +103,15 @@ struct Execution::Impl {
     rt::append_value(text, core.image(), type, cell);
     return text;
   }
-  // Does somebody need the names of a step of these participants?
-  [[nodiscard]] bool has_names() const {
-    if (needed.empty() || names_all.load(std::memory_order_relaxed)) return true;
-    return std::any_of(participants.begin(), participants.end(),
-                       [&](const rt::Participant& p) { return needed[first_port[p.atom] + p.port]; });
+  // Does somebody need the names of a step of the candidate? If so, `participants` are its ports.
+  [[nodiscard]] bool finds_names(const rt::Candidate& candidate) {
+    const bool are_all = needed.empty() || names_all.load(std::memory_order_relaxed);
+    // Most interactions have no port that anybody needs: their participants are not looked for.
+    if (!are_all && !may_be_needed[candidate.interaction]) return false;
+    core.participants(candidate, participants);
+    return are_all || std::any_of(participants.begin(), participants.end(), [&](const rt::Participant& p) {
+             return needed[core.tables().instance(p.atom, p.port)];
+           });
   }
   // Ports and values, of `participants`.
   void name(Step& step, const rt::Candidate& candidate) const {
@@ -123,16 +127,39 @@ struct Execution::Impl {
     }
   }
   void set_needs(const std::function<bool(const std::string&)>& needs) {
+    const rt::Tables& tables = core.tables();
     needed.clear();
-    first_port.clear();
+    may_be_needed.clear();
     if (!needs) return;
     for (rt::u32 atom = 0; atom < core.image().atoms.size; ++atom) {
-      first_port.push_back(needed.size());
-      for (rt::u32 port = 0; port < core.tables().atom_type(atom).ports.size; ++port) {
+      for (rt::u32 port = 0; port < tables.atom_type(atom).ports.size; ++port) {
         const rt::Participant p{.atom = atom, .port = port};
         needed.push_back(needs(path_of(p)));
       }
     }
+    BIP_ASSERT(needed.size() == tables.port_atom.size(), "{} of {} ports", needed.size(), tables.port_atom.size());
+    for (rt::u32 row = 0; row < tables.interactions.size(); ++row) may_be_needed.push_back(has_needed_port(row));
+  }
+  // Among all ports that may take part.
+  [[nodiscard]] bool has_needed_port(rt::u32 interaction) const {
+    const rt::Tables& tables = core.tables();
+    const rt::InteractionInfo info = tables.interactions[interaction];
+    switch (info.kind) {
+      case rt::InteractionKind::Port: return needed[info.row];
+      case rt::InteractionKind::Flat:
+      case rt::InteractionKind::Star: {
+        const auto first = tables.flat_ports.begin() + info.first;
+        return std::any_of(first, first + info.count, [&](rt::u32 instance) { return needed[instance]; });
+      }
+      case rt::InteractionKind::Planned: {
+        const rt::Plan& plan = tables.plans[info.plan()];
+        const auto first = tables.plan_nodes.begin() + plan.first_node;
+        return std::any_of(first, first + plan.node_count, [&](const rt::PlanNode& node) {
+          return node.kind == rt::NodeKind::Leaf && needed[node.ref];
+        });
+      }
+    }
+    BIP_UNREACHABLE("an interaction of no kind");
   }
   Outcome take(rt::EnabledSet::Position at) {
     BIP_ASSERT(core.enabled().has(at) && outcome != Outcome::Fault, "interaction {} is no candidate", at.interaction);
@@ -140,8 +167,7 @@ struct Execution::Impl {
     if (callback) {
       const rt::Candidate candidate = core.candidate(at);
       step.number = steps;
-      core.participants(candidate, participants);
-      if (has_names()) name(step, candidate);
+      if (finds_names(candidate)) name(step, candidate);
     }
     if (trace) {
       trace->format->step(trace->out.text, core, at, steps, core.enabled().number(at));
@@ -202,9 +228,9 @@ struct Execution::Impl {
   std::unique_ptr<TraceFile> trace;
   Outcome outcome = Outcome::Stepped;
   std::function<void(const Step&)> callback;
-  // By port of atom: who is called needs the names of its steps. Empty: all are needed.
-  std::vector<bool> needed;
-  std::vector<std::size_t> first_port;  // by atom
+  // By port instance: who is called needs the names of its steps; by interaction: such a port may take part. Empty: all
+  // are needed.
+  std::vector<bool> needed, may_be_needed;
   std::atomic<bool> names_all{false};
   std::vector<rt::u32> by_path;
   std::vector<rt::Participant> participants;

@@ -490,6 +490,39 @@ TEST_CASE("embedding: names of the steps that are needed") {
   CHECK(without > 0);
 }
 
+TEST_CASE("embedding: names of the steps that are needed, of interactions of all kinds") {
+  ImageBuilder b;
+  b.atom_type({.name = "T",
+               .ports = {{.name = "p"}, {.name = "own", .exported = false}},
+               .places = {"S"},
+               .initial = {"S"},
+               .transitions = {{"p", {"S"}, {"S"}}, {"own", {"S"}, {"S"}}}});
+  for (const char* name : {"a", "c", "d"}) b.atom(name, "T");
+  b.connector_type({.name = "Pair", .params = {{"l", 0}, {"r", 0}}, .define = "l r"});
+  b.connector_type({.name = "Cast", .params = {{"l", 0}, {"r", 0}}, .define = "l' r"});
+  b.connector_type({.name = "Inner", .params = {{"l", 0}}, .define = "l", .exports = true});
+  b.connector("flat", "Pair", {"a.p", "c.p"});
+  b.connector("star", "Cast", {"a.p", "c.p"});
+  b.connector("inner", "Inner", {"c.p"});
+  b.connector("planned", "Pair", {"inner", "d.p"});
+  for (const std::string needed : {"ROOT.a.p", "ROOT.c.p", "ROOT.d.p", "ROOT.d.own"}) {
+    std::vector<bip::Step> all, few;
+    bip::Execution whole(b.image(), {.seed = 5}), part(b.image(), {.seed = 5});
+    whole.on_step([&](const bip::Step& step) { all.push_back(step); });
+    part.on_step([&](const bip::Step& step) { few.push_back(step); },
+                 [&](const std::string& port) { return port == needed; });
+    REQUIRE(whole.run(60) == 60);
+    REQUIRE(part.run(60) == 60);
+    std::size_t named = 0;
+    for (std::size_t k = 0; k < 60; ++k) {
+      const bool is_needed = std::find(all[k].ports.begin(), all[k].ports.end(), needed) != all[k].ports.end();
+      named += is_needed ? 1 : 0;
+      CHECK(few[k].ports == (is_needed ? all[k].ports : std::vector<std::string>{}));
+    }
+    CHECK((named > 0 && named < 60));
+  }
+}
+
 TEST_CASE("embedding: step, read, snapshot, callback") {
   ImageBuilder b;
   build_pairs(b, 4);
