@@ -147,7 +147,8 @@ class LevelWriter {
       std::string& recovery = parts_.recoveries.emplace_back();
       if (!row.recovery) continue;
       std::string& part = known[{row.name, *row.recovery}];
-      if (part.empty()) part = component("after_" + row.name, "Recovery", "");
+      const char* const type = plans_[row.recovery->module].passes() ? "ReadableRecovery" : "Recovery";
+      if (part.empty()) part = component("after_" + row.name, type, "");
       recovery = part;
     }
   }
@@ -177,6 +178,7 @@ class LevelWriter {
       const std::string none = wire({.name = p.component + "_none", .ports = {prefix + "none"}});
       for (const std::string& read : reads) priorities_.emplace_back(none, read);
     }
+    if (p.passes()) pass(m);
     if (p.is_launched_by_rules) launches(m);
     wire({.name = p.component + "_give", .ports = {prefix + "give", "semaphore.give"}});
     for (std::size_t i = 0; i < p.tasks.size(); ++i) {
@@ -422,6 +424,18 @@ class LevelWriter {
       stops_.emplace_back(c.subject, name);
       priorities_.emplace_back(sync_, name);
     }
+  }
+
+  // A control cycle of a module of which nothing is asked, in one step, before the one step by step.
+  void pass(std::size_t m) {
+    const Plan& p = plans_[m];
+    std::vector<std::string> ports{p.component + ".pass", executives_[m] + ".calm"};
+    for (std::size_t row = 0; row < constraints_.rows.size(); ++row) {
+      const Constraint& c = constraints_.rows[row];
+      if (c.recovery && c.recovery->module == m) add_port(ports, parts_.recoveries[row] + ".calm");
+    }
+    const std::string pass = wire({.name = p.component + "_pass", .ports = ports});
+    priorities_.emplace_back(wire({.name = p.component + "_chck", .ports = {p.component + ".chck"}}), pass);
   }
 
   // What is to be done after a violation comes before any other request to its module.

@@ -126,7 +126,7 @@ std::string mailbox_type(const Plan& plan, const std::vector<RequestSpec>& reque
       "    extern port Posts request(wanted, wanted_input, wanted_number) remember\n"
       "    extern port Posts urgent(first, first_input, first_number) remember\n"
       "    extern port Numbered withdraw(gone) remember\n"
-      "    export port Signal tick()\n    export port Signal waits()\n"
+      "    export port Signal tick()\n    export port Signal waits()\n    export port Signal calm()\n"
       "    export port Asks ask(due, due_service, due_input, due_number)\n"
       "    export port Signal recover()\n    export port Numbered told(asked_number)\n",
       plan.module->name.text, plan.mailbox_type, directory(requests));
@@ -171,7 +171,7 @@ std::string mailbox_type(const Plan& plan, const std::vector<RequestSpec>& reque
         row.from, row.is_gone);
   }
   out +=
-      "    on tick from NONE to NONE\n"
+      "    on tick from NONE to NONE\n    on calm from NONE to NONE\n"
       "\n    // The next request may arrive before this one is accepted. A recovery has no client, so it has no "
       "input.\n";
   for (const char* place : {"NONE", "DUE", "STOP", "BOTH"}) {

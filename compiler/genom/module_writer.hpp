@@ -41,6 +41,7 @@ class ModuleWriter {
 
   void parts(const GenerateOptions& options);
   void control_cycle();
+  void pass();
   void request(std::size_t i);
   void admissions(std::size_t i);
   void admitted_once(std::size_t i);
@@ -54,6 +55,7 @@ class ModuleWriter {
   void launches();
 
   void task(std::size_t i);
+  void pass_over(std::size_t task);
   void permanent(std::size_t task);
   void turns_of_permanent(std::size_t task);
   void turns(std::size_t task, std::size_t activity);

@@ -24,6 +24,7 @@ constexpr const char* kOwnTypes[] = {"Signal",
                                      "Timer",
                                      "WakeUp",
                                      "IdsLock",
+                                     "ReadableLock",
                                      "Semaphore",
                                      "Poster",
                                      "ServiceController",
@@ -45,6 +46,7 @@ constexpr const char* kOwnTypes[] = {"Signal",
                                      "FractionParameter",
                                      "Fraction",
                                      "Recovery",
+                                     "ReadableRecovery",
                                      "Asks",
                                      "Executive",
                                      "MasterClock",
@@ -135,7 +137,8 @@ ActivityPlan plan_activity(const Activity& activity, StoppedBy stopped_by, const
 
 class Planner {
  public:
-  Planner(const Module& module, const GenerateOptions& options, Scope& types) : module_(module), types_(types) {
+  Planner(const Module& module, const GenerateOptions& options, Scope& types)
+      : module_(module), options_(options), types_(types) {
     plan_.module = &module;
     plan_.by_codel = options.lock == LockGranularity::Codel ||
                      (options.lock == LockGranularity::ByGeneration && module.generation == 3);
@@ -155,7 +158,9 @@ class Planner {
     plan_.control = scope_.claim("control", "task");
     plan_.ids = scope_.claim("ids", "control");
     if (!plan_.by_codel) plan_.lock = scope_.claim("lock", "ids");
-    if (!module_.posters.empty()) plan_.poster_timer = scope_.claim("poster_timer", "module");
+    // Posters that grow older in each tick need no timer.
+    const bool grow_with_time = plan_.passes() && options_.poster_period == 1;
+    if (!module_.posters.empty() && !grow_with_time) plan_.poster_timer = scope_.claim("poster_timer", "module");
     for (std::size_t i = 0; i < module_.services.size(); ++i) service(i);
     for (std::size_t i = 0; i < module_.tasks.size(); ++i) task(i);
     for (const Poster& poster : module_.posters)
@@ -282,6 +287,7 @@ class Planner {
   }
 
   const Module& module_;
+  const GenerateOptions& options_;
   Plan plan_;
   Scope scope_;
   Scope& types_;

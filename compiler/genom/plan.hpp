@@ -112,6 +112,13 @@ struct Plan {
   [[nodiscard]] bool gives_lock(const Service& s) const {
     return !by_codel && (waits_in_box() || (s.waits && s.kind == ServiceKind::Execution));
   }
+  /// Is a control cycle in which nobody asks and no instance of a service is in use one step? Where requests come from
+  /// mailboxes, which say so.
+  [[nodiscard]] bool passes() const { return executive == Executive::Served && design == Design::Ours; }
+  /// May a cycle of the task pass over all of its activities in one step, while none is in use?
+  [[nodiscard]] bool passes_over(std::size_t task) const {
+    return passes() && module->tasks[task].activity.states.empty() && tasks[task].activities.size() >= 2;
+  }
   /// GenoM 2 refuses requests by the state of the whole module.
   [[nodiscard]] bool has_checks() const { return module->generation == 2; }
   [[nodiscard]] bool may_suspend(std::size_t task) const;

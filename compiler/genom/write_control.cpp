@@ -2,6 +2,7 @@
 //
 // A control cycle, place by place:
 //   idle   -chck->    coll   the timer says so; the module's lock is taken
+//   idle   -pass->    idle   the whole cycle, where nobody asks and no instance is in use (Plan::passes)
 //   idle   -woken->   coll   a request has arrived in the mailbox (Executive::Served); the timer runs on
 //   coll   -collect-> read   all final replies that are due
 //   read   -read_X->  asked  at most one request (with the semaphore), or -none-> laun
@@ -84,6 +85,10 @@ void write_control(std::string& out, const Plan& plan) {
   box.on("err", "off", "fini");
   box.on("stop", "idle", "fini");
   box.on("chck", "idle", "coll");
+  if (plan.passes()) {
+    box.signal("pass");
+    box.on("pass", "idle", "idle");
+  }
   if (is_served) {
     box.signal("woken");
     box.on("woken", "idle", "coll");
@@ -184,12 +189,14 @@ void write_control(std::string& out, const Plan& plan) {
       "timer(period, 0)\n",
       plan.control_type, plan.box_type);
   write_wire(out, {.name = "wake_up", .ports = {"box.chck", "timer.trigger"}, .exported = true});
+  if (plan.passes()) write_wire(out, {.name = "pass", .ports = {"box.pass", "timer.trigger"}, .exported = true});
   out += "\n";
   write_export(out, "timer.tick", "tick");
   write_export(out, "wake_up.out", "chck");
+  if (plan.passes()) write_export(out, "pass.out", "pass");
   for (const auto& [type, name] : box.ports) {
     const std::string bare = name.substr(0, name.find('('));
-    if (bare != "chck") write_export(out, "box." + bare, bare);
+    if (bare != "chck" && bare != "pass") write_export(out, "box." + bare, bare);
   }
   out += "  end\n";
 }

@@ -103,7 +103,8 @@ void ModuleWriter::parts(const GenerateOptions& options) {
     out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component ControlIds {}({}, {})\n", plan_.ids,
                         module_.has_init() ? "true" : "false", plan_.execution_activities);
   }
-  if (!plan_.by_codel) out_ += fmt::format("    component IdsLock {}()\n", plan_.lock);
+  if (!plan_.by_codel)
+    out_ += fmt::format("    component {} {}()\n", plan_.passes() ? "ReadableLock" : "IdsLock", plan_.lock);
   for (const LockPlan& lock : plan_.locks)
     out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component DataLock{} {}()\n",
                         lock.threads.size(), lock.component);
@@ -169,7 +170,8 @@ std::string ModuleWriter::answered(const std::string& answer, std::size_t k, std
 void ModuleWriter::control_cycle() {
   std::vector<std::string> chck{control("chck")};
   add_module_lock(chck, "take");
-  wire({.name = "chck", .ports = chck});
+  wire({.name = "chck", .ports = chck, .exported = plan_.passes()});
+  if (plan_.passes()) pass();
   if (plan_.executive == Executive::Served) {
     chck[0] = control("woken");
     wire({.name = "woken", .ports = chck, .exported = true});
@@ -194,6 +196,19 @@ void ModuleWriter::control_cycle() {
   refuse("SYSTEM_ERROR", fmt::format("{}.suspended", state));
   refuse("WAIT_INIT_RQST", fmt::format("!{0}.suspended && !{0}.initialised", state));
   refuse("WAIT_ABORT_ZOMBIE_ACTIVITY", fmt::format("!{0}.suspended && {0}.initialised && {0}.zombies > 0", state));
+}
+
+// The whole control cycle at once, while no instance is in use: it would collect and launch nothing.
+void ModuleWriter::pass() {
+  std::vector<std::string> ports{control("pass")};
+  add_module_lock(ports, "look");
+  for (std::size_t k = 0; k < plan_.activities.size(); ++k) {
+    if (plan_.service_of(k).kind == ServiceKind::Execution) ports.push_back(of_activity(k, "free"));
+  }
+  for (std::size_t i = 0; i < module_.tasks.size(); ++i) {
+    if (module_.tasks[i].period_us == 0) ports.push_back(of_task(i, "wake"));
+  }
+  wire({.name = "pass", .ports = ports, .exported = true});
 }
 
 // `before S`: once S has succeeded it is too late; `after S`: until then it is too early.

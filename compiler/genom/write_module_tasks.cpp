@@ -69,6 +69,7 @@ void ModuleWriter::task(std::size_t i) {
     turns(i, activity);
     ends(i, activity);
   }
+  if (plan_.passes_over(i)) pass_over(i);
   std::vector<std::string> give{of_task(i, "give")};
   add_module_lock(give, "give");
   for (std::size_t k = 0; k < module_.posters.size(); ++k) {
@@ -81,6 +82,19 @@ void ModuleWriter::task(std::size_t i) {
     }
   }
   wire({.name = "give_" + p.component, .ports = give});
+}
+
+// The turns of all activities at once, while no instance is in use.
+void ModuleWriter::pass_over(std::size_t i) {
+  const TaskPlan& p = plan_.tasks[i];
+  const std::string pass = "pass_" + p.component;
+  std::vector<std::string> ports{of_task(i, "pass")};
+  for (const std::size_t activity : p.activities) ports.push_back(of_activity(activity, "free"));
+  wire({.name = pass, .ports = ports});
+  const std::string& first = plan_.activities[p.activities[0]].component;
+  for (const char* turn : {"skip_", "wait_"}) {
+    if (names_.contains(turn + first)) refusals_.emplace_back(turn + first, pass);
+  }
 }
 
 // GenoM 2: one codel a cycle; only where locks go by codel is there something to give back.
@@ -258,7 +272,12 @@ void ModuleWriter::time() {
   for (std::size_t i = 0; i < module_.tasks.size(); ++i) {
     if (module_.tasks[i].period_us > 0) ticks.push_back(of_task(i, "tick"));
   }
-  if (!plan_.poster_timer.empty()) ticks.push_back(plan_.poster_timer + ".tick");
+  // Without a timer posters grow older in each tick.
+  if (!plan_.poster_timer.empty()) {
+    ticks.push_back(plan_.poster_timer + ".tick");
+  } else {
+    for (const std::string& poster : plan_.posters) ticks.push_back(poster + ".grow");
+  }
   for (std::size_t k = 0; k < plan_.activities.size(); ++k) {
     if (plan_.services[plan_.activities[k].service].activity.has_async) ticks.push_back(of_activity(k, "watch_tick"));
   }
@@ -338,6 +357,10 @@ void ModuleWriter::exports() {
   for (const char* name : {"err", "stop"}) write_export(out_, control(name), name);
   if (plan_.is_launched_by_rules) write_export(out_, out_of("done"), "done");
   if (plan_.executive != Executive::Anybody) write_export(out_, out_of("none"), "none");
+  if (plan_.passes()) {
+    write_export(out_, out_of("chck"), "chck");
+    write_export(out_, out_of("pass"), "pass");
+  }
   if (plan_.executive == Executive::Served) write_export(out_, out_of("woken"), "woken");
   if (plan_.executive == Executive::Served) write_export(out_, control("told"), "told");
   write_export(out_, out_of("give"), "give");

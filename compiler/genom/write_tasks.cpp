@@ -39,6 +39,7 @@ void scheduler_ports(std::string& out, const Plan& plan, std::size_t task, const
   if (!t.has_permanent()) port(out, "stop");
   port(out, begin_port(t));
   if (t.permanent.name.is_set()) port(out, "permanentdone");
+  if (plan.passes_over(task)) port(out, "pass");
   for (std::size_t i = 0; i < turns.size(); ++i) {
     const ActivityPlan& a = activity_of(plan, task, i);
     if (a.steps()) port(out, "step_" + turns[i]);
@@ -97,6 +98,7 @@ void write_scheduler(std::string& out, const Plan& plan, std::size_t task) {
   if (!t.has_permanent()) out += "    on trigger from stpd to perm\n    on stop from perm to stpd\n";
   out += fmt::format("    on {} from perm to {}\n", begin_port(t), t.permanent.name.is_set() ? "exec" : first);
   if (t.permanent.name.is_set()) out += fmt::format("    on permanentdone from exec to {}\n", first);
+  if (plan.passes_over(task)) out += fmt::format("    on pass from {} to over\n", first);
   for (std::size_t i = 0; i < turns.size(); ++i) {
     const ActivityPlan& a = activity_of(plan, task, i);
     const std::string& turn = turns[i];
@@ -186,6 +188,7 @@ void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64
   if (!p.activities.empty()) {
     write_export(out, "controller.add", "add");
     write_export(out, "controller.remove", "remove");
+    if (plan.passes_over(task)) write_export(out, "scheduler.pass", "pass");
   }
   for (std::size_t i = 0; i < turns.size(); ++i) {
     const ActivityPlan& a = activity_of(plan, task, i);

@@ -11,6 +11,29 @@ BIPC = os.environ.get("BIPC") or str(pathlib.Path(os.environ.get("BIPC_BUILD_DIR
 _counts = {True: 0, False: 0}
 
 
+def processes_below(parent):
+    """{name: pid} of the children of a process, and of theirs."""
+    found, parents = {}, {parent}
+    for _ in range(2):
+        for stat in pathlib.Path("/proc").glob("[0-9]*/stat"):
+            try:
+                pid, rest = stat.read_text().split(" (", 1)
+            except OSError:
+                continue  # gone meanwhile
+            name, rest = rest.rsplit(") ", 1)
+            if int(rest.split()[1]) in parents:
+                found[name] = int(pid)
+        parents |= set(found.values())
+    return found
+
+
+def runs(pid):
+    try:
+        return pathlib.Path(f"/proc/{pid}/stat").read_text().rsplit(") ", 1)[1][0] != "Z"
+    except OSError:
+        return False
+
+
 def check(what, holds, got=None):
     _counts[bool(holds)] += 1
     if not holds:

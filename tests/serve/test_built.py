@@ -3,7 +3,7 @@
 
 A robot module with codels in C++, served by `bipc serve` and by a built program: the same answers to the same requests, the same trace of
 the same steps, the functions of its C++ found by their names (safe_stop, inputs, posters), the first answer after less than a second of a
-processor; and a socket that another program listens at is refused.
+processor; a socket that another program listens at is refused; and a program of a module in a process of its own outlives a codel that crashes.
 """
 import json
 import os
@@ -14,17 +14,19 @@ import sys
 import tempfile
 import time
 
-from checks import BIPC, Client, check, finish
+from checks import BIPC, Client, check, finish, processes_below, runs
 
 MODULE = """module arm { number: 7; internal_data: DATA; };
 request Lift { type: exec; exec_task: Motion; codel_main: armLift; codel_inter: armBrake; };
 request Weigh { type: exec; exec_task: Motion; codel_main: armWeigh; };
+request Fall { type: exec; exec_task: Motion; codel_main: armFall; };
 request Stop { type: control; interrupt_activity: Lift; };
 poster State { update: auto; data: s::state; exec_task: Motion; };
 exec_task Motion { period: 2; codel_task_main: armPermanent; };
 """
 CODELS = """#include "level_codels.hpp"
 #include <cstdio>
+#include <cstdlib>
 #include <string>
 static std::string input;
 void request_asked(const char*, const char*) {}
@@ -32,6 +34,7 @@ void request_input(const char*, const char* text) { input = text; }
 int armPermanent() { return 0; }
 int armLift(int&) { return 2; }
 int armWeigh(int& report) { report = 0; return input == "heavy" ? throw 3 : 0; }
+int armFall(int&) { std::abort(); }
 int armBrake(int&) { return 0; }
 extern "C" const char* bip_poster_value(const char* poster) {
   return std::string(poster) == "arm.State" ? "{\\"weight\\":3}" : nullptr;
@@ -92,6 +95,9 @@ def same_steps(commands, work):
         traces.append(trace.read_text(encoding="utf-8"))
     check("steps are written", traces[0].count('"step"') >= STEPS or traces[0].count("\n") > STEPS, len(traces[0]))
     check("built and served models take the same steps", traces[0] == traces[1])
+    # Of an idle level: time, the control cycle, and every other tick the task's cycle, which is five.
+    ticks = traces[0].count("ROOT.InterModuleSync")
+    check("a tick of an idle level is four and a half steps", 4.2 < STEPS / ticks < 4.8, (STEPS, ticks))
 
 
 def same_answers(commands, work):
@@ -135,20 +141,47 @@ def other_safe_stop(program, work):
     check("a safe-stop function that there is not is refused", missing.returncode == 2 and "wings" in missing.stderr, missing.stderr)
 
 
+def apart(work):
+    """`genom --processes`: the program starts the module's process itself."""
+    folder = work / "apart"
+    folder.mkdir()
+    served = Served([build(folder, "--processes")], folder, "p")
+    check("the codels of a built program answer", (got := final(served.client, "arm.Weigh")) == "OK", got)
+    begun = processes_below(served.process.pid)
+    check("its module is a process", {"arm", "bip-modules"} <= set(begun), begun)
+    check("its poster is shown", (got := served.client.ask("poster", poster="arm.State").get("value")) == {"weight": 3}, got)
+    check("a codel that crashes ends its activity", (got := final(served.client, "arm.Fall")) == "ACTIVITY_FAILED", got)
+    while final(served.client, "arm.Abort") != "UNKNOWN_ACTIVITY":
+        pass
+    check("another process goes on", (got := final(served.client, "arm.Weigh")) == "OK", got)
+    now = processes_below(served.process.pid)
+    check("of the same program", now.get("arm") not in (None, begun.get("arm")) and now.get("bip-modules") == begun.get("bip-modules"), (begun, now))
+    code, log = served.end()
+    check("the program ends with 0", code == 0, code)
+    check("safe_stop is called when the process has died", "STOP `armFall` of arm.Fall: the process of module arm ended by SIGABRT" in log, log)
+    check("the processes end with the program", not [name for name, pid in now.items() if runs(pid)], now)
+
+
+def build(folder, *options):
+    """The program of the module."""
+    (folder / "arm.gen").write_text(MODULE, encoding="utf-8")
+    (folder / "level_codels.cpp").write_text(CODELS, encoding="utf-8")
+    for command in (["genom", "--served", "--skeleton", *options, "arm.gen", "-o", "level.bip"], ["build", "--serve", "-O0", "level.bip", "-o", "level"]):
+        done = subprocess.run([BIPC, *command], cwd=folder, capture_output=True, text=True)
+        assert done.returncode == 0, done.stdout + done.stderr
+    return str(folder / "level")
+
+
 def main():
     with tempfile.TemporaryDirectory(prefix="built-") as folder:
         work = pathlib.Path(folder)
-        (work / "arm.gen").write_text(MODULE, encoding="utf-8")
-        (work / "level_codels.cpp").write_text(CODELS, encoding="utf-8")
-        for command in (["genom", "--served", "--skeleton", "arm.gen", "-o", "level.bip"], ["build", "--serve", "-O0", "level.bip", "-o", "level"]):
-            done = subprocess.run([BIPC, *command], cwd=work, capture_output=True, text=True)
-            assert done.returncode == 0, done.stdout + done.stderr
-        program = str(work / "level")
+        program = build(work)
         commands = ([BIPC, "serve", "level.bip"], [program])
         same_steps(commands, work)
         same_answers(commands, work)
         starts_at_once(program, work)
         other_safe_stop(program, work)
+        apart(work)
     return finish("built")
 
 

@@ -11,7 +11,7 @@ import subprocess
 import tempfile
 import time
 
-from checks import BIPC, Client, check, finish
+from checks import BIPC, Client, check, finish, processes_below, runs
 
 EYE = """module eye { number: 1; internal_data: DATA; };
 request Init { type: init; exec_task: Look; codel_main: eyeInit; };
@@ -135,19 +135,7 @@ class Level:
         return self.reply(self.begin(service, input))
 
     def processes(self):
-        """{name: pid} of those below the server."""
-        found, parents = {}, {self.server.pid}
-        for _ in range(2):
-            for stat in pathlib.Path("/proc").glob("[0-9]*/stat"):
-                try:
-                    pid, rest = stat.read_text().split(" (", 1)
-                except OSError:
-                    continue  # gone meanwhile
-                name, rest = rest.rsplit(") ", 1)
-                if int(rest.split()[1]) in parents:
-                    found[name] = int(pid)
-            parents |= set(found.values())
-        return found
+        return processes_below(self.server.pid)
 
 
 def revive(level):
@@ -221,13 +209,6 @@ def orphans(work):
     while (left := [name for name, pid in pids.items() if runs(pid)]) and time.monotonic() < end:
         time.sleep(0.02)
     check("a controller that is killed leaves no process", len(pids) == 3 and not left, left)
-
-
-def runs(pid):
-    try:
-        return pathlib.Path(f"/proc/{pid}/stat").read_text().rsplit(") ", 1)[1][0] != "Z"
-    except OSError:
-        return False
 
 
 def together(work):
