@@ -226,19 +226,19 @@ class ShapeWriter {
     if (op.unit != rt::kNone) out_.line("      " + call(op, 1, before) + ";");
     if (op.from != op.to) out_.line("      s.places[" + at(op, 0) + "] = " + std::to_string(op.to) + "u;");
     if (op.delta != 0) {
-      const std::uint32_t cell = refs(op) - 1;
-      out_.line("      " + grow(op, cell));
+      const std::uint32_t interaction = refs(op) - 1;
+      out_.line("      " + grow(op, interaction));
       out_.line(std::string("      ") + (op.delta > 0 ? "interaction_enters" : "interaction_leaves") + "(s, " +
-                value(op, cell) + ");");
+                value(op, interaction) + ");");
     }
     out_.line("    }");
     out_.line("  }");
   }
 
   void list(const StepOp& op) {
-    const std::string cell = value(op, 0);
-    if (op.change == lower::InteractionChange::Enters) return loop(op, "interaction_enters(s, " + cell + ");");
-    if (op.change == lower::InteractionChange::Leaves) return loop(op, "interaction_leaves(s, " + cell + ");");
+    const std::string interaction = value(op, 0);
+    if (op.change == lower::InteractionChange::Enters) return loop(op, "interaction_enters(s, " + interaction + ");");
+    if (op.change == lower::InteractionChange::Leaves) return loop(op, "interaction_leaves(s, " + interaction + ");");
     std::string before, zeroes;
     std::string is_on = "s.values[" + at(op, 0) + "] >= 0";
     for (std::uint32_t k = refs(op) - op.hiders; k < refs(op); ++k) is_on += " && s.values[" + at(op, k) + "] < 0";
@@ -247,8 +247,8 @@ class ShapeWriter {
         zeroes += all_ + "[" + at(op, 1) + " + " + std::to_string(k) + "] = " + cell_ + "{0}; ";
       is_on += " && " + call(op, 1, before) + " != 0";
     }
-    loop(op,
-         "{ " + before + (before.empty() ? "" : " ") + zeroes + "set_interaction(s, " + cell + ", " + is_on + "); }");
+    loop(op, "{ " + before + (before.empty() ? "" : " ") + zeroes + "set_interaction(s, " + interaction + ", " + is_on +
+                 "); }");
   }
 
   const lower::LoweredSystem& lowered_;

@@ -117,9 +117,7 @@ class UnitBuilder {
     return int_binary(e.op, a, b);
   }
 
-  llvm::Value* interaction_of(const Expr& e) {
-    return e.op == Op::LoadSelf ? self_variable(e.index) : bind_cell(e.index);
-  }
+  llvm::Value* cell_of(const Expr& e) { return e.op == Op::LoadSelf ? self_variable(e.index) : bind_cell(e.index); }
   /// What the process gives: a function, or data.
   llvm::Constant* process_symbol(const std::string& name) {
     return function_->getParent()->getOrInsertGlobal(name, builder_.getInt8Ty());
@@ -153,7 +151,7 @@ class UnitBuilder {
       const Expr& arg = code_.exprs[args[k]];
       llvm::Value* cell = nullptr;
       if (function.params[k].by_reference) {
-        cell = interaction_of(arg);
+        cell = cell_of(arg);
       } else {
         llvm::Value* value = expr(args[k]);
         cell = builder_.CreateConstInBoundsGEP1_64(i64, values, k + 1);

@@ -15,14 +15,14 @@ namespace bip::lower {
 
 namespace {
 
-rt::Cell interaction_of(const Value& value) {
-  rt::Cell variable{};
+rt::Cell cell_of(const Value& value) {
+  rt::Cell cell{};
   if (value.type == Type::Float) {
-    variable.f = value.float_value;
+    cell.f = value.float_value;
   } else {
-    variable.bits = static_cast<std::uint32_t>(value.int_value);
+    cell.bits = static_cast<std::uint32_t>(value.int_value);
   }
-  return variable;
+  return cell;
 }
 
 template <class Row>
@@ -40,7 +40,7 @@ void lower_atoms(Lowering& l) {
     to.first_cell = l.out.image.cell_count;
     to.args = size_of(l.pools.args);
     to.loc = loc_of(atom.loc);
-    for (const Value& arg : atom.args) l.pools.args.push_back(interaction_of(arg));
+    for (const Value& arg : atom.args) l.pools.args.push_back(cell_of(arg));
     l.out.image.cell_count += size_of(s.atom_types[atom.type].variables);
     l.pools.atoms.rows.push_back(to);
   }

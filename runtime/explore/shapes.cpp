@@ -37,10 +37,10 @@ class ShapeBuilder {
     owner_.assign(image_.cell_count, kNone);
     for (u32 atom = 0; atom < image_.atoms.size; ++atom) {
       const Atom& row = image_.atoms[atom];
-      for (u32 interaction = 0; interaction < image_.atom_types[row.type].variables.size; ++interaction) {
-        BIP_ASSERT(owner_[row.first_cell + interaction] == kNone, "cell {} belongs to two atoms",
-                   row.first_cell + interaction);
-        owner_[row.first_cell + interaction] = atom;
+      for (u32 variable = 0; variable < image_.atom_types[row.type].variables.size; ++variable) {
+        BIP_ASSERT(owner_[row.first_cell + variable] == kNone, "cell {} belongs to two atoms",
+                   row.first_cell + variable);
+        owner_[row.first_cell + variable] = atom;
       }
     }
   }

@@ -30,8 +30,8 @@ class SymmetryDetector {
   SymmetryDetector(const Image& image, const Locals& locals) : image_(image), locals_(locals) {
     owner_.assign(image.cell_count, {kNone, 0});
     for (u32 atom = 0; atom < image.atoms.size; ++atom) {
-      for (u32 interaction = 0; interaction < image.atom_types[image.atoms[atom].type].variables.size; ++interaction) {
-        owner_[image.atoms[atom].first_cell + interaction] = {atom, interaction};
+      for (u32 variable = 0; variable < image.atom_types[image.atoms[atom].type].variables.size; ++variable) {
+        owner_[image.atoms[atom].first_cell + variable] = {atom, variable};
       }
     }
     connectors_of_.resize(image.atoms.size);
@@ -161,10 +161,10 @@ class SymmetryDetector {
       key.insert(key.end(), param.begin(), param.end());
     }
     for (u32 k = 0; k < row.bind_count && !is_plain; ++k) {
-      const auto& [atom, interaction] = owner_[image_.binds[row.binds + k].cell];
+      const auto& [atom, variable] = owner_[image_.binds[row.binds + k].cell];
       // Rows of connectors below say nothing that the parameters do not.
       key.push_back(atom == kNone ? kNone : image_of(atom));
-      key.push_back(interaction);
+      key.push_back(variable);
     }
     return key;
   }
@@ -184,7 +184,7 @@ class SymmetryDetector {
 
   const Image& image_;
   const Locals& locals_;
-  std::vector<std::pair<u32, u32>> owner_;       // by row of all variables: atom and interaction
+  std::vector<std::pair<u32, u32>> owner_;       // by row of all variables: atom and variable
   std::vector<std::vector<u32>> connectors_of_;  // by atom: those that run
   bool is_too_deep_ = false;
 };

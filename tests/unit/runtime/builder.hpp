@@ -23,7 +23,7 @@ struct TransitionSpec {
 };
 struct PortSpec {
   std::string name = {};
-  std::vector<std::string> vars = {};  // names of interactions, all int
+  std::vector<std::string> vars = {};  // names of variables, all int
   bool exported = true;
 };
 struct AtomTypeSpec {
@@ -74,19 +74,19 @@ class ImageBuilder {
   void atom_type(const AtomTypeSpec& spec) {
     AtomType type{};
     type.name = keep(spec.name);
-    std::vector<Var> interactions;
-    for (const std::string& name : spec.params) interactions.push_back({keep(name), CellType::Int, true, false});
-    for (const std::string& name : spec.data) interactions.push_back({keep(name), CellType::Int, false, true});
-    const auto interaction_row = [&](const std::string& name) {
-      for (u32 i = 0; i < interactions.size(); ++i) {
-        if (interactions[i].name == name) return i;
+    std::vector<Var> variables;
+    for (const std::string& name : spec.params) variables.push_back({keep(name), CellType::Int, true, false});
+    for (const std::string& name : spec.data) variables.push_back({keep(name), CellType::Int, false, true});
+    const auto variable_row = [&](const std::string& name) {
+      for (u32 i = 0; i < variables.size(); ++i) {
+        if (variables[i].name == name) return i;
       }
       throw std::logic_error("variable " + name);
     };
     std::vector<Port> ports;
     for (const PortSpec& port : spec.ports) {
       std::vector<u32> rows;
-      for (const std::string& var : port.vars) rows.push_back(interaction_row(var));
+      for (const std::string& var : port.vars) rows.push_back(variable_row(var));
       ports.push_back(
           {keep(port.name), port_type(static_cast<u32>(port.vars.size())), keep(rows), port.exported, {0, line_, 3}});
       ++line_;
@@ -111,7 +111,7 @@ class ImageBuilder {
       transitions.push_back({port, place_rows(t.from), place_rows(t.to), code(t.guard), code(t.action), {0, line_, 5}});
       ++line_;
     }
-    type.variables = keep(interactions);
+    type.variables = keep(variables);
     type.ports = keep(ports);
     type.places = keep(places);
     type.initial = place_rows(spec.initial);
@@ -127,15 +127,15 @@ class ImageBuilder {
     Atom row{};
     row.name = keep("ROOT." + name);
     row.type = type;
-    row.first_cell = interactions_;
+    row.first_cell = cells_;
     row.args = static_cast<u32>(args_.size());
     for (std::int32_t value : args) {
-      Cell interaction{0};
-      interaction.i = value;
-      args_.push_back(interaction);
+      Cell cell{0};
+      cell.i = value;
+      args_.push_back(cell);
     }
     row.loc = {0, line_++, 3};
-    interactions_ += atom_types_[type].variables.size;
+    cells_ += atom_types_[type].variables.size;
     atom_rows_[name] = static_cast<u32>(atoms_.size());
     atoms_.push_back(row);
     return atom_rows_[name];
@@ -149,8 +149,8 @@ class ImageBuilder {
       params.push_back({keep(name), port_type(vars), bind});
       bind += vars;
     }
-    std::vector<Var> interactions;
-    for (const std::string& name : spec.data) interactions.push_back({keep(name), CellType::Int, false, false});
+    std::vector<Var> variables;
+    for (const std::string& name : spec.data) variables.push_back({keep(name), CellType::Int, false, false});
     std::vector<Clause> clauses;
     for (const ClauseSpec& clause : spec.clauses) {
       std::vector<u32> rows;
@@ -174,7 +174,7 @@ class ImageBuilder {
     const char* at = spec.define.c_str();
     parse_group(spec, at);
     type.params = keep(params);
-    type.variables = keep(interactions);
+    type.variables = keep(variables);
     std::vector<DefineNode> nodes;
     for (const Parsed& node : define_) nodes.push_back({node.is_leaf, node.trigger, node.param, keep(node.children)});
     type.define = keep(nodes);
@@ -207,10 +207,10 @@ class ImageBuilder {
         const u32 below = connector_rows_.at(port);
         connectors_[below].bound = true;
         port_refs_.push_back({kNone, 0, below, maximal});
-        // Frames follow the atoms' interactions: resolved in image().
-        for (u32 interaction : connector_types_[connectors_[below].type].export_variables) {
+        // Frames follow the atoms' cells: resolved in image().
+        for (u32 variable : connector_types_[connectors_[below].type].export_variables) {
           frame_binds_.push_back({static_cast<u32>(binds_.size()), below});
-          binds_.push_back({interaction});
+          binds_.push_back({variable});
         }
         continue;
       }
@@ -219,10 +219,9 @@ class ImageBuilder {
       u32 port_row = 0;
       while (type.ports[port_row].name != port.substr(dot + 1)) ++port_row;
       port_refs_.push_back({atom_row, port_row, kNone, false});
-      for (u32 interaction : type.ports[port_row].variables)
-        binds_.push_back({atoms_[atom_row].first_cell + interaction});
+      for (u32 variable : type.ports[port_row].variables) binds_.push_back({atoms_[atom_row].first_cell + variable});
     }
-    for (const std::string& read : reads) binds_.push_back({interaction_row(read)});
+    for (const std::string& read : reads) binds_.push_back({variable_row(read)});
     row.bind_count = static_cast<u32>(binds_.size()) - row.binds;
     connector_rows_[name] = static_cast<u32>(connectors_.size());
     connectors_.push_back(row);
@@ -237,7 +236,7 @@ class ImageBuilder {
     row.high = pattern(high);
     row.guard = code(guard);
     row.binds = static_cast<u32>(binds_.size());
-    for (const std::string& read : reads) binds_.push_back({interaction_row(read)});
+    for (const std::string& read : reads) binds_.push_back({variable_row(read)});
     row.bind_count = static_cast<u32>(binds_.size()) - row.binds;
     row.loc = {0, line_++, 3};
     priorities_.push_back(row);
@@ -246,13 +245,13 @@ class ImageBuilder {
   const Image& image() {
     if (built_) return image_;
     built_ = true;
-    u32 interactions = interactions_;
+    u32 cells = cells_;
     for (Connector& row : connectors_) {
-      row.first_cell = interactions;
-      interactions += connector_types_[row.type].variables.size;
+      row.first_cell = cells;
+      cells += connector_types_[row.type].variables.size;
     }
     for (const auto& [bind, below] : frame_binds_) binds_[bind].cell += connectors_[below].first_cell;
-    image_.cell_count = interactions;
+    image_.cell_count = cells;
     const auto view = [](const auto& v) {
       return Span<std::remove_cvref_t<decltype(v[0])>>{v.data(), static_cast<u32>(v.size())};
     };
@@ -272,7 +271,7 @@ class ImageBuilder {
     image_.priorities = view(priorities_);
     return image_;
   }
-  u32 interaction_row(const std::string& read) const {
+  u32 variable_row(const std::string& read) const {
     const std::size_t dot = read.rfind('.');
     const u32 atom_row = atom_rows_.at(read.substr(0, dot));
     const AtomType& type = atom_types_[atoms_[atom_row].type];
@@ -379,7 +378,7 @@ class ImageBuilder {
 
   Image image_;
   bool built_ = false;
-  u32 interactions_ = 0, line_ = 1;
+  u32 cells_ = 0, line_ = 1;
   std::deque<std::string> texts_;
   std::deque<Fn> functions_;
   std::vector<Code> codes_;
