@@ -363,7 +363,7 @@ void Console::print_changes(std::string_view) {
       const rt::u32 row = change.variables[k];
       std::string now;
       rt::append_value(now, core.image(), type.variables[row].type,
-                       core.cell(core.image().atoms[change.atom].first_cell + row));
+                       core.cell(core.image().atoms[change.atom].variable(row)));
       line += fmt::format("  {}: {} -> {}", type.variables[row].name, change.values[k], now);
     }
     output_.print(line + "\n");

@@ -572,7 +572,7 @@ DapServer::Answer DapServer::scopes(const json& arguments) {
 void DapServer::append_atom(json& rows, std::uint32_t atom) const {
   const rt::Core& core = debuggee_->session->core();
   const rt::AtomType& type = core.tables().atom_type(atom);
-  const rt::u32 first = core.image().atoms[atom].first_cell;
+  const rt::VariableId first = core.image().atoms[atom].variable(0);
   const auto append = [&rows](const std::string& name, const std::string& value) {
     rows.push_back({{"name", name}, {"value", value}, {"variablesReference", 0}});
   };
@@ -652,7 +652,7 @@ DapServer::Answer DapServer::set_variable(const json& arguments) {
   if (halt == rt::Halt::Fault) return {{}, without_end(session().fault()), [this] { stop_after(rt::Halt::Fault, ""); }};
   std::string shown;
   rt::append_value(shown, model().image(), variable.type,
-                   session().core().cell(model().image().atoms[atom].first_cell + named->row));
+                   session().core().cell(model().image().atoms[atom].variable(named->row)));
   return {{{"value", shown}}, {}, {}};
 }
 

@@ -55,7 +55,7 @@ std::string reason_text(const rt::Tables& tables, const rt::JoinReason& reason) 
   const rt::Image& image = *tables.image;
   switch (reason.kind) {
     case rt::JoinReason::Kind::Connector: {
-      const rt::Connector row = image.connectors[tables.connector_of(reason.row)];
+      const rt::Connector row = image.connectors[tables.connector_of(rt::InteractionId(reason.row))];
       return fmt::format("`{}`{} is no plain rendezvous, and waits for whatever moves its components: {} interactions",
                          row.path(), place_text(image, row.loc), reason.joined);
     }
@@ -73,7 +73,7 @@ std::string reason_text(const rt::Tables& tables, const rt::JoinReason& reason) 
 }
 
 // Of a rendezvous; of others if all take part. Of split sets: if no attempt is refused.
-std::size_t most_messages(const rt::Distribution& distribution, std::uint32_t interaction,
+std::size_t most_messages(const rt::Distribution& distribution, rt::InteractionId interaction,
                           const std::vector<std::uint32_t>& atoms, std::vector<std::uint32_t>& nodes) {
   const std::uint32_t coordinator = distribution.coordinator_of[interaction];
   const rt::Span<std::uint32_t> locks = distribution.locks[interaction];
@@ -104,7 +104,7 @@ std::string split_text(const rt::Distribution& distribution) {
     if (distribution.is_split[set] == 0) continue;
     std::vector<std::size_t> coordinates(distribution.placement.nodes.size(), 0);
     std::vector<std::uint32_t> locked;
-    for (const std::uint32_t interaction : sets.interactions[set]) {
+    for (const rt::InteractionId interaction : sets.interactions[set]) {
       ++coordinates[distribution.coordinator_of[interaction]];
       locked.insert(locked.end(), distribution.locks[interaction].begin(), distribution.locks[interaction].end());
     }
@@ -199,7 +199,7 @@ std::string distribution_text(Compilation& c, const std::string& placement_path)
   std::string rows;
   std::size_t border = 0, sum = 0;
   std::vector<std::uint32_t> atoms, nodes;
-  for (std::uint32_t interaction = 0; interaction < interactions; ++interaction) {
+  for (const rt::InteractionId interaction : linked.tables.interactions.ids()) {
     rt::atoms_of_interaction(linked.tables, linked.tables.interactions[interaction], atoms);
     atoms.erase(std::unique(atoms.begin(), atoms.end()), atoms.end());
     const std::size_t messages = most_messages(distribution, interaction, atoms, nodes);

@@ -28,8 +28,8 @@ Result<std::vector<std::uint64_t>> counts_of_trace(const rt::Tables& tables, con
   rt::EnabledSet::Position at{};
   rt::RecordedEnd end;
   while (reader.next(at, end) == rt::RecordedReader::Next::Step) {
-    if (at.interaction >= counts.size()) return Failure{"it has steps that the model has not"};
-    ++counts[at.interaction];
+    if (!tables.interactions.contains(at.interaction)) return Failure{"it has steps that the model has not"};
+    ++counts[at.interaction.value];
   }
   return counts;
 }
@@ -54,7 +54,7 @@ Result<std::vector<std::uint64_t>> counts_of_profile(const rt::Tables& tables, c
   profile.start(tables);
   for (const rt::InteractionProfile& row : profile.interactions()) instances[row.name] += row.instances;
   std::vector<std::uint64_t> counts;
-  for (std::uint32_t interaction = 0; interaction < tables.interactions.size(); ++interaction) {
+  for (const rt::InteractionId interaction : tables.interactions.ids()) {
     const std::string& name = profile.interactions()[profile.row_of(interaction)].name;
     const auto found = steps.find(name);
     counts.push_back(found == steps.end() ? 0 : found->second * kShares / instances[name]);
@@ -64,9 +64,9 @@ Result<std::vector<std::uint64_t>> counts_of_profile(const rt::Tables& tables, c
 
 }  // namespace
 
-std::string interaction_name(const rt::Tables& tables, std::uint32_t interaction) {
+std::string interaction_name(const rt::Tables& tables, rt::InteractionId interaction) {
   const rt::Image& image = *tables.image;
-  if (interaction < tables.connector_interactions) return image.connectors[tables.connector_of(interaction)].path();
+  if (tables.is_of_connector(interaction)) return image.connectors[tables.connector_of(interaction)].path();
   const std::uint32_t port = tables.interactions[interaction].row;
   const std::uint32_t atom = tables.port_atom[port];
   return image.atoms[atom].path() + '.' + tables.atom_type(atom).ports[port - tables.port_base(atom)].name;

@@ -10,7 +10,7 @@
 namespace bip::driver {
 
 /// The path of the interaction's connector, or `atom.port`.
-[[nodiscard]] std::string interaction_name(const rt::Tables& tables, std::uint32_t interaction);
+[[nodiscard]] std::string interaction_name(const rt::Tables& tables, rt::InteractionId interaction);
 
 /// Reads the bytes of a binary trace, or of a profile (`--profile-json`), which counts the interactions of each
 /// declaration: each of them gets the same share. Returns a number for each interaction, in proportion to how often it

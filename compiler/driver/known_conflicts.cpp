@@ -18,23 +18,23 @@ namespace bip::driver {
 namespace {
 
 using std::uint32_t;
-using Pairs = std::set<std::pair<uint32_t, uint32_t>>;
+using Pairs = std::set<std::pair<rt::InteractionId, rt::InteractionId>>;
 
 constexpr std::size_t kMostListedConflicts = 20;
 // Of a place with more interactions the conflicts are not counted.
 constexpr std::size_t kMostCounted = 300;
 
-void add_pairs(const std::set<uint32_t>& interactions, Pairs& pairs) {
+void add_pairs(const std::set<rt::InteractionId>& interactions, Pairs& pairs) {
   for (auto a = interactions.begin(); a != interactions.end(); ++a) {
     for (auto b = std::next(a); b != interactions.end(); ++b) pairs.emplace(*a, *b);
   }
 }
 
 // By port instance: interactions that it may take part in.
-std::vector<std::vector<uint32_t>> interactions_of_ports(const rt::Tables& tables) {
-  std::vector<std::vector<uint32_t>> of_port(tables.port_atom.size());
+std::vector<std::vector<rt::InteractionId>> interactions_of_ports(const rt::Tables& tables) {
+  std::vector<std::vector<rt::InteractionId>> of_port(tables.port_atom.size());
   std::vector<uint32_t> ports;
-  for (uint32_t interaction = 0; interaction < tables.interactions.size(); ++interaction) {
+  for (const rt::InteractionId interaction : tables.interactions.ids()) {
     rt::ports_of_interaction(tables, tables.interactions[interaction], ports);
     for (const uint32_t port : ports) of_port[port].push_back(interaction);
   }
@@ -48,26 +48,29 @@ struct PlaceConflicts {
 };
 
 std::vector<PlaceConflicts> conflicts_of_places(const rt::Tables& tables, const verify::NextMoves& known) {
-  const std::vector<std::vector<uint32_t>> of_port = interactions_of_ports(tables);
+  const std::vector<std::vector<rt::InteractionId>> of_port = interactions_of_ports(tables);
   // By atom and place, then by history and mode.
-  std::map<std::pair<uint32_t, uint32_t>, std::map<std::pair<uint32_t, uint32_t>, std::set<uint32_t>>> situations;
+  std::map<std::pair<uint32_t, uint32_t>, std::map<std::pair<uint32_t, uint32_t>, std::set<rt::InteractionId>>>
+      situations;
   for (const rt::NextMove& move : known.moves) {
-    std::set<uint32_t>& there = situations[{move.atom, move.place}][{move.history, move.mode}];
+    std::set<rt::InteractionId>& there = situations[{move.atom, move.place}][{move.history, move.mode}];
     if (move.connector != rt::kNone) {
       there.insert(tables.interaction_of(move.connector));
       continue;
     }
-    for (const uint32_t interaction : of_port[tables.instance(move.atom, move.port)]) there.insert(interaction);
+    for (const rt::InteractionId interaction : of_port[tables.instance(move.atom, move.port)])
+      there.insert(interaction);
   }
   std::vector<PlaceConflicts> rows;
   for (const auto& [at, modes] : situations) {
     const auto [atom, place] = at;
     const rt::LinkedType& type = tables.types[tables.atoms[atom].type];
-    std::set<uint32_t> all;
+    std::set<rt::InteractionId> all;
     for (uint32_t row = type.first_transition; row < type.first_transition + type.transition_count; ++row) {
       const rt::LinkedTransition& transition = tables.transitions[row];
       if (transition.port == rt::kNone || transition.from != place) continue;
-      for (const uint32_t interaction : of_port[tables.instance(atom, transition.port)]) all.insert(interaction);
+      for (const rt::InteractionId interaction : of_port[tables.instance(atom, transition.port)])
+        all.insert(interaction);
     }
     if (all.size() > kMostCounted) continue;
     Pairs left;

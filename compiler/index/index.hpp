@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "compiler/base/ids.hpp"
+#include "runtime/include/bip/ids.hpp"
 #include "compiler/syntax/syntax.hpp"
 
 namespace bip::index {

@@ -22,26 +22,29 @@ Place unit_place(const lower::LoweredSystem& lowered, std::size_t unit) {
 // Interactions are numbered as the runtime does: the connectors that export nothing, then the atoms' internal ports.
 std::vector<Place> shape_places(const lower::LoweredSystem& lowered) {
   const rt::Image& image = lowered.image;
-  std::vector<Place> of_cell;
+  std::vector<Place> of_interaction;
   for (const rt::Connector& connector : image.connectors) {
     const rt::ConnectorType& type = image.connector_types[connector.type];
-    if (!type.exports) of_cell.push_back({std::string("step_") + type.name, to_model(connector.loc)});
+    if (!type.exports) of_interaction.push_back({std::string("step_") + type.name, to_model(connector.loc)});
   }
   for (const rt::Atom& atom : image.atoms) {
     const rt::AtomType& type = image.atom_types[atom.type];
     for (const rt::Port& port : type.ports) {
-      if (!port.exported) of_cell.push_back({std::string("step_") + type.name + "_" + port.name, to_model(port.loc)});
+      if (!port.exported)
+        of_interaction.push_back({std::string("step_") + type.name + "_" + port.name, to_model(port.loc)});
     }
   }
   std::vector<Place> places(lowered.steps.shapes.size());
   for (const rt::StepRun& run : lowered.steps.runs) {
-    if (places[run.shape].name.empty() && run.first < of_cell.size()) places[run.shape] = of_cell[run.first];
+    if (places[run.shape].name.empty() && run.first < of_interaction.size())
+      places[run.shape] = of_interaction[run.first];
   }
   const lower::InnerStepRows& inner = lowered.steps.inner;
   for (std::size_t k = 0; k < inner.interactions.size(); ++k) {
     if (inner.run_of[k] == rt::kNone) continue;
     Place& place = places[inner.runs[inner.run_of[k]].shape];
-    if (place.name.empty() && inner.interactions[k] < of_cell.size()) place = of_cell[inner.interactions[k]];
+    if (place.name.empty() && inner.interactions[k] < of_interaction.size())
+      place = of_interaction[inner.interactions[k]];
   }
   return places;
 }

@@ -27,7 +27,7 @@ std::string key_of(const rt::State& state) {
   std::string key;
   append_bytes(key, state.places);
   append_bytes(key, state.marks);
-  append_bytes(key, state.data);
+  append_bytes(key, state.data.rows());
   return key;
 }
 

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "compiler/base/ids.hpp"
+#include "runtime/include/bip/ids.hpp"
 #include "compiler/source/source.hpp"
 #include "compiler/syntax/ops.def"
 

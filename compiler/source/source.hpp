@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "compiler/base/ids.hpp"
+#include "runtime/include/bip/ids.hpp"
 #include "compiler/base/result.hpp"
 
 namespace bip {

@@ -204,7 +204,7 @@ void derive_steps(lower::LoweredSystem& lowered, Columns columns) {
   Instance instance, folded;
   std::vector<std::int32_t> strides;
   bool has_all = true;
-  for (u32 interaction = 0; interaction < deriver.interactions(); ++interaction) {
+  for (const rt::InteractionId interaction : deriver.tables().interactions.ids()) {
     Deriver::Found found = deriver.describe(interaction, instance);
     if (found == Deriver::Found::Yes) {
       fold(instance, kLeastRepeats, folded, strides);
@@ -219,7 +219,7 @@ void derive_steps(lower::LoweredSystem& lowered, Columns columns) {
       steps.shapes.push_back({folded.ops, strides, {}});
       runs.emplace_back(steps, at->second);
     }
-    runs[at->second].add(interaction, folded.refs);
+    runs[at->second].add(interaction.value, folded.refs);
   }
   for (Runs& rest : runs) rest.close();
   const std::vector<lower::StepShape> shapes = steps.shapes;

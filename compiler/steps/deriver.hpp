@@ -38,6 +38,7 @@ struct Instance {
     refs.push_back(value);
     ++ops.back().refs;
   }
+  void ref(rt::InteractionId interaction) { ref(interaction.value); }
   void append(const Instance& more) {
     const u32 before = static_cast<u32>(refs.size());
     for (const StepOp& op : more.ops) {
@@ -70,16 +71,16 @@ class Deriver {
   /// Must every interaction have a shape, if any is to have one? Compiled steps do not keep the core's books of
   /// priority rules.
   [[nodiscard]] bool needs_all() const { return rules_.count != 0; }
-  /// Interactions below belong to atoms.
+  /// Cells below belong to atoms.
   [[nodiscard]] u32 atom_cells() const { return tables_.atom_cells; }
   enum class Found { Yes, Never, No };  // Never: it cannot fire
-  /// The interaction of an interaction, not folded.
-  Found describe(u32 interaction, Instance& out);
+  /// The operations of an interaction, not folded.
+  Found describe(rt::InteractionId interaction, Instance& out);
 
  private:
   struct Effect {
-    u32 interaction;
-    std::int32_t delta;
+    rt::InteractionId interaction;
+    std::int32_t delta = 0;
   };
   bool add_code(u32 unit, u32 zeroed, u32 self, u32 binds, Instance& out);
   bool add_connector_codes(const rt::InteractionInfo& info, Instance& out);
@@ -96,14 +97,14 @@ class Deriver {
   bool add_ups(Instance& out);
   void add_copies(Instance& out);
   bool add_actions(Instance& out);
-  bool add_effects(u32 fired, Instance& out);
-  bool add_interaction(Effect effect, u32 fired, Instance& out);
-  bool add_star(u32 fired, const rt::InteractionInfo& info, Instance& out);
+  bool add_effects(rt::InteractionId fired, Instance& out);
+  bool add_interaction(Effect effect, rt::InteractionId fired, Instance& out);
+  bool add_star(rt::InteractionId fired, const rt::InteractionInfo& info, Instance& out);
   bool add_star_transfers(const rt::InteractionInfo& info, const std::vector<bool>& is_sure, Instance& out);
   bool add_ready(const std::vector<u32>& ports, Instance& out, u32& last_changed);
-  [[nodiscard]] std::vector<bool> find_sure(u32 fired) const;
+  [[nodiscard]] std::vector<bool> find_sure(rt::InteractionId fired) const;
   [[nodiscard]] bool is_sure(const rt::InteractionInfo& info) const;
-  [[nodiscard]] u32 trigger_count(u32 interaction, const rt::InteractionInfo& info) const;
+  [[nodiscard]] u32 trigger_count(rt::InteractionId interaction, const rt::InteractionInfo& info) const;
   [[nodiscard]] u32 transition_of(u32 instance) const;
   [[nodiscard]] bool have_distinct_atoms();
 
@@ -112,19 +113,20 @@ class Deriver {
   rt::Tables tables_;
   rt::Binds binds_;
   rt::PriorityTables rules_;
-  std::vector<lower::CodeFacts> facts_;              // by unit
-  std::vector<u32> first_port_;                      // by atom type: its rows of transitions_
-  std::vector<u32> transitions_;                     // by atom type and port: the only transition, or none
-  std::map<u32, std::vector<u32>> hiders_, hidden_;  // by interaction
+  std::vector<lower::CodeFacts> facts_;  // by unit
+  std::vector<u32> first_port_;          // by atom type: its rows of transitions_
+  std::vector<u32> transitions_;         // by atom type and port: the only transition, or none
+  std::map<rt::InteractionId, std::vector<rt::InteractionId>> hiders_, hidden_;
   // scratch
-  std::vector<u32> ports_, atoms_, touched_;
+  std::vector<u32> ports_, atoms_;
+  std::vector<rt::InteractionId> touched_;
   std::vector<Effect> effects_;
   // of one plan: see transfers.cpp
   Values values_;
   const rt::PlanUse* uses_ = nullptr;
   std::vector<u32> ups_, downs_;               // uses, in the order in which their code runs
-  std::vector<u32> homes_;                     // by value that an `up` gave: the interaction, or none
-  std::vector<std::pair<u32, u32>> assigned_;  // interactions of atoms that get a value from connectors, and which
+  std::vector<u32> homes_;                     // by value that an `up` gave: the cell, or none
+  std::vector<std::pair<u32, u32>> assigned_;  // cells of atoms that get a value from connectors, and which
   std::vector<std::pair<u32, u32>> copies_;    // to, from
 };
 

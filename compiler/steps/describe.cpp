@@ -81,7 +81,7 @@ bool Deriver::add_actions(Instance& out) {
   for (const u32 port : ports_) {
     const rt::LinkedTransition& transition = tables_.transitions[transition_of(port)];
     if (transition.source->action == kNone) continue;
-    if (!add_code(transition.source->action, 0, tables_.atoms[tables_.port_atom[port]].first_cell, 0, out))
+    if (!add_code(transition.source->action, 0, tables_.atoms[tables_.port_atom[port]].first_cell.value, 0, out))
       return false;
   }
   for (const u32 port : ports_) {
@@ -94,9 +94,9 @@ bool Deriver::add_actions(Instance& out) {
   return true;
 }
 
-Deriver::Found Deriver::describe(u32 interaction, Instance& out) {
+Deriver::Found Deriver::describe(rt::InteractionId interaction, Instance& out) {
   const rt::InteractionInfo info = tables_.interactions[interaction];
-  BIP_ASSERT(interaction < tables_.interactions.size(), "interaction {} of {}", interaction,
+  BIP_ASSERT(tables_.interactions.contains(interaction), "interaction {} of {}", interaction,
              tables_.interactions.size());
   out.clear();
   ports_.clear();

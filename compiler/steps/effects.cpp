@@ -20,7 +20,7 @@ constexpr std::size_t kMaxHiders = 8;
 bool Deriver::link_priorities() {
   std::vector<u32> all;
   enum class Side : std::uint8_t { Low, High };
-  const auto matches = [&](u32 rule, u32 interaction, Side side) {
+  const auto matches = [&](u32 rule, rt::InteractionId interaction, Side side) {
     const u32 connector = tables_.connector_of(interaction);
     all.clear();
     for (u32 k = 0; k < tables_.connector_type(connector).params.size; ++k) all.push_back(k);
@@ -28,7 +28,7 @@ bool Deriver::link_priorities() {
     return side == Side::High ? rt::matches_high(tables_, row, connector, all)
                               : rt::matches_low(tables_, row, connector, all);
   };
-  std::vector<std::vector<u32>> highs(rules_.count);
+  std::vector<std::vector<rt::InteractionId>> highs(rules_.count);
   for (const rt::HighEdge& edge : rules_.high_edges) {
     const rt::InteractionInfo info = tables_.interactions[edge.interaction];
     if (info.kind != InteractionKind::Flat || info.searched) return false;
@@ -47,10 +47,10 @@ bool Deriver::link_priorities() {
       }
       if (reached.size() > kMaxHiders) return false;
     }
-    for (const u32 low : rules_.interactions_of_low[rule]) {
+    for (const rt::InteractionId low : rules_.interactions_of_low[rule]) {
       if (tables_.interactions[low].kind != InteractionKind::Flat) return false;
       if (!matches(rule, low, Side::Low)) continue;
-      std::vector<u32>& hiders = hiders_[low];
+      std::vector<rt::InteractionId>& hiders = hiders_[low];
       for (const u32 other : reached) hiders.insert(hiders.end(), highs[other].begin(), highs[other].end());
       std::sort(hiders.begin(), hiders.end());
       hiders.erase(std::unique(hiders.begin(), hiders.end()), hiders.end());
@@ -58,28 +58,26 @@ bool Deriver::link_priorities() {
     }
   }
   for (const auto& [low, hiders] : hiders_) {
-    for (const u32 high : hiders) hidden_[high].push_back(low);
+    for (const rt::InteractionId high : hiders) hidden_[high].push_back(low);
   }
   return true;
 }
 
-bool Deriver::add_effects(u32 fired, Instance& out) {
+bool Deriver::add_effects(rt::InteractionId fired, Instance& out) {
   effects_.clear();
   touched_.clear();
   for (const u32 port : ports_) {
     const u32 atom = tables_.port_atom[port];
-    for (const u32 item : tables_.atom_watch[atom]) {
-      if (item >= interactions()) return false;
-      touched_.push_back(item);
-    }
+    if (tables_.atom_rules[atom].size != 0) return false;
+    for (const rt::InteractionId interaction : tables_.atom_watch[atom]) touched_.push_back(interaction);
     const rt::LinkedTransition& transition = tables_.transitions[transition_of(port)];
     for (u32 d = 0; d < transition.delta_count; ++d) {
       const rt::PortDelta& delta = tables_.deltas[transition.delta_first + d];
       const u32 moved = tables_.port_base(atom) + delta.port;
       if (tables_.port_watch[moved].size != 0) return false;
       for (const u32 node : tables_.port_out[moved]) {
-        if (node >= interactions()) return false;
-        effects_.push_back({node, delta.transition != kNone ? 1 : -1});
+        if (!tables_.is_interaction(node)) return false;
+        effects_.push_back({rt::Tables::interaction_at(node), delta.transition != kNone ? 1 : -1});
       }
     }
   }
@@ -103,13 +101,13 @@ bool Deriver::add_effects(u32 fired, Instance& out) {
     const auto found = hidden_.find(effects_[i].interaction);
     if (found != hidden_.end()) touched_.insert(touched_.end(), found->second.begin(), found->second.end());
   }
-  for (const u32 interaction : touched_) effects_.push_back({interaction, 0});
+  for (const rt::InteractionId interaction : touched_) effects_.push_back({interaction, 0});
   tidy();
   return std::all_of(effects_.begin(), effects_.end(),
                      [&](const Effect& effect) { return add_interaction(effect, fired, out); });
 }
 
-bool Deriver::add_interaction(Effect effect, u32 fired, Instance& out) {
+bool Deriver::add_interaction(Effect effect, rt::InteractionId fired, Instance& out) {
   const rt::InteractionInfo info = tables_.interactions[effect.interaction];
   // Its value is never above 0: a rendezvous counts what it lacks, a broadcast its only trigger.
   const bool exact = info.kind == InteractionKind::Flat || info.kind == InteractionKind::Port ||
@@ -131,11 +129,12 @@ bool Deriver::add_interaction(Effect effect, u32 fired, Instance& out) {
   if (const auto hiders = hiders_.find(effect.interaction); hiders != hiders_.end()) {
     BIP_ASSERT(hiders->second.size() <= kMaxHiders && std::is_sorted(hiders->second.begin(), hiders->second.end()),
                "{} interactions hide interaction {}", hiders->second.size(), effect.interaction);
-    for (const u32 interaction : hiders->second) out.ref(interaction);
+    for (const rt::InteractionId interaction : hiders->second) out.ref(interaction);
     out.ops.back().hiders = static_cast<u32>(hiders->second.size());
   }
-  BIP_ASSERT(effect.interaction < interactions() && (effect.delta != 0 || !hidden_.empty() || info.searched),
-             "interaction {} is touched, and nothing says why", effect.interaction);
+  BIP_ASSERT(
+      tables_.interactions.contains(effect.interaction) && (effect.delta != 0 || !hidden_.empty() || info.searched),
+      "interaction {} is touched, and nothing says why", effect.interaction);
   StepOp& made = out.ops.back();
   const std::int32_t all = -tables_.start_of(effect.interaction);
   if (exact && effect.delta < 0 && effect.interaction == fired) made.change = InteractionChange::Leaves;
@@ -148,11 +147,11 @@ bool Deriver::add_interaction(Effect effect, u32 fired, Instance& out) {
 }
 
 // Ports whose flips move the counter of a broadcast: its triggers.
-u32 Deriver::trigger_count(u32 interaction, const rt::InteractionInfo& info) const {
+u32 Deriver::trigger_count(rt::InteractionId interaction, const rt::InteractionInfo& info) const {
   u32 triggers = 0;
   for (u32 k = 0; k < info.count; ++k) {
     const rt::Span<u32> above = tables_.port_out[tables_.flat_ports[info.first + k]];
-    triggers += std::find(above.begin(), above.end(), interaction) != above.end() ? 1 : 0;
+    triggers += std::find(above.begin(), above.end(), rt::Tables::node_of(interaction)) != above.end() ? 1 : 0;
   }
   return triggers;
 }
@@ -169,12 +168,12 @@ bool Deriver::is_sure(const rt::InteractionInfo& info) const {
 }
 
 // By parameter: is the port ready whenever the broadcast can fire? The only trigger is, and an atom that has one place.
-std::vector<bool> Deriver::find_sure(u32 fired) const {
+std::vector<bool> Deriver::find_sure(rt::InteractionId fired) const {
   std::vector<bool> is_sure;
   u32 triggers = 0, trigger = 0;
   for (const u32 port : ports_) {
     const rt::Span<u32> above = tables_.port_out[port];
-    if (std::find(above.begin(), above.end(), fired) != above.end()) {
+    if (std::find(above.begin(), above.end(), rt::Tables::node_of(fired)) != above.end()) {
       ++triggers;
       trigger = static_cast<u32>(is_sure.size());
     }
@@ -220,7 +219,7 @@ bool Deriver::add_star_transfers(const rt::InteractionInfo& info, const std::vec
 }
 
 // A step of a star: each port that is enabled takes part. Ports that are always enabled fire as those of a rendezvous.
-bool Deriver::add_star(u32 fired, const rt::InteractionInfo& info, Instance& out) {
+bool Deriver::add_star(rt::InteractionId fired, const rt::InteractionInfo& info, Instance& out) {
   const std::vector<bool> is_sure = find_sure(fired);
   if (!add_star_transfers(info, is_sure, out)) return false;
   std::vector<u32> sure, others;
@@ -240,19 +239,19 @@ bool Deriver::add_ready(const std::vector<u32>& ports, Instance& out, u32& last_
   Instance each;
   for (const u32 port : ports) {
     const u32 atom = tables_.port_atom[port];
-    if (tables_.atom_watch[atom].size != 0) return false;
+    if (tables_.atom_watch[atom].size != 0 || tables_.atom_rules[atom].size != 0) return false;
     const rt::LinkedTransition& transition = tables_.transitions[transition_of(port)];
-    Effect effect{kNone, 0};
+    Effect effect;
     for (u32 d = 0; d < transition.delta_count; ++d) {
       const rt::PortDelta& delta = tables_.deltas[transition.delta_first + d];
       const u32 moved = tables_.port_base(atom) + delta.port;
       if (tables_.port_watch[moved].size != 0) return false;
       for (const u32 node : tables_.port_out[moved]) {
-        if (node >= interactions() || effect.interaction != kNone) return false;
-        effect = {node, delta.transition != kNone ? 1 : -1};
+        if (!tables_.is_interaction(node) || effect.interaction.is_valid()) return false;
+        effect = {rt::Tables::interaction_at(node), delta.transition != kNone ? 1 : -1};
       }
     }
-    if (effect.interaction != kNone) {
+    if (effect.interaction.is_valid()) {
       const rt::InteractionInfo info = tables_.interactions[effect.interaction];
       const bool exact = info.kind == InteractionKind::Flat || info.kind == InteractionKind::Port;
       if (!exact || info.searched || hiders_.contains(effect.interaction) || hidden_.contains(effect.interaction))
@@ -268,7 +267,7 @@ bool Deriver::add_ready(const std::vector<u32>& ports, Instance& out, u32& last_
     op.delta = effect.delta;
     each.ref(atom);
     if (action != kNone) each.ref(image_.atoms[atom].first_cell);
-    if (effect.interaction != kNone) each.ref(effect.interaction);
+    if (effect.interaction.is_valid()) each.ref(effect.interaction);
   }
   // The list changes in interaction order: one group of parameters changes it, in that order.
   Instance folded;
@@ -278,9 +277,10 @@ bool Deriver::add_ready(const std::vector<u32>& ports, Instance& out, u32& last_
   for (const StepOp& op : folded.ops) {
     if (op.delta == 0) continue;
     ++changing;
-    const u32 interaction = op.first_ref + op.refs - 1;
-    if (folded.refs[op.first_ref] > 1 && strides[interaction] <= 0) return false;
-    last_changed = folded.refs[interaction] + (folded.refs[op.first_ref] - 1) * static_cast<u32>(strides[interaction]);
+    // The operand that is the interaction.
+    const u32 last = op.first_ref + op.refs - 1;
+    if (folded.refs[op.first_ref] > 1 && strides[last] <= 0) return false;
+    last_changed = folded.refs[last] + (folded.refs[op.first_ref] - 1) * static_cast<u32>(strides[last]);
   }
   // Folded for good in derive_steps: here the parameters one by one.
   out.append(each);

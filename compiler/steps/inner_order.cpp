@@ -22,7 +22,7 @@ class OrderFinder {
         tables_(tables),
         rank_(image.atoms.size, kNone),
         atoms_of_type_(image.atom_types.size),
-        starts_at_(image.atoms.size, kNone) {}
+        starts_at_(image.atoms.size) {}
 
   InnerOrder find() {
     list_classes();
@@ -37,7 +37,7 @@ class OrderFinder {
     for (const Class& type_class : classes_) {
       order.first_of_class.resize(order.interactions.size() + type_class.members.size(),
                                   static_cast<u32>(order.interactions.size()));
-      order.interactions.insert(order.interactions.end(), type_class.members.begin(), type_class.members.end());
+      for (const rt::InteractionId member : type_class.members) order.interactions.push_back(member.value);
     }
     order_cells(order);
     BIP_ASSERT(order.atoms.size() == image_.atoms.size && order.interactions.size() == tables_.interactions.size() &&
@@ -50,11 +50,11 @@ class OrderFinder {
  private:
   static constexpr std::size_t kMostParameters = 8;  // of interactions among which chains are looked for
   struct Class {
-    std::vector<u32> members;  // interactions
+    std::vector<rt::InteractionId> members;
     std::size_t parameters = 0;
   };
 
-  void read_ports(u32 interaction, std::vector<u32>& ports) const {
+  void read_ports(rt::InteractionId interaction, std::vector<u32>& ports) const {
     const rt::InteractionInfo info = tables_.interactions[interaction];
     ports.clear();
     switch (info.kind) {
@@ -79,7 +79,7 @@ class OrderFinder {
     std::map<std::vector<u32>, u32> known;
     std::vector<u32> ports, key;
     first_atom_.push_back(0);
-    for (u32 interaction = 0; interaction < tables_.interactions.size(); ++interaction) {
+    for (const rt::InteractionId interaction : tables_.interactions.ids()) {
       const rt::InteractionInfo info = tables_.interactions[interaction];
       read_ports(interaction, ports);
       key.assign(1, static_cast<u32>(info.kind));
@@ -99,25 +99,30 @@ class OrderFinder {
                      [](const Class& a, const Class& b) { return a.members.size() > b.members.size(); });
   }
 
-  [[nodiscard]] u32 atom_of(u32 interaction, std::size_t parameter) const {
-    BIP_ASSERT(first_atom_[interaction] + parameter < first_atom_[interaction + 1], "parameter {} of interaction {}",
-               parameter, interaction);
-    return atoms_[first_atom_[interaction] + parameter];
+  [[nodiscard]] rt::Span<u32> atoms_of(rt::InteractionId interaction) const {
+    const u32 first = first_atom_[interaction.value];
+    return {atoms_.data() + first, first_atom_[interaction.value + 1] - first};
+  }
+  [[nodiscard]] u32 atom_of(rt::InteractionId interaction, std::size_t parameter) const {
+    return atoms_of(interaction)[parameter];
   }
 
   // Along the atoms that have a rank already; else along chains.
   void arrange(Class& type_class) {
-    const bool has_ranks = std::any_of(type_class.members.begin(), type_class.members.end(), [&](u32 member) {
-      return std::any_of(atoms_.begin() + first_atom_[member], atoms_.begin() + first_atom_[member + 1],
-                         [&](u32 atom) { return rank_[atom] != kNone; });
-    });
+    const bool has_ranks =
+        std::any_of(type_class.members.begin(), type_class.members.end(), [&](rt::InteractionId member) {
+          const rt::Span<u32> atoms = atoms_of(member);
+          return std::any_of(atoms.begin(), atoms.end(), [&](u32 atom) { return rank_[atom] != kNone; });
+        });
     if (!has_ranks) return arrange_in_chains(type_class);
-    std::stable_sort(type_class.members.begin(), type_class.members.end(), [&](u32 a, u32 b) {
-      for (std::size_t k = 0; k < type_class.parameters; ++k) {
-        if (rank_[atom_of(a, k)] != rank_[atom_of(b, k)]) return rank_[atom_of(a, k)] < rank_[atom_of(b, k)];
-      }
-      return false;
-    });
+    std::stable_sort(type_class.members.begin(), type_class.members.end(),
+                     [&](rt::InteractionId a, rt::InteractionId b) {
+                       for (std::size_t k = 0; k < type_class.parameters; ++k) {
+                         if (rank_[atom_of(a, k)] != rank_[atom_of(b, k)])
+                           return rank_[atom_of(a, k)] < rank_[atom_of(b, k)];
+                       }
+                       return false;
+                     });
   }
   void arrange_in_chains(Class& type_class) {
     const std::size_t parameters = std::min(type_class.parameters, kMostParameters);
@@ -134,21 +139,21 @@ class OrderFinder {
     };
     if (type_at(early) != type_at(late)) return false;
     bool is_unique = true;
-    for (const u32 member : type_class.members) {
-      u32& start = starts_at_[atom_of(member, early)];
-      is_unique = is_unique && start == kNone;
+    for (const rt::InteractionId member : type_class.members) {
+      rt::InteractionId& start = starts_at_[atom_of(member, early)];
+      is_unique = is_unique && !start.is_valid();
       start = member;
     }
     std::vector<u32> next(type_class.members.size(), kNone);
-    std::vector<u32> row_of(tables_.interactions.size(), kNone);
+    IndexVector<rt::InteractionId, u32> row_of(tables_.interactions.size(), kNone);
     std::vector<bool> follows(type_class.members.size(), false);
     bool is_chained = false;
     if (is_unique) {
       for (std::size_t row = 0; row < type_class.members.size(); ++row)
         row_of[type_class.members[row]] = static_cast<u32>(row);
       for (std::size_t row = 0; row < type_class.members.size() && is_unique; ++row) {
-        const u32 after = starts_at_[atom_of(type_class.members[row], late)];
-        if (after == kNone) continue;
+        const rt::InteractionId after = starts_at_[atom_of(type_class.members[row], late)];
+        if (!after.is_valid()) continue;
         const u32 after_row = row_of[after];
         is_unique = !follows[after_row];
         follows[after_row] = true;
@@ -156,9 +161,9 @@ class OrderFinder {
         is_chained = true;
       }
     }
-    for (const u32 member : type_class.members) starts_at_[atom_of(member, early)] = kNone;
+    for (const rt::InteractionId member : type_class.members) starts_at_[atom_of(member, early)] = {};
     if (!is_unique || !is_chained) return false;
-    std::vector<u32> arranged;
+    std::vector<rt::InteractionId> arranged;
     std::vector<bool> is_done(type_class.members.size(), false);
     // Chains with a beginning, then cycles.
     for (const bool cycles : {false, true}) {
@@ -184,7 +189,7 @@ class OrderFinder {
   }
   void rank_atoms(const Class& type_class) {
     for (std::size_t parameter = 0; parameter < type_class.parameters; ++parameter) {
-      for (const u32 member : type_class.members) rank(atom_of(member, parameter));
+      for (const rt::InteractionId member : type_class.members) rank(atom_of(member, parameter));
     }
   }
 
@@ -200,9 +205,9 @@ class OrderFinder {
       }
     };
     for (const u32 atom : order.atoms)
-      add(tables_.atoms[atom].first_cell, image_.atom_types[tables_.atoms[atom].type].variables.size);
+      add(tables_.atoms[atom].first_cell.value, image_.atom_types[tables_.atoms[atom].type].variables.size);
     for (const u32 interaction : order.interactions) {
-      const rt::InteractionInfo info = tables_.interactions[interaction];
+      const rt::InteractionInfo info = tables_.interactions[rt::InteractionId(interaction)];
       if (info.kind != rt::InteractionKind::Port)
         add(image_.connectors[info.row].first_cell, tables_.connector_type(info.row).variables.size);
     }
@@ -215,7 +220,7 @@ class OrderFinder {
   std::vector<u32> first_atom_, atoms_;          // by interaction: the atoms of its ports
   std::vector<u32> rank_;                        // by atom: among those of its type
   std::vector<std::vector<u32>> atoms_of_type_;  // by rank
-  std::vector<u32> starts_at_;                   // by atom: the member that binds it to the early parameter
+  std::vector<rt::InteractionId> starts_at_;     // by atom: the member that binds it to the early parameter
 };
 
 }  // namespace

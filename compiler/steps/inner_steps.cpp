@@ -89,10 +89,10 @@ class InnerDeriver {
     first_ref_.assign(1, 0);
     orders_.assign(2 * order_.interactions.size(), 0);
     // Steps of broadcasts need the scratch for what is ready.
-    for (u32 k = 0; k < order_.interactions.size(); ++k)
-      has_orders_ = has_orders_ && deriver_.tables().interactions[k].kind != rt::InteractionKind::Star;
+    for (const rt::InteractionId interaction : deriver_.tables().interactions.ids())
+      has_orders_ = has_orders_ && deriver_.tables().interactions[interaction].kind != rt::InteractionKind::Star;
     for (u32 inner = 0; inner < order_.interactions.size(); ++inner) {
-      const Deriver::Found found = deriver_.describe(order_.interactions[inner], instance);
+      const Deriver::Found found = deriver_.describe(rt::InteractionId(order_.interactions[inner]), instance);
       if (found == Deriver::Found::No) return false;
       if (found == Deriver::Found::Yes) {
         rename(instance);
@@ -239,7 +239,8 @@ class InnerDeriver {
     orders_[inner] = all;
     // Values of others may be above 0.
     const bool are_exact = std::all_of(values.begin(), values.end(), [&](const auto& value) {
-      const rt::InteractionKind kind = deriver_.tables().interactions[order_.interactions[value.second]].kind;
+      const rt::InteractionId interaction(order_.interactions[value.second]);
+      const rt::InteractionKind kind = deriver_.tables().interactions[interaction].kind;
       return kind == rt::InteractionKind::Flat || kind == rt::InteractionKind::Port;
     });
     if (!are_exact || count > OrderParts::kMost || sure_count == count || sure_count > OrderParts::kMostSure ||

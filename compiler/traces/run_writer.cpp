@@ -22,7 +22,7 @@ std::string without_root(const std::string& path) { return path.starts_with("ROO
 std::string value_text(const rt::Core& core, rt::u32 atom, std::size_t variable) {
   std::string out;
   rt::append_value(out, core.image(), core.tables().atom_type(atom).variables[variable].type,
-                   core.cell(core.image().atoms[atom].first_cell + static_cast<rt::u32>(variable)));
+                   core.cell(core.image().atoms[atom].variable(static_cast<rt::u32>(variable))));
   return out;
 }
 

@@ -90,7 +90,7 @@ std::string RunRecorder::value(rt::u32 atom, std::uint32_t variable) const {
   BIP_ASSERT(variable < shown_variables(atom), "variable {} of atom {} is not shown", variable, atom);
   std::string out;
   rt::append_value(out, core.image(), core.tables().atom_type(atom).variables[variable].type,
-                   core.cell(core.image().atoms[atom].first_cell + variable));
+                   core.cell(core.image().atoms[atom].variable(variable)));
   return out;
 }
 

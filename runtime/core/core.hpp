@@ -46,7 +46,7 @@ class Core {
   }
   /// Restores the order that the list had in this state. Has no effect if no list is kept, or if the list is kept in
   /// interaction order.
-  void set_list_order(const std::vector<u32>& order) {
+  void set_list_order(const std::vector<InteractionId>& order) {
     if (parts_.keeps_list && !parts_.enabled.keeps_order())
       parts_.enabled.list(order, static_cast<u32>(tables().interactions.size()));
   }
@@ -84,12 +84,12 @@ class Core {
   /// Ends with a fault that another core of the image met.
   void fail(const Fault& fault) { parts_.fault = fault; }
   /// Remembers a step that another core of the image took.
-  void remember(u32 interaction) { parts_.history.remember(interaction); }
+  void remember(InteractionId interaction) { parts_.history.remember(interaction); }
 
   // ---- looking at the state
-  [[nodiscard]] const Cell& cell(u32 row) const { return parts_.memory.cells[row]; }
+  [[nodiscard]] const Cell& cell(VariableId variable) const { return parts_.memory.cells[variable]; }
   /// Of an atom that is away in this core, or gets a value of a port before it takes part.
-  void write_cell(u32 row, u64 bits) { parts_.memory.cells[row].bits = bits; }
+  void write_cell(VariableId variable, u64 bits) { parts_.memory.cells[variable].bits = bits; }
   [[nodiscard]] bool is_marked(u32 atom, u32 place) const { return parts_.is_marked(atom, place); }
   /// The transition (row of the type's) that the port would fire, or kNone if the port is disabled.
   [[nodiscard]] u32 enabled_transition(u32 atom, u32 port) const;

@@ -46,14 +46,14 @@ bool CoreParts::initialize() {
     const AtomType& type = tables.atom_type(atom);
     const LinkedType& linked = tables.types[atoms[atom].type];
     const AtomInfo& state = atoms[atom];
-    Cell* cells = memory.cells.data() + state.first_cell;
+    Cell* cells = memory.cells.from(state.first_cell);
     u32 args = image.atoms[atom].args;
     for (u32 i = 0; i < type.variables.size; ++i) {
       cells[i] = Cell{0};
       if (type.variables[i].is_param) cells[i] = image.args[args++];
     }
     if (type.draws != kNone && has_draw_seed) cells[type.draws].bits = draw_start(draw_seed, atom);
-    if (!memory.ffi_data.empty()) memory.ffi_data.reset(type.variables, memory.cells.data(), state.first_cell);
+    if (!memory.ffi_data.empty()) memory.ffi_data.reset(type.variables, memory.cells.all(), state.first_cell.value);
     BIP_ASSERT(linked.mark_words != 0 || type.initial.size == 1, "atom {} begins at {} places", atom,
                type.initial.size);
     if (linked.mark_words == 0) {
@@ -65,7 +65,7 @@ bool CoreParts::initialize() {
     }
     if (clocks.is_timed()) clocks.start_clocks(atom);
     if (linked.initial.fn != nullptr) {
-      const std::int32_t status = linked.initial.fn(linked.initial.context, cells, memory.cells.data(), nullptr);
+      const std::int32_t status = linked.initial.fn(linked.initial.context, cells, memory.cells.all(), nullptr);
       BIP_ASSERT(status >= 1, "`initial` of atom {} returns {}", atom, status);
       if (status >= 2) return faults.fail_code(status, atom, kNone, nullptr);
     }
@@ -93,7 +93,8 @@ bool CoreParts::is_consistent() const {
   if (fault || interactions > kMostChecked || atoms.size > kMostChecked) return true;
   if (!ports.is_consistent() || !enabled.is_consistent()) return false;
   if (clocks.is_timed() && !clocks.is_consistent()) return false;
-  for (u32 i = 0; i < interactions && is_settled(); ++i) {
+  if (!is_settled()) return true;
+  for (const InteractionId i : tables.interactions.ids()) {
     // What is searched or hidden was counted when it was settled.
     if (search.is_searched(i)) continue;
     const bool is_hidden = enabled.weight(i) == 0 && priorities.can_hide(i);
@@ -113,11 +114,11 @@ void CoreParts::keep_ordered_list() {
 }
 
 Candidate CoreParts::candidate(EnabledSet::Position at) const {
-  BIP_ASSERT(at.interaction < tables.interactions.size(), "interaction {} of {}", at.interaction,
+  BIP_ASSERT(tables.interactions.contains(at.interaction), "interaction {} of {}", at.interaction,
              tables.interactions.size());
   Candidate candidate;
   candidate.interaction = at.interaction;
-  if (at.interaction >= tables.connector_interactions) {
+  if (!tables.is_of_connector(at.interaction)) {
     const u32 instance = tables.interactions[at.interaction].row;
     candidate.atom = tables.port_atom[instance];
     candidate.port = instance - tables.port_base(candidate.atom);
@@ -141,9 +142,9 @@ State CoreParts::snapshot() const {
   State state;
   state.places = memory.places;
   state.marks = memory.marks;
-  state.data.resize(tables.atom_cells);
-  if (!state.data.empty()) std::memcpy(state.data.data(), memory.cells.data(), state.data.size() * sizeof(Cell));
-  memory.ffi_data.save(state.data, state.objects);
+  state.data.assign(tables.atom_cells, 0);
+  if (!state.data.empty()) std::memcpy(state.data.rows().data(), memory.cells.all(), state.data.size() * sizeof(Cell));
+  memory.ffi_data.save(state.data.rows(), state.objects);
   if (clocks.is_timed()) clocks.save(state.time);
   return state;
 }
@@ -162,7 +163,7 @@ bool CoreParts::restore_atoms(const State& state) {
   fault = {};
   if (clocks.is_timed()) clocks.load(state.time);
   // All objects first: what an atom offers may depend on them. An atom that has one counts as changed.
-  if (!memory.ffi_data.empty()) memory.ffi_data.load(memory.cells.data(), state.objects);
+  if (!memory.ffi_data.empty()) memory.ffi_data.load(memory.cells.all(), state.objects);
   for (u32 atom = 0; atom < image.atoms.size; ++atom) {
     const AtomInfo& now = atoms[atom];
     const AtomType& type = image.atom_types[now.type];
@@ -195,7 +196,7 @@ bool CoreParts::settle() {
     enabled.settle_list();
     return true;
   }
-  for (u32 interaction : ports.dirty()) {
+  for (const InteractionId interaction : ports.dirty()) {
     if (!search.is_searched(interaction) || search.list(interaction)) continue;
     fault.is_of_state = true;
     return false;
@@ -206,7 +207,7 @@ bool CoreParts::settle() {
       return false;
     }
   } else {
-    for (u32 interaction : ports.dirty()) enabled.set(interaction, search.base_count(interaction));
+    for (const InteractionId interaction : ports.dirty()) enabled.set(interaction, search.base_count(interaction));
   }
   ports.dirty().clear();
   enabled.settle_list();

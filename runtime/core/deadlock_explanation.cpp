@@ -346,8 +346,8 @@ class DeadlockExplainer {
   }
   // Of several that could release the atom, the one it met last is the one that has it.
   void prefer_holders(u32 atom) {
-    const u32 interaction = last_interactions_[atom];
-    if (interaction == kNone || interaction >= tables_.connector_interactions) return;
+    const InteractionId interaction = last_interactions_[atom];
+    if (!interaction.is_valid() || !tables_.is_of_connector(interaction)) return;
     const InteractionInfo& info = tables_.interactions[interaction];
     std::vector<u32> met;
     for (u32 i = 0; i < std::min(info.count, kMetKept); ++i)
@@ -418,18 +418,18 @@ class DeadlockExplainer {
   const Core& core_;
   const Tables& tables_;
   const Image& image_;
-  std::vector<u32> first_node_;            // by connector
-  std::vector<bool> available_;            // by (connector, define node)
-  std::vector<std::vector<u32>> missing_;  // the same: port instances
-  std::vector<u32> above_;                 // the same: its group
-  std::vector<u32> connector_of_;          // the same
-  Csr up_port_, up_connector_;             // leaves that a port, a connector is bound by
-  std::vector<bool> bound_;                // by port instance
-  std::vector<std::vector<Want>> wants_;   // by atom
-  std::vector<u32> last_interactions_;     // by atom
-  std::vector<u32> waiting_;               // atoms that offer a port
-  std::vector<u32> guards_;                // connectors that only guards keep from acting
-  std::vector<u32> listening_;             // atoms whose places let them take events from outside
+  std::vector<u32> first_node_;                   // by connector
+  std::vector<bool> available_;                   // by (connector, define node)
+  std::vector<std::vector<u32>> missing_;         // the same: port instances
+  std::vector<u32> above_;                        // the same: its group
+  std::vector<u32> connector_of_;                 // the same
+  Csr up_port_, up_connector_;                    // leaves that a port, a connector is bound by
+  std::vector<bool> bound_;                       // by port instance
+  std::vector<std::vector<Want>> wants_;          // by atom
+  std::vector<InteractionId> last_interactions_;  // by atom
+  std::vector<u32> waiting_;                      // atoms that offer a port
+  std::vector<u32> guards_;                       // connectors that only guards keep from acting
+  std::vector<u32> listening_;                    // atoms whose places let them take events from outside
 };
 
 }  // namespace

@@ -13,7 +13,14 @@ template <class T, class Allocator>
 u64 bytes(const std::vector<T, Allocator>& rows) {
   return u64{rows.size()} * sizeof(T);
 }
-u64 bytes(const Csr& rows) { return bytes(rows.first) + bytes(rows.items); }
+template <class Row, class T>
+u64 bytes(const IndexVector<Row, T>& rows) {
+  return bytes(rows.rows());
+}
+template <class From, class To>
+u64 bytes(const CsrOf<From, To>& rows) {
+  return bytes(rows.first) + bytes(rows.items);
+}
 template <class T>
 u64 bytes(const Span<T>& rows) {
   return u64{rows.size} * sizeof(T);
@@ -41,7 +48,7 @@ MemoryUse memory_use(const CoreParts& core) {
   const PriorityTables& rules = core.priorities.tables();
   MemoryUse use;
   use.atoms = bytes(image.atoms) + bytes_of_names(image.atoms) + bytes(image.args) +
-              all_of(t.atoms, t.port_atom, t.mark_base, t.port_out.first, t.atom_watch) +
+              all_of(t.atoms, t.port_atom, t.mark_base, t.port_out.first, t.atom_watch, t.atom_rules) +
               all_of(core.memory.places, core.memory.marks) + core.ports.port_bytes();
   if (core.clocks.is_timed()) use.atoms += core.clocks.bytes() + core.events.bytes() + core.actions.bytes();
 
@@ -61,7 +68,7 @@ MemoryUse memory_use(const CoreParts& core) {
              rules.interactions_of_low, rules.next, rules.previous, rules.component, rules.members, rules.cyclic);
   use.connectors += bytes(image.priorities) + core.priorities.bytes();
 
-  use.data = bytes(core.memory.cells) + u64{image.step_cells} * sizeof(ColumnCell);
+  use.data = u64{core.memory.cells.size()} * sizeof(Cell) + u64{image.step_cells} * sizeof(ColumnCell);
   for (const Compound& compound : image.compounds) use.rest += sizeof compound + std::strlen(compound.path) + 1;
   use.rest += all_of(t.types, t.transitions, t.deltas, t.place_transitions, t.place_internals) +
               core.programs.code_bytes() + core.history.bytes();

@@ -87,7 +87,7 @@ void Profile::start(const Tables& tables) {
   // Type, file, line, column; an internal port has no connector's type.
   using Key = std::tuple<bool, u32, u32, u32, u32, u32>;
   std::map<Key, u32> known;
-  for (u32 interaction = 0; interaction < tables.interactions.size(); ++interaction) {
+  for (const InteractionId interaction : tables.interactions.ids()) {
     const InteractionInfo info = tables.interactions[interaction];
     InteractionProfile row;
     std::string path;
@@ -107,7 +107,7 @@ void Profile::start(const Tables& tables) {
         is_port,       is_port ? row.atom_type : row.connector_type, is_port ? row.port : 0, row.loc.file, row.loc.line,
         row.loc.column};
     const auto [at, is_new] = known.try_emplace(key, static_cast<u32>(interactions_.size()));
-    interaction_of_.push_back(at->second);
+    interaction_of_.push(at->second);
     if (is_new) {
       row.name = std::move(path);
       row.instances = 1;

@@ -44,7 +44,7 @@ class Profile {
     code_calls_ = code_ticks_ = 0;
     step_began_ = ticks_now();
   }
-  void end_step(std::uint32_t interaction) {
+  void end_step(InteractionId interaction) {
     const std::uint64_t took = ticks_now() - step_began_;
     InteractionProfile& row = interactions_[interaction_of_[interaction]];
     ++row.steps;
@@ -58,7 +58,7 @@ class Profile {
   // ---- results, in seconds, without what measuring cost
   [[nodiscard]] const std::vector<InteractionProfile>& interactions() const { return interactions_; }
   /// The row of interactions() that counts the interaction.
-  [[nodiscard]] std::uint32_t row_of(std::uint32_t interaction) const { return interaction_of_[interaction]; }
+  [[nodiscard]] std::uint32_t row_of(InteractionId interaction) const { return interaction_of_[interaction]; }
   [[nodiscard]] const CodeProfile& code(std::size_t row) const { return rows_[row].count; }
   [[nodiscard]] double seconds_of(const InteractionProfile& row) const;
   [[nodiscard]] double code_seconds_of(const InteractionProfile& row) const;
@@ -80,7 +80,7 @@ class Profile {
 
   std::vector<Code>& codes_;
   std::vector<Row> rows_;
-  std::vector<std::uint32_t> interaction_of_;  // by interaction
+  IndexVector<InteractionId, std::uint32_t> interaction_of_;  // row of interactions_
   std::vector<InteractionProfile> interactions_;
   std::uint64_t started_ = 0, step_began_ = 0;
   std::uint64_t code_calls_ = 0, code_ticks_ = 0;  // of the step at hand

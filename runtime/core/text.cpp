@@ -128,14 +128,14 @@ std::string places_of(const CoreParts& core, u32 atom) {
 
 std::string data_of(const CoreParts& core, u32 atom) {
   const AtomType& type = core.tables.atom_type(atom);
-  const u32 base = core.image().atoms[atom].first_cell;
+  const VariableId first = core.tables.atoms[atom].first_cell;
   std::string out;
   const u32 clocks = type.time == nullptr ? 0 : type.time->clocks.size;
   for (u32 i = 0; i < visible_variables(type); ++i) {
     if (i != 0) out += ", ";
     out += type.variables[i].name;
     out += " = ";
-    append_value(out, core.image(), type.variables[i].type, core.memory.cells[base + i]);
+    append_value(out, core.image(), type.variables[i].type, core.memory.cells[first + i]);
   }
   for (u32 i = 0; i < clocks; ++i) {
     if (!out.empty()) out += ", ";

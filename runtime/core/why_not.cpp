@@ -28,7 +28,7 @@ class WhyNot {
       return out;
     }
     if (type.exports) return path + " offers its port: the connectors that bind it decide\n";
-    const u32 interaction = tables_.interaction_of(connector);
+    const InteractionId interaction = tables_.interaction_of(connector);
     if (core_.enabled().weight(interaction) != 0) return path + " is possible\n";
     if (core_.search().listed_count(connector) == 0) return path + " is not possible:\n" + false_guards(connector);
     return path + " is not possible:\n" + hiding_rules(interaction);
@@ -161,7 +161,7 @@ class WhyNot {
   [[nodiscard]] bool holds(u32 atom, u32 row) const {
     const Transition& transition = tables_.atom_type(atom).transitions[row];
     if (transition.guard == kNone) return true;
-    const u32 first = image_.atoms[atom].first_cell;
+    const VariableId first = tables_.atoms[atom].first_cell;
     std::vector<Cell> cells;
     for (u32 k = 0; k < tables_.atom_type(atom).variables.size; ++k) cells.push_back(core_.cell(first + k));
     const Code guard = image_.codes[transition.guard];
@@ -196,21 +196,21 @@ class WhyNot {
     const Priority& row = image_.priorities[rule];
     if (row.guard == kNone) return true;
     std::vector<Cell> cells;
-    for (u32 cell = 0; cell < image_.cell_count; ++cell) cells.push_back(core_.cell(cell));
+    for (const VariableId variable : IdRange<VariableId>(image_.cell_count)) cells.push_back(core_.cell(variable));
     const Code guard = image_.codes[row.guard];
     const u32* const binds = row.bind_count == 0 ? nullptr : core_.parts().memory.binds.rows + row.binds;
     return guard.fn(guard.context, nullptr, cells.data(), binds) == 1;
   }
 
   // The rules that hide it, each with what is possible at the end of its chain.
-  [[nodiscard]] std::string hiding_rules(u32 interaction) const {
+  [[nodiscard]] std::string hiding_rules(InteractionId interaction) const {
     const PriorityTables& priorities = core_.priorities();
     std::string out;
     for (const u32 rule : priorities.low_of_interaction[interaction]) {
       if (!rule_holds(rule)) continue;
       std::vector<u32> todo{rule}, seen;
-      u32 stronger = kNone;
-      while (!todo.empty() && stronger == kNone) {
+      InteractionId stronger;
+      while (!todo.empty() && !stronger.is_valid()) {
         const u32 next = todo.back();
         todo.pop_back();
         if (std::find(seen.begin(), seen.end(), next) != seen.end()) continue;
@@ -222,7 +222,7 @@ class WhyNot {
           if (rule_holds(row)) todo.push_back(row);
         }
       }
-      if (stronger == kNone) continue;
+      if (!stronger.is_valid()) continue;
       out += std::string("  priority `") + image_.priorities[rule].name + "` hides it: ";
       append_relative(out, image_.connectors[tables_.connector_of(stronger)]);
       out += " is possible";

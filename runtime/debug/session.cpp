@@ -76,9 +76,9 @@ bool DebugSession::advance(i64 to) {
 
 // A state that differs in one cell; what is enabled in it is found anew.
 bool DebugSession::assign_cell(const Assignment& assignment) {
-  const std::vector<u32> order = core_.enabled().list_order();
+  const std::vector<InteractionId> order = core_.enabled().list_order();
   State state = core_.snapshot();
-  state.data[assignment.cell] = assignment.value.bits;
+  state.data[assignment.variable] = assignment.value.bits;
   if (!core_.restore(state)) return false;
   core_.set_list_order(order);
   return true;
@@ -238,7 +238,7 @@ Halt DebugSession::assign(u32 atom, u32 variable, Cell value) {
   branch();
   // The move may be repeated when no state has the string any more.
   if (core_.image().ffi != nullptr && declared.type == CellType::String) core_.image().ffi->pin({&value.i, 1});
-  assignments_.push_back({core_.image().atoms[atom].first_cell + variable, value});
+  assignments_.push_back({core_.image().atoms[atom].variable(variable), value});
   record({kAssign, static_cast<u32>(assignments_.size() - 1)}, core_.now());
   return forward(Track::No);
 }
@@ -516,11 +516,12 @@ std::string DebugSession::move_text(std::uint64_t row) const {
     if (event.kind == EventKind::Port) text = "an event arrives at " + feed_.ports().path(event.row);
     else text = "the action returns in " + core_.image().atoms[event.row].path();
   } else if (move.interaction == kAssign) {
-    const u32 cell = assignments_[move.rank].cell, atom = atom_of_cell(cell);
+    const VariableId variable = assignments_[move.rank].variable;
+    const u32 atom = atom_of(variable);
     text = "a person sets ";
     append_relative(text, core_.image().atoms[atom]);
     const AtomType& type = core_.tables().atom_type(atom);
-    text += std::string(".") + type.variables[cell - core_.image().atoms[atom].first_cell].name;
+    text += std::string(".") + type.variables[variable - core_.tables().atoms[atom].first_cell].name;
   }
   return text;
 }
@@ -535,13 +536,13 @@ const LastMove* DebugSession::last_move() {
   return &last_;
 }
 
-// The atom whose variable is in the cell: their variables follow each other.
-u32 DebugSession::atom_of_cell(u32 cell) const {
+// The atom that has the variable: their variables follow each other.
+u32 DebugSession::atom_of(VariableId variable) const {
   const Image& image = core_.image();
   u32 atom = 0;
-  while (atom + 1 < image.atoms.size && image.atoms[atom + 1].first_cell <= cell) ++atom;
-  BIP_ASSERT(cell - image.atoms[atom].first_cell < core_.tables().atom_type(atom).variables.size,
-             "cell {} is none of atom {}", cell, atom);
+  while (atom + 1 < image.atoms.size && image.atoms[atom + 1].variable(0) <= variable) ++atom;
+  BIP_ASSERT(variable - image.atoms[atom].variable(0) < core_.tables().atom_type(atom).variables.size,
+             "variable {} is none of atom {}", variable, atom);
   return atom;
 }
 
@@ -549,7 +550,7 @@ void DebugSession::note_atom(u32 atom) {
   if (std::any_of(before_.begin(), before_.end(), [&](const Before& b) { return b.atom == atom; })) return;
   Before before{atom, places_of(core_, atom), {}, {}};
   const AtomType& type = core_.tables().atom_type(atom);
-  const u32 first = core_.image().atoms[atom].first_cell;
+  const VariableId first = core_.tables().atoms[atom].first_cell;
   // Hidden variables come last.
   const u32 shown = visible_variables(type);
   for (u32 k = 0; k < shown; ++k) {
@@ -585,7 +586,7 @@ void DebugSession::begin_tracking(const Move& move) {
   if (move.interaction == kAssign) {
     last_.kind = MoveKind::Assign;
     last_.text = move_text(position_);
-    note_atom(atom_of_cell(assignments_[move.rank].cell));
+    note_atom(atom_of(assignments_[move.rank].variable));
     return;
   }
   const Candidate candidate = core_.candidate(EnabledSet::Position{move.interaction, move.rank});
@@ -602,7 +603,7 @@ void DebugSession::end_tracking() {
   for (const Before& before : before_) {
     AtomChange change{before.atom, {}, {}, {}};
     if (places_of(core_, before.atom) != before.places) change.places = before.places;
-    const u32 first = core_.image().atoms[before.atom].first_cell;
+    const VariableId first = core_.tables().atoms[before.atom].first_cell;
     const AtomType& type = core_.tables().atom_type(before.atom);
     for (u32 k = 0; k < before.cells.size(); ++k) {
       std::string now;
@@ -637,7 +638,7 @@ void DebugSession::prepare_breakpoints() {
       case BreakKind::Port:
       case BreakKind::Line: watches_steps_ = true; break;
       case BreakKind::Place: b.was = core_.is_marked(b.owner, b.row) ? 1 : 0; break;
-      case BreakKind::Data: b.was = core_.cell(core_.image().atoms[b.owner].first_cell + b.row).bits; break;
+      case BreakKind::Data: b.was = core_.cell(core_.tables().atoms[b.owner].first_cell + b.row).bits; break;
       case BreakKind::Condition: b.was = b.condition(core_) ? 1 : 0; break;
       case BreakKind::Time: b.was = core_.now() >= b.instant ? 1 : 0; break;
     }
@@ -674,7 +675,7 @@ bool DebugSession::check_breakpoints() {
       }
       case BreakKind::Place: is_hit = became(core_.is_marked(b.owner, b.row)); break;
       case BreakKind::Data: {
-        const u64 now = core_.cell(core_.image().atoms[b.owner].first_cell + b.row).bits;
+        const u64 now = core_.cell(core_.tables().atoms[b.owner].first_cell + b.row).bits;
         is_hit = std::exchange(b.was, now) != now;
         break;
       }

@@ -153,14 +153,16 @@ class DebugSession {
   static constexpr std::size_t kMaxMarks = 100;
 
  private:
-  static constexpr u32 kDelay = kNone, kEvent = kNone - 1, kAssign = kNone - 2;
+  // What stands in the place of an interaction in a move that is no step.
+  static constexpr InteractionId kDelay{kNone}, kEvent{kNone - 1}, kAssign{kNone - 2};
   static constexpr std::uint64_t kFirstStride = 64;
   struct Move {
-    u32 interaction = 0, rank = 0;  // kEvent: row of events_; kAssign: of assignments_
+    InteractionId interaction{0u};
+    u32 rank = 0;  // kEvent: row of events_; kAssign: of assignments_
     friend bool operator==(const Move&, const Move&) = default;
   };
   struct Assignment {
-    u32 cell = 0;
+    VariableId variable;
     Cell value{};
   };
   struct PostedEvent {
@@ -170,7 +172,7 @@ class DebugSession {
   struct Snapshot {
     std::uint64_t position = 0;
     State state;
-    std::vector<u32> order;
+    std::vector<InteractionId> order;
     std::size_t bytes = 0;
   };
   struct Mark {
@@ -202,7 +204,7 @@ class DebugSession {
   void end_tracking();
   void note_part(const Participant& part);
   void note_atom(u32 atom);
-  [[nodiscard]] u32 atom_of_cell(u32 cell) const;
+  [[nodiscard]] u32 atom_of(VariableId variable) const;
   void prepare_breakpoints();
   [[nodiscard]] bool check_breakpoints();
   void note_step(const Candidate& candidate);

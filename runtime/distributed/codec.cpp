@@ -66,12 +66,12 @@ Codec::Codec(const Tables& tables, const Distribution& distribution, u64 run)
   }
 }
 
-void Codec::write_cell(ByteWriter& writer, u32 cell, u64 bits) const {
+void Codec::write_cell(ByteWriter& writer, VariableId cell, u64 bits) const {
   if (is_text_.empty() || is_text_[cell] == 0) writer.number(bits);
   else writer.text(string_of(*tables_.image, Cell{.bits = bits}));
 }
 
-u64 Codec::read_cell(ByteReader& reader, u32 cell) const {
+u64 Codec::read_cell(ByteReader& reader, VariableId cell) const {
   if (is_text_.empty() || is_text_[cell] == 0) return reader.number();
   Cell value{.bits = 0};
   value.i = tables_.image->ffi->intern(reader.text());
@@ -141,7 +141,7 @@ void Codec::write(ByteWriter& writer, const Offer& offer) const {
     }
     writer.number(static_cast<u64>(offer.offer.change));
   }
-  const Span<u32> cells = distribution_.cells[offer.atom];
+  const Span<VariableId> cells = distribution_.cells[offer.atom];
   BIP_ASSERT(offer.cells.size() == cells.size, "an offer of {} of {} variables", offer.cells.size(), cells.size);
   for (u32 i = 0; i < cells.size; ++i) write_cell(writer, cells[i], offer.cells[i]);
 }
@@ -176,7 +176,7 @@ void Codec::read_times(ByteReader& reader, Offer& offer) const {
 }
 
 void Codec::read_cells(ByteReader& reader, u32 atom, std::vector<u64>& cells) const {
-  const Span<u32> rows = distribution_.cells[atom];
+  const Span<VariableId> rows = distribution_.cells[atom];
   cells.reserve(rows.size);
   for (u32 i = 0; i < rows.size && reader.is_sound(); ++i) cells.push_back(read_cell(reader, rows[i]));
 }
@@ -225,7 +225,7 @@ void Codec::read_offer(ByteReader& reader, Offer& offer) const {
 
 void Codec::write(ByteWriter& writer, const Begin& begin) const {
   writer.number(begin.step);
-  writer.number(begin.interaction);
+  writer.number(begin.interaction.value);
   write(writer, begin.moment);
   writer.number(begin.parts.size());
   for (const Part& part : begin.parts) {
@@ -233,7 +233,7 @@ void Codec::write(ByteWriter& writer, const Begin& begin) const {
     writer.number(part.n);
     writer.number(part.transition);
     writer.number(part.order);
-    const Span<u32> cells = distribution_.cells[part.atom];
+    const Span<VariableId> cells = distribution_.cells[part.atom];
     BIP_ASSERT(part.cells.size() == cells.size, "a part with {} of {} variables", part.cells.size(), cells.size);
     for (u32 i = 0; i < cells.size; ++i) write_cell(writer, cells[i], part.cells[i]);
   }
@@ -241,7 +241,7 @@ void Codec::write(ByteWriter& writer, const Begin& begin) const {
 
 void Codec::read(ByteReader& reader, u32 self, Begin& begin) const {
   begin.step = reader.number();
-  begin.interaction = reader.row(tables_.interactions.size());
+  begin.interaction = InteractionId(reader.row(tables_.interactions.size()));
   read(reader, begin.moment);
   const u64 count = reader.count();
   for (u64 i = 0; i < count && reader.is_sound(); ++i) {
@@ -257,7 +257,7 @@ void Codec::read(ByteReader& reader, u32 self, Begin& begin) const {
     // What becomes the atom's history is a connector of the port.
     const u32 port = tables_.instance(part.atom, tables_.transitions[part.transition].port);
     if (distribution_.sets.is_told_apart[port] != 0) {
-      if (begin.interaction >= tables_.connector_interactions) return reader.refuse();
+      if (!tables_.is_of_connector(begin.interaction)) return reader.refuse();
       std::vector<u32> ports;
       ports_of_interaction(tables_, tables_.interactions[begin.interaction], ports);
       if (std::find(ports.begin(), ports.end(), port) == ports.end()) return reader.refuse();
@@ -268,15 +268,15 @@ void Codec::read(ByteReader& reader, u32 self, Begin& begin) const {
 }
 
 void Codec::write(ByteWriter& writer, const Lock& lock) const {
-  writer.number(lock.interaction);
+  writer.number(lock.interaction.value);
   writer.number(lock.own);
   writer.number(lock.held.size());
   for (const Offer& offer : lock.held) write(writer, offer);
 }
 
 // An interaction with locks.
-u32 Codec::read_split(ByteReader& reader) const {
-  const u32 interaction = reader.row(tables_.interactions.size());
+InteractionId Codec::read_split(ByteReader& reader) const {
+  const InteractionId interaction(reader.row(tables_.interactions.size()));
   if (reader.is_sound() && distribution_.locks[interaction].size == 0) reader.refuse();
   return interaction;
 }
@@ -308,7 +308,7 @@ void Codec::read(ByteReader& reader, u32 from, u32 self, Lock& lock) const {
 }
 
 void Codec::write(ByteWriter& writer, const Release& release) {
-  writer.number(release.interaction);
+  writer.number(release.interaction.value);
   writer.number((release.is_refused ? 1u : 0u) + (release.is_watched ? 2u : 0u));
   writer.number(release.atoms.size());
   for (const u32 atom : release.atoms) writer.number(atom);
@@ -332,7 +332,7 @@ void Codec::read(ByteReader& reader, u32 self, Release& release) const {
   }
 }
 
-void Codec::write(ByteWriter& writer, const Wake& wake) { writer.number(wake.interaction); }
+void Codec::write(ByteWriter& writer, const Wake& wake) { writer.number(wake.interaction.value); }
 
 void Codec::read(ByteReader& reader, u32 self, Wake& wake) const {
   wake.interaction = read_split(reader);

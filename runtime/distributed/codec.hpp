@@ -63,8 +63,8 @@ class Codec {
 
   /// The value of a cell; text if it is a string of an image whose C++ makes strings, so that their rows differ between
   /// processes.
-  void write_cell(ByteWriter& writer, u32 cell, u64 bits) const;
-  [[nodiscard]] u64 read_cell(ByteReader& reader, u32 cell) const;
+  void write_cell(ByteWriter& writer, VariableId cell, u64 bits) const;
+  [[nodiscard]] u64 read_cell(ByteReader& reader, VariableId cell) const;
 
  private:
   void write(ByteWriter& writer, const Offer& offer) const;
@@ -82,7 +82,7 @@ class Codec {
   void read(ByteReader& reader, u32 from, u32 self, Lock& lock) const;
   void read(ByteReader& reader, u32 self, Release& release) const;
   void read(ByteReader& reader, u32 self, Wake& wake) const;
-  [[nodiscard]] u32 read_split(ByteReader& reader) const;
+  [[nodiscard]] InteractionId read_split(ByteReader& reader) const;
   void read(ByteReader& reader, u32 self, Begin& begin) const;
   static void read(ByteReader& reader, Control& control);
   [[nodiscard]] bool has_port(const LinkedType& type, u32 row) const;
@@ -92,7 +92,7 @@ class Codec {
   const Distribution& distribution_;
   u64 run_;
   bool is_timed_;
-  std::vector<std::uint8_t> is_text_;  // by cell of the atoms. Empty: none is
+  IndexVector<VariableId, std::uint8_t> is_text_;  // of the atoms. Empty: none is
 };
 
 }  // namespace bip::rt

@@ -29,7 +29,7 @@ class UnionFind {
   std::vector<u32> parent_;
 };
 
-bool has_object(const Tables& tables, u32 atom, u32 cell) {
+bool has_object(const Tables& tables, u32 atom, VariableId cell) {
   return is_ffi(tables.atom_type(atom).variables[cell - tables.atoms[atom].first_cell].type);
 }
 
@@ -43,9 +43,12 @@ bool can_fire_at(const Tables& tables, u32 port, u32 place) {
   });
 }
 
-u32 atom_of_cell(const std::vector<Csr::Pair>& by_cell, u32 cell) {
+// An atom, by its first cell.
+using FirstCell = CsrOf<VariableId, u32>::Pair;
+
+u32 atom_of_cell(const std::vector<FirstCell>& by_cell, VariableId cell) {
   const auto after = std::upper_bound(by_cell.begin(), by_cell.end(), cell,
-                                      [](u32 row, const Csr::Pair& pair) { return row < pair.from; });
+                                      [](VariableId row, const FirstCell& first) { return row < first.from; });
   BIP_ASSERT(after != by_cell.begin(), "cell {} is no atom's", cell);
   return std::prev(after)->to;
 }
@@ -62,21 +65,22 @@ bool may_fault_between_steps(const Image& image) {
 
 }  // namespace
 
-Csr shown_cells(const Tables& tables) {
+VariablesBy shown_cells(const Tables& tables) {
   const Image& image = *tables.image;
   const u32 atom_count = image.atoms.size;
-  std::vector<Csr::Pair> shown, by_cell;
+  std::vector<VariablesBy::Pair> shown;
+  std::vector<FirstCell> by_cell;
   for (u32 atom = 0; atom < atom_count; ++atom) {
-    const u32 first = tables.atoms[atom].first_cell;
+    const VariableId first = tables.atoms[atom].first_cell;
     if (tables.atom_type(atom).variables.size != 0) by_cell.push_back({first, atom});
     for (const Port& port : tables.atom_type(atom).ports) {
       for (const u32 variable : port.variables) shown.push_back({atom, first + variable});
     }
   }
-  std::sort(by_cell.begin(), by_cell.end(), [](const Csr::Pair& a, const Csr::Pair& b) { return a.from < b.from; });
+  std::sort(by_cell.begin(), by_cell.end(), [](const FirstCell& a, const FirstCell& b) { return a.from < b.from; });
   const auto read = [&](u32 bind) {
-    const u32 cell = image.binds[bind].cell;
-    if (cell < tables.atom_cells) shown.push_back({atom_of_cell(by_cell, cell), cell});
+    const VariableId cell = image.binds[bind].variable();
+    if (cell.value < tables.atom_cells) shown.push_back({atom_of_cell(by_cell, cell), cell});
   };
   for (u32 connector = 0; connector < image.connectors.size; ++connector) {
     const Connector& row = image.connectors[connector];
@@ -85,8 +89,8 @@ Csr shown_cells(const Tables& tables) {
   for (const Priority& rule : image.priorities) {
     for (u32 i = 0; i < rule.bind_count; ++i) read(rule.binds + i);
   }
-  Csr::sort_unique(shown);
-  return Csr::build(atom_count, shown);
+  VariablesBy::sort_unique(shown);
+  return VariablesBy::build(atom_count, shown);
 }
 
 // The same, of tables that were linked before.
@@ -100,26 +104,26 @@ static ConflictSets conflict_sets(const Tables& tables, const PartialState& part
              "{} next moves are not in order", next_moves.size());
   const u32 interaction_count = static_cast<u32>(tables.interactions.size());
   const u32 atom_count = tables.image->atoms.size;
-  const Csr movers = partial.atoms_of_interaction.transposed(atom_count);
+  const InteractionsBy movers = partial.atoms_of_interaction.transposed(atom_count);
   const u32 group_count = static_cast<u32>(partial.busy_in_group.size());
   const Csr atoms_of_group = partial.groups_of_atom.transposed(group_count);
-  const Csr dependents = partial.groups_of_interaction.transposed(group_count);
+  const InteractionsBy dependents = partial.groups_of_interaction.transposed(group_count);
 
   // Interactions, then atoms: those in a group, with all that moves them.
   UnionFind sets(interaction_count + atom_count);
   std::vector<std::uint8_t> is_looked_at(atom_count, 0);
   for (u32 group = 0; group < group_count; ++group) {
     if (dependents[group].size == 0) continue;
-    const u32 first = dependents[group][0];
-    for (const u32 interaction : dependents[group]) sets.join(first, interaction);
+    const u32 first = dependents[group][0].value;
+    for (const InteractionId interaction : dependents[group]) sets.join(first, interaction.value);
     for (const u32 atom : atoms_of_group[group]) {
       is_looked_at[atom] = 1;
       sets.join(first, interaction_count + atom);
     }
   }
   for (u32 atom = 0; atom < atom_count; ++atom) {
-    for (const u32 interaction : movers[atom]) {
-      if (is_looked_at[atom] != 0) sets.join(interaction_count + atom, interaction);
+    for (const InteractionId interaction : movers[atom]) {
+      if (is_looked_at[atom] != 0) sets.join(interaction_count + atom, interaction.value);
     }
   }
 
@@ -141,8 +145,9 @@ static ConflictSets conflict_sets(const Tables& tables, const PartialState& part
   }
   // By now set_at holds one of the interactions at the place, at the end its set.
   std::vector<u32> ports;
-  std::vector<Csr::Pair> atoms, by_port;
-  for (u32 interaction = 0; interaction < interaction_count; ++interaction) {
+  std::vector<Csr::Pair> atoms;
+  std::vector<InteractionsBy::Pair> by_port;
+  for (const InteractionId interaction : tables.interactions.ids()) {
     ports_of_interaction(tables, tables.interactions[interaction], ports);
     for (const u32 port : ports) {
       const u32 atom = tables.port_atom[port];
@@ -153,13 +158,13 @@ static ConflictSets conflict_sets(const Tables& tables, const PartialState& part
         if (tables.transitions[row].port != port - tables.port_base(atom)) continue;
         u32& there =
             result.set_at[result.first_place[atom] + (type.mark_words == 0 ? tables.transitions[row].from : 0)];
-        if (there == kNone) there = interaction;
-        else sets.join(there, interaction);
+        if (there == kNone) there = interaction.value;
+        else sets.join(there, interaction.value);
       }
     }
   }
   // So do the rows of situations.
-  const Csr interactions_of_port = Csr::build(tables.port_atom.size(), by_port);
+  const InteractionsBy interactions_of_port = InteractionsBy::build(tables.port_atom.size(), by_port);
   const NextMove* last = nullptr;
   u32 before = kNone;  // an interaction of the same mode
   for (const NextMove& move : next_moves) {
@@ -168,11 +173,11 @@ static ConflictSets conflict_sets(const Tables& tables, const PartialState& part
                                std::tuple(move.atom, move.place, move.history, move.mode))
       before = kNone;
     last = &move;
-    const Span<u32> all = interactions_of_port[tables.instance(move.atom, move.port)];
+    const Span<InteractionId> all = interactions_of_port[tables.instance(move.atom, move.port)];
     const bool is_alone = move.connector != kNone;
     if (!is_alone && all.size == 0) continue;
-    const u32 interaction = is_alone ? tables.interaction_of(move.connector) : all[0];
-    for (u32 k = 0; !is_alone && k < all.size; ++k) sets.join(interaction, all[k]);
+    const u32 interaction = (is_alone ? tables.interaction_of(move.connector) : all[0]).value;
+    for (u32 k = 0; !is_alone && k < all.size; ++k) sets.join(interaction, all[k].value);
     if (before != kNone) sets.join(interaction, before);
     before = interaction;
     result.situations.push_back({move.atom, move.place, move.history, move.port, interaction});
@@ -188,14 +193,14 @@ static ConflictSets conflict_sets(const Tables& tables, const PartialState& part
                                       [&](const auto& a, const auto& b) { return key(a) == key(b); }),
                           result.situations.end());
   std::vector<u32> number(interaction_count + atom_count, kNone);
-  for (u32 interaction = 0; interaction < interaction_count; ++interaction) {
-    u32& set = number[sets.find(interaction)];
+  for (const InteractionId interaction : tables.interactions.ids()) {
+    u32& set = number[sets.find(interaction.value)];
     if (set == kNone) set = result.count++;
-    result.of_interaction.push_back(set);
+    result.of_interaction.push(set);
     for (const u32 atom : partial.atoms_of_interaction[interaction]) atoms.push_back({set, atom});
   }
-  for (u32& set : result.set_at) set = set == kNone ? kNone : result.of_interaction[set];
-  for (ConflictSets::Situation& at : result.situations) at.set = result.of_interaction[at.set];
+  for (u32& set : result.set_at) set = set == kNone ? kNone : result.of_interaction[InteractionId(set)];
+  for (ConflictSets::Situation& at : result.situations) at.set = result.of_interaction[InteractionId(at.set)];
   for (u32 atom = 0; atom < atom_count; ++atom) {
     if (is_looked_at[atom] == 0) continue;
     const u32 set = number[sets.find(interaction_count + atom)];
@@ -206,10 +211,10 @@ static ConflictSets conflict_sets(const Tables& tables, const PartialState& part
   }
   Csr::sort_unique(atoms);
   result.atoms = Csr::build(result.count, atoms);
-  std::vector<Csr::Pair> members;
-  for (u32 interaction = 0; interaction < interaction_count; ++interaction)
+  std::vector<InteractionsBy::Pair> members;
+  for (const InteractionId interaction : tables.interactions.ids())
     members.push_back({result.of_interaction[interaction], interaction});
-  result.interactions = Csr::build(result.count, members);
+  result.interactions = InteractionsBy::build(result.count, members);
   return result;
 }
 
@@ -229,7 +234,7 @@ Placement place_atoms(const Tables& tables, const PriorityTables& rules, u32 nod
   BIP_ASSERT(nodes != 0 && nodes <= kMostNodes, "{} nodes", nodes);
   const u32 atom_count = tables.image->atoms.size;
   const PartialState partial = link_partial(tables, rules);
-  const Csr movers = partial.atoms_of_interaction.transposed(atom_count);
+  const InteractionsBy movers = partial.atoms_of_interaction.transposed(atom_count);
   Placement placement;
   for (u32 node = 1; node <= nodes; ++node) placement.nodes.push_back(std::to_string(node));
   for (const std::uint8_t part : parts_of_atoms(partial.atoms_of_interaction, movers, atom_count, nodes))
@@ -243,10 +248,10 @@ Placement place_atoms(const Tables& tables, const PriorityTables& rules, u32 nod
 std::vector<u32> atoms_together(const Tables& tables, const PriorityTables& rules) {
   const u32 atom_count = tables.image->atoms.size;
   const PartialState partial = link_partial(tables, rules);
-  const Csr cells = shown_cells(tables);
+  const VariablesBy cells = shown_cells(tables);
   const auto shows_object = [&](u32 atom) {
     return std::any_of(cells[atom].begin(), cells[atom].end(),
-                       [&](u32 cell) { return has_object(tables, atom, cell); });
+                       [&](VariableId cell) { return has_object(tables, atom, cell); });
   };
   const ConflictSets sets = conflict_sets(tables, partial, {});
   UnionFind together(atom_count);
@@ -264,14 +269,13 @@ std::vector<u32> atoms_together(const Tables& tables, const PriorityTables& rule
 }
 
 JoinReason why_joined(const Tables& tables, const PriorityTables& rules, const ConflictSets& sets, u32 set) {
-  const u32 interaction_count = static_cast<u32>(tables.interactions.size());
   const PartialState partial = link_partial(tables, rules);
   const u32 group_count = static_cast<u32>(partial.busy_in_group.size());
-  const Csr movers = partial.atoms_of_interaction.transposed(tables.image->atoms.size);
+  const InteractionsBy movers = partial.atoms_of_interaction.transposed(tables.image->atoms.size);
   const Csr atoms_of_group = partial.groups_of_atom.transposed(group_count);
-  const Csr dependents = partial.groups_of_interaction.transposed(group_count);
+  const InteractionsBy dependents = partial.groups_of_interaction.transposed(group_count);
   JoinReason best;
-  std::vector<u32> joined;
+  std::vector<InteractionId> joined;
   const auto consider = [&](JoinReason reason) {
     std::sort(joined.begin(), joined.end());
     reason.joined = static_cast<u32>(std::unique(joined.begin(), joined.end()) - joined.begin());
@@ -282,8 +286,8 @@ JoinReason why_joined(const Tables& tables, const PriorityTables& rules, const C
     joined.assign(dependents[group].begin(), dependents[group].end());
     for (const u32 atom : atoms_of_group[group]) joined.insert(joined.end(), movers[atom].begin(), movers[atom].end());
     JoinReason reason;
-    for (u32 interaction = 0; interaction < interaction_count; ++interaction) {
-      if (partial.own_group[interaction] == group) reason = {JoinReason::Kind::Connector, interaction, kNone, 0};
+    for (const InteractionId interaction : tables.interactions.ids()) {
+      if (partial.own_group[interaction] == group) reason = {JoinReason::Kind::Connector, interaction.value, kNone, 0};
     }
     for (u32 rule = 0; rule < rules.count && reason.row == kNone; ++rule) {
       if (partial.group_of_component[rules.component[rule]] == group) reason = {JoinReason::Kind::Rule, rule, kNone, 0};
@@ -297,7 +301,7 @@ JoinReason why_joined(const Tables& tables, const PriorityTables& rules, const C
     const u32 places = type.mark_words == 0 ? tables.atom_type(atom).places.size : 1;
     for (u32 place = 0; place < places; ++place) {
       joined.clear();
-      for (const u32 interaction : movers[atom]) {
+      for (const InteractionId interaction : movers[atom]) {
         ports_of_interaction(tables, tables.interactions[interaction], ports);
         const bool leaves = std::any_of(ports.begin(), ports.end(), [&](u32 port) {
           return tables.port_atom[port] == atom && can_fire_at(tables, port, place);
@@ -339,14 +343,14 @@ Distribution distribute(const Tables& tables, const PriorityTables& rules, Place
   std::vector<u32> ports;
   for (u32 set = 0; set < result.sets.count; ++set) {
     std::vector<u32> votes(nodes, 0);
-    for (const u32 interaction : result.sets.interactions[set]) {
+    for (const InteractionId interaction : result.sets.interactions[set]) {
       ports_of_interaction(tables, tables.interactions[interaction], ports);
       for (const u32 port : ports) ++votes[result.home(tables.port_atom[port])];
     }
     u32 chosen = static_cast<u32>(std::max_element(votes.begin(), votes.end()) - votes.begin());
     CrossingObject object;  // the first of the set
     for (const u32 atom : result.sets.atoms[set]) {
-      for (const u32 cell : result.cells[atom]) {
+      for (const VariableId cell : result.cells[atom]) {
         if (!has_object(tables, atom, cell)) continue;
         if (object.atom == kNone) {
           object = {atom, cell - tables.atoms[atom].first_cell, kNone};
@@ -359,7 +363,7 @@ Distribution distribute(const Tables& tables, const PriorityTables& rules, Place
     }
     result.coordinator.push_back(chosen);
   }
-  for (const u32 set : result.sets.of_interaction) result.coordinator_of.push_back(result.coordinator[set]);
+  for (const u32 set : result.sets.of_interaction) result.coordinator_of.push(result.coordinator[set]);
   const auto node_of = [&](u32 set) { return set == kNone ? kNone : result.coordinator[set]; };
   for (const u32 set : result.sets.set_at) result.offered_at.push_back(node_of(set));
   for (const ConflictSets::Situation& at : result.sets.situations) result.offered_in.push_back(node_of(at.set));

@@ -54,12 +54,12 @@ struct Placement {
 };
 
 /// Variables that connectors and rules read or write, and traces show: rows in `all`, by atom. What an offer carries.
-[[nodiscard]] Csr shown_cells(const Tables& tables);
+[[nodiscard]] VariablesBy shown_cells(const Tables& tables);
 
 struct ConflictSets {
   u32 count = 0;
-  std::vector<u32> of_interaction;
-  Csr interactions;              // by set
+  IndexVector<InteractionId, u32> of_interaction;
+  InteractionsBy interactions;   // by set
   Csr atoms;                     // by set: those that take part or are looked at, sorted
   std::vector<u32> first_place;  // by atom: row of its first place in set_at; and one more
   std::vector<u32> set_at;       // by atom and place (of Petri types: one for all): the set it is offered to, or kNone
@@ -98,14 +98,14 @@ struct CrossingObject {
 struct Distribution {
   Placement placement;
   ConflictSets sets;
-  Csr cells;                           // shown_cells
+  VariablesBy cells;                   // shown_cells
   std::vector<u32> coordinator;        // by set; of a split set: where most of its ports are at home
   std::vector<std::uint8_t> is_split;  // by set: not 0 if its interactions have several coordinators
-  std::vector<u32> coordinator_of;     // by interaction
-  std::vector<u32> offered_at;         // by row of sets.set_at: the node to which the atom is offered, or kNone
-  std::vector<u32> offered_in;         // by row of sets.situations: the same
-  Csr locks;  // by interaction: the atoms that are locked for it at their homes, in the order of homes
-  Csr needs;  // by interaction of a split set: what must be offered in one core to begin it, sorted
+  IndexVector<InteractionId, u32> coordinator_of;
+  std::vector<u32> offered_at;  // by row of sets.set_at: the node to which the atom is offered, or kNone
+  std::vector<u32> offered_in;  // by row of sets.situations: the same
+  RowsByInteraction locks;      // the atoms that are locked for it at their homes, in the order of homes
+  RowsByInteraction needs;  // of an interaction of a split set: what must be offered in one core to begin it, sorted
   std::vector<CrossingObject> crossing;  // not empty: such a run cannot be
   std::vector<u32> history;              // by atom: NextMove::history when the run goes on; empty: it begins
   bool may_fault = false;                // can the guards or `up`s of connectors, or rules, end in a fault?

@@ -39,27 +39,27 @@ struct Part {
 struct Begin {
   u64 step = 0;
   std::vector<Part> parts;
-  u32 interaction = 0;
+  InteractionId interaction{0u};
   Moment moment = {};
 };
 /// An attempt to begin an interaction of a split set, from the node that has locked all so far to the home of the next
 /// atom. It carries the offers of what it holds.
 struct Lock {
-  u32 interaction = 0;
+  InteractionId interaction{0u};
   u32 own = 0;  // of what it holds: so many were offered to the coordinator, which gets them back
   std::vector<Offer> held;
 };
 /// From the node at which an attempt ended: these atoms, at home there or given by that coordinator, are offered there
 /// again.
 struct Release {
-  u32 interaction = 0;
+  InteractionId interaction{0u};
   bool is_refused = false;  // the interaction was not possible
   bool is_watched = false;  // all that it needs was there: it may be possible when one of these atoms has changed
   std::vector<u32> atoms;
 };
 /// From a home to a coordinator: an atom for which the interaction was refused has changed.
 struct Wake {
-  u32 interaction = 0;
+  InteractionId interaction{0u};
 };
 /// To all other nodes: this step ended in a run-time error; begin nothing more.
 struct Stop {

@@ -124,7 +124,7 @@ void Node::receive(const Offer& offer) {
   participations_[offer.atom] = offer.n;
   where_[offer.atom] = Where::Here;
   is_in_core_[offer.atom] = 1;
-  const Span<u32> cells = distribution_.cells[offer.atom];
+  const Span<VariableId> cells = distribution_.cells[offer.atom];
   BIP_ASSERT(cells.size == offer.cells.size(), "{} of {} variables", offer.cells.size(), cells.size);
   for (u32 i = 0; i < cells.size; ++i) core_.write_cell(cells[i], offer.cells[i]);
   tell(NodeEvent::Kind::Received, offer.atom);
@@ -132,7 +132,7 @@ void Node::receive(const Offer& offer) {
 }
 
 // The atom is at rest here, and offered elsewhere or locked for the interaction.
-bool Node::may_take_up(const Part& part, u32 interaction) const {
+bool Node::may_take_up(const Part& part, InteractionId interaction) const {
   const u32 atom = part.atom;
   if (distribution_.home(atom) != self_ || part.n != participations_[atom] || is_in_core_[atom] != 0) return false;
   const bool is_locked_for_it = where_[atom] == Where::Locked && taken_by_[atom] == interaction;
@@ -156,7 +156,7 @@ void Node::take(const Begin& begin) {
     ++participations_[part.atom];
     where_[part.atom] = Where::Working;
     tell(NodeEvent::Kind::Taken, part.atom, begin.interaction);
-    const Span<u32> cells = distribution_.cells[part.atom];
+    const Span<VariableId> cells = distribution_.cells[part.atom];
     for (u32 i = 0; i < cells.size; ++i) core_.write_cell(cells[i], part.cells[i]);
     note_history(part.atom, core_.tables().transitions[part.transition], begin.interaction);
     Work work;
@@ -198,7 +198,7 @@ bool Node::begin(EnabledSet::Position at, u64 step, std::vector<u32>& atoms) {
               static_cast<u32>(work.transition - core_.tables().transitions.data()),
               order++,
               {}};
-    for (const u32 cell : distribution_.cells[work.atom]) part.cells.push_back(core_.cell(cell).bits);
+    for (const VariableId cell : distribution_.cells[work.atom]) part.cells.push_back(core_.cell(cell).bits);
     std::get<Begin>(outbox_[to].message).parts.push_back(std::move(part));
   }
   const bool is_evaluated_here =
@@ -234,7 +234,7 @@ void Node::run(std::size_t k) {
 }
 
 // The connector, if it tells apart what may come next.
-void Node::note_history(u32 atom, const LinkedTransition& transition, u32 interaction) {
+void Node::note_history(u32 atom, const LinkedTransition& transition, InteractionId interaction) {
   const Tables& tables = core_.tables();
   if (distribution_.sets.is_told_apart[tables.instance(atom, transition.port)] != 0)
     history_[atom] = tables.connector_of(interaction);
@@ -266,7 +266,7 @@ bool Node::find_coordinator(u32 atom, u32& coordinator) {
 
 void Node::come_to_rest(u32 atom) {
   PartialSteps& partial = core_.partial();
-  tell(NodeEvent::Kind::Rested, atom, kNone, partial.place_at_rest(atom));
+  tell(NodeEvent::Kind::Rested, atom, {}, partial.place_at_rest(atom));
   u32 coordinator = kNone;
   if (!find_coordinator(atom, coordinator)) return stop();
   if (coordinator != kNone) tell(NodeEvent::Kind::Offered, atom);
@@ -283,7 +283,7 @@ void Node::come_to_rest(u32 atom) {
   if (!partial.offer_away(atom, offer.offer)) return stop();
   if (coordinator == kNone) return;
   BIP_ASSERT(coordinator < distribution_.placement.nodes.size(), "atom {} is offered to node {}", atom, coordinator);
-  for (const u32 cell : distribution_.cells[atom]) offer.cells.push_back(core_.cell(cell).bits);
+  for (const VariableId cell : distribution_.cells[atom]) offer.cells.push_back(core_.cell(cell).bits);
   outbox_.push_back({coordinator, std::move(offer)});
   ++counts_.offers;
 }
@@ -321,7 +321,7 @@ void Node::save(State& state, SavedTime& time) const {
       for (u32 i = 0; i < words; ++i) state.marks[tables.first_mark(atom) + i] = own.marks[tables.first_mark(atom) + i];
     }
     for (u32 i = 0; i < type.variables.size; ++i) {
-      const u32 cell = tables.atoms[atom].first_cell + i;
+      const VariableId cell = tables.atoms[atom].first_cell + i;
       if (is_home) state.data[cell] = own.data[cell];
       if (!is_ffi(type.variables[i].type)) continue;
       if (is_home) state.objects[object] = own.objects[object];

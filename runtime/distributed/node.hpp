@@ -59,8 +59,8 @@ struct NodeEvent {
   };
   Kind kind = Kind::Begun;
   u32 atom = kNone;
-  u32 interaction = kNone;  // of a step: the step's; of an attempt: what it is for
-  u32 place = kNone;        // of automata
+  InteractionId interaction;  // of a step: the step's; of an attempt: what it is for
+  u32 place = kNone;          // of automata
 };
 using NodeObserver = std::function<void(NodeEvent)>;
 
@@ -101,7 +101,9 @@ class Node {
   bool begin(EnabledSet::Position at, u64 step, std::vector<u32>& atoms);
   /// The interaction of a split set that must begin next, as all that it needs is locked here: the caller chooses one
   /// of its candidates. kNone: there is none.
-  [[nodiscard]] u32 locked_interaction() const { return ready_.empty() ? kNone : ready_.front().interaction; }
+  [[nodiscard]] InteractionId locked_interaction() const {
+    return ready_.empty() ? InteractionId() : ready_.front().interaction;
+  }
   /// Interactions of split sets that may be worth an attempt.
   [[nodiscard]] std::size_t try_count() const { return tries_.size(); }
   /// Attempts one of them, if what it needs here is offered here.
@@ -109,7 +111,7 @@ class Node {
   /// An attempt that waits at an atom at home here which cannot take part in it. Its number is never used again.
   struct Parking {
     u64 number = 0;
-    u32 interaction = 0;
+    InteractionId interaction{0u};
   };
   /// Those that began to wait; the reader empties it, and ends each after some time with end_parking. What a refusal
   /// costs is a good time: nothing but time and messages depends on it.
@@ -166,13 +168,13 @@ class Node {
   void come_to_rest(u32 atom);
   void change(u32 atom);
   void receive(const Offer& offer);
-  [[nodiscard]] bool may_take_up(const Part& part, u32 interaction) const;
+  [[nodiscard]] bool may_take_up(const Part& part, InteractionId interaction) const;
 
   // ---- locks: node_locks.cpp
   enum class Where : std::uint8_t { Away, Here, Working, Locked };
   enum class Blocked : std::uint8_t { No, ByAtom, ByAll };
   struct Watcher {
-    u32 interaction = 0;
+    InteractionId interaction{0u};
     u64 n = 0;
   };
   struct ParkedLock {
@@ -182,18 +184,18 @@ class Node {
   void link_locks();
   void start_locks();
   [[nodiscard]] bool has_split() const { return !distribution_.locks.items.empty(); }
-  [[nodiscard]] bool fits(u32 interaction, u32 atom);
-  [[nodiscard]] bool may_try(u32 interaction);
-  void list_try(u32 interaction);
+  [[nodiscard]] bool fits(InteractionId interaction, u32 atom);
+  [[nodiscard]] bool may_try(InteractionId interaction);
+  void list_try(InteractionId interaction);
   void list_tries(u32 atom);
-  void unblock(u32 interaction);
+  void unblock(InteractionId interaction);
   void note_change(u32 atom);
-  void note_success(u32 interaction);
+  void note_success(InteractionId interaction);
   void lend(u32 atom, Lock& lock);
   void take_back(u32 atom, const AtomOffer& offer);
   void take_back(const Release& release);
-  [[nodiscard]] bool may_come_back(u32 atom, u32 interaction) const;
-  [[nodiscard]] bool is_waiting(u32 interaction) const;
+  [[nodiscard]] bool may_come_back(u32 atom, InteractionId interaction) const;
+  [[nodiscard]] bool is_waiting(InteractionId interaction) const;
   [[nodiscard]] bool may_hold(const Lock& lock) const;
   void drop(const Lock& lock);
   void park(u32 atom, Lock lock);
@@ -204,13 +206,13 @@ class Node {
   void refuse(const Lock& lock, bool is_watched);
   void end_attempt();
   void release(const Lock& lock, const std::vector<u32>& atoms, bool is_refused, bool is_watched);
-  void watch(u32 atom, u32 interaction, u64 n);
+  void watch(u32 atom, InteractionId interaction, u64 n);
   void wake_watchers(u32 atom);
   void serve();
-  void note_history(u32 atom, const LinkedTransition& transition, u32 interaction);
+  void note_history(u32 atom, const LinkedTransition& transition, InteractionId interaction);
   bool find_coordinator(u32 atom, u32& coordinator);
   void stop();
-  void tell(NodeEvent::Kind kind, u32 atom, u32 interaction = kNone, u32 place = kNone) const {
+  void tell(NodeEvent::Kind kind, u32 atom, InteractionId interaction = {}, u32 place = kNone) const {
     if (observer_) observer_({kind, atom, interaction, place});
   }
 
@@ -225,7 +227,7 @@ class Node {
   // Steps begun here after which a guard, an `up` or a rule may fault, until these have been evaluated.
   struct Unevaluated {
     u64 step = 0;
-    u32 interaction = 0;
+    InteractionId interaction{0u};
   };
   std::vector<Unevaluated> unevaluated_;
   std::vector<u32> enabled_, ports_, changed_;  // scratch
@@ -240,19 +242,19 @@ class Node {
   std::vector<std::deque<Lock>> waiting_;
   std::vector<std::deque<ParkedLock>> parked_;
   std::vector<std::vector<Watcher>> watchers_;
-  Csr tries_of_;
+  InteractionsBy tries_of_;
   // By interaction coordinated here: why it is not tried; was an atom that it needs heard of since it was tried last?
-  std::vector<Blocked> blocked_;
-  std::vector<std::uint8_t> is_awake_, is_listed_;
-  std::vector<u32> tries_;
+  IndexVector<InteractionId, Blocked> blocked_;
+  IndexVector<InteractionId, std::uint8_t> is_awake_, is_listed_;
+  std::vector<InteractionId> tries_;
   std::vector<AtomOffer> lent_;  // by atom that an attempt took along from here
-  // By atom from elsewhere: the interaction whose attempt has it, or kNone; by atom at home here that is locked: the
+  // By atom from elsewhere: the interaction whose attempt has it, or none; by atom at home here that is locked: the
   // interaction.
-  std::vector<u32> taken_by_;
-  std::map<u32, std::vector<u32>> attempted_;  // by interaction that is being attempted: those atoms
-  std::deque<Lock> ready_;                     // attempts of which all is locked here
-  std::deque<u32> served_;                     // atoms at home here that may be given to who waits
-  std::map<u64, u32> parked_at_;               // by number of an attempt that is parked here: the atom
+  std::vector<InteractionId> taken_by_;
+  std::map<InteractionId, std::vector<u32>> attempted_;  // by interaction that is being attempted: those atoms
+  std::deque<Lock> ready_;                               // attempts of which all is locked here
+  std::deque<u32> served_;                               // atoms at home here that may be given to who waits
+  std::map<u64, u32> parked_at_;                         // by number of an attempt that is parked here: the atom
   std::vector<Parking> new_parkings_;
   u64 parkings_ = 0;
   bool is_stopped_ = false;

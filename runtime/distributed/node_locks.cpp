@@ -30,21 +30,21 @@ void Node::link_locks() {
   waiting_.resize(atoms);
   parked_.resize(atoms);
   watchers_.resize(atoms);
-  taken_by_.assign(atoms, kNone);
+  taken_by_.assign(atoms, {});
   lent_.resize(atoms);
   const u32 interactions = static_cast<u32>(core_.tables().interactions.size());
   blocked_.assign(interactions, Blocked::No);
   is_awake_.assign(interactions, 0);
   is_listed_.assign(interactions, 0);
-  std::vector<Csr::Pair> tries;
-  for (u32 interaction = 0; interaction < interactions; ++interaction) {
+  std::vector<InteractionsBy::Pair> tries;
+  for (const InteractionId interaction : core_.tables().interactions.ids()) {
     const Span<u32> locks = distribution_.locks[interaction];
     const auto is_elsewhere = [this](u32 atom) { return distribution_.home(atom) != self_; };
     if (distribution_.coordinator_of[interaction] != self_ || std::none_of(locks.begin(), locks.end(), is_elsewhere))
       continue;
     for (const u32 atom : distribution_.needs[interaction]) tries.push_back({atom, interaction});
   }
-  tries_of_ = Csr::build(atoms, tries);
+  tries_of_ = InteractionsBy::build(atoms, tries);
 }
 
 void Node::start_locks() {
@@ -54,7 +54,7 @@ void Node::start_locks() {
 }
 
 // Can the interaction take the atom, which is offered here, in its state? Of what only looks at it, always.
-bool Node::fits(u32 interaction, u32 atom) {
+bool Node::fits(InteractionId interaction, u32 atom) {
   if (core_.partial().state()->own_group[interaction] != kNone) return true;
   const Tables& tables = core_.tables();
   ports_of_interaction(tables, tables.interactions[interaction], ports_);
@@ -69,7 +69,7 @@ bool Node::fits(u32 interaction, u32 atom) {
 
 // -- What to try --
 
-void Node::list_try(u32 interaction) {
+void Node::list_try(InteractionId interaction) {
   BIP_ASSERT(distribution_.coordinator_of[interaction] == self_, "interaction {} is coordinated elsewhere",
              interaction);
   if (is_listed_[interaction] != 0 || blocked_[interaction] != Blocked::No) return;
@@ -78,10 +78,10 @@ void Node::list_try(u32 interaction) {
 }
 
 void Node::list_tries(u32 atom) {
-  for (const u32 interaction : tries_of_[atom]) list_try(interaction);
+  for (const InteractionId interaction : tries_of_[atom]) list_try(interaction);
 }
 
-void Node::unblock(u32 interaction) {
+void Node::unblock(InteractionId interaction) {
   is_awake_[interaction] = 1;
   blocked_[interaction] = Blocked::No;
   list_try(interaction);
@@ -91,27 +91,27 @@ void Node::unblock(u32 interaction) {
 // and an attempt that had it has succeeded, which the last home of that may not have told yet.
 void Node::note_change(u32 atom) {
   if (!has_split()) return;
-  taken_by_[atom] = kNone;
+  taken_by_[atom] = {};
   const bool is_home = distribution_.home(atom) == self_;
-  for (const u32 interaction : tries_of_[atom]) {
+  for (const InteractionId interaction : tries_of_[atom]) {
     if (!is_home || blocked_[interaction] == Blocked::ByAll) unblock(interaction);
     else list_try(interaction);
   }
 }
 
 // An attempt begun here has moved what it took along; its homes do not tell what was refused here for those atoms.
-void Node::note_success(u32 interaction) {
+void Node::note_success(InteractionId interaction) {
   const auto attempt = attempted_.find(interaction);
   if (attempt == attempted_.end()) return;
   for (const u32 atom : attempt->second) {
-    if (taken_by_[atom] == interaction) taken_by_[atom] = kNone;
-    for (const u32 other : tries_of_[atom]) unblock(other);
+    if (taken_by_[atom] == interaction) taken_by_[atom] = {};
+    for (const InteractionId other : tries_of_[atom]) unblock(other);
   }
   attempted_.erase(attempt);
 }
 
 // All that is offered here for good must be here; the rest is locked.
-bool Node::may_try(u32 interaction) {
+bool Node::may_try(InteractionId interaction) {
   const Span<u32> locks = distribution_.locks[interaction];
   bool is_whole = true;
   for (const u32 atom : distribution_.needs[interaction]) {
@@ -119,7 +119,7 @@ bool Node::may_try(u32 interaction) {
       if (!fits(interaction, atom)) return false;
       continue;
     }
-    if (distribution_.home(atom) == self_ || taken_by_[atom] != kNone ||
+    if (distribution_.home(atom) == self_ || taken_by_[atom].is_valid() ||
         std::find(locks.begin(), locks.end(), atom) == locks.end())
       return false;
     is_whole = false;
@@ -128,7 +128,7 @@ bool Node::may_try(u32 interaction) {
 }
 
 void Node::try_lock(std::size_t k) {
-  const u32 interaction = tries_[k];
+  const InteractionId interaction = tries_[k];
   tries_[k] = tries_.back();
   tries_.pop_back();
   BIP_ASSERT(is_listed_[interaction] != 0, "interaction {} is tried twice", interaction);
@@ -173,7 +173,7 @@ void Node::lend(u32 atom, Lock& lock) {
   offer.step = partial.state()->last_step[atom];
   offer.order = partial.state()->order[atom];
   Offer& held = lock.held.emplace_back(Offer{atom, participations_[atom], offer, {}});
-  for (const u32 cell : distribution_.cells[atom]) held.cells.push_back(core_.cell(cell).bits);
+  for (const VariableId cell : distribution_.cells[atom]) held.cells.push_back(core_.cell(cell).bits);
   partial.send_away(atom);
   is_in_core_[atom] = 0;
   if (distribution_.home(atom) == self_) {
@@ -201,7 +201,7 @@ void Node::take(const Lock& lock) {
 }
 
 // An interaction is attempted once at a time.
-bool Node::is_waiting(u32 interaction) const {
+bool Node::is_waiting(InteractionId interaction) const {
   const auto is_it = [interaction](const Lock& lock) { return lock.interaction == interaction; };
   const Span<u32> locks = distribution_.locks[interaction];
   return std::any_of(ready_.begin(), ready_.end(), is_it) || std::any_of(locks.begin(), locks.end(), [&](u32 atom) {
@@ -396,7 +396,7 @@ void Node::release(const Lock& lock, const std::vector<u32>& atoms, bool is_refu
 }
 
 // The atom went with an attempt of the interaction, from here.
-bool Node::may_come_back(u32 atom, u32 interaction) const {
+bool Node::may_come_back(u32 atom, InteractionId interaction) const {
   if (is_in_core_[atom] != 0 || taken_by_[atom] != interaction) return false;
   if (distribution_.home(atom) == self_) return where_[atom] == Where::Locked;
   return distribution_.coordinator_of[interaction] == self_;
@@ -410,14 +410,14 @@ void Node::take(const Release& release) {
 }
 
 void Node::take_back(const Release& release) {
-  const u32 interaction = release.interaction;
+  const InteractionId interaction = release.interaction;
   const bool is_coordinator = distribution_.coordinator_of[interaction] == self_;
   for (const u32 atom : release.atoms) {
     const bool is_home = distribution_.home(atom) == self_;
     tell(NodeEvent::Kind::Released, atom, interaction);
     take_back(atom, lent_[atom]);
     where_[atom] = Where::Here;
-    taken_by_[atom] = kNone;
+    taken_by_[atom] = {};
     if (!is_home) continue;
     if (release.is_watched) watch(atom, interaction, participations_[atom]);
     served_.push_back(atom);
@@ -437,7 +437,7 @@ void Node::take_back(const Release& release) {
 // -- Refused interactions --
 
 // WAKE when the atom can take part, and has changed since it took part for the n-th time.
-void Node::watch(u32 atom, u32 interaction, u64 n) {
+void Node::watch(u32 atom, InteractionId interaction, u64 n) {
   BIP_ASSERT(distribution_.home(atom) == self_, "atom {} is watched where it is not at home", atom);
   for (Watcher& watcher : watchers_[atom]) {
     if (watcher.interaction != interaction) continue;

@@ -39,14 +39,14 @@ class AtomPlacer {
     for (const u32 home : home_) is_fixed_.push_back(home != kNone);
     std::vector<Csr::Pair> pins;
     std::vector<u32> ports;
-    for (u32 interaction = 0; interaction < tables.interactions.size(); ++interaction) {
+    for (const InteractionId interaction : tables.interactions.ids()) {
       ports_of_interaction(tables, tables.interactions[interaction], ports);
       for (u32& port : ports) port = vertex_of_[tables.port_atom[port]];
       std::sort(ports.begin(), ports.end());
       ports.erase(std::unique(ports.begin(), ports.end()), ports.end());
       if (ports.size() < 2 || ports.size() > kMostPins) continue;
       for (const u32 vertex : ports) pins.push_back({static_cast<u32>(weight_.size()), vertex});
-      weight_.push_back(1 + (counts.empty() ? 0 : counts[interaction] * kCounted));
+      weight_.push_back(1 + (counts.empty() ? 0 : counts[interaction.value] * kCounted));
     }
     pins_ = Csr::build(weight_.size(), pins);
     edges_ = pins_.transposed(static_cast<u32>(size_.size()));
@@ -358,13 +358,13 @@ void place_free_atoms(const Tables& tables, const PriorityTables& rules, const s
 double border_part(const Tables& tables, const std::vector<u64>& counts, const Placement& placement) {
   u64 all = 0, border = 0;
   std::vector<u32> ports;
-  for (u32 interaction = 0; interaction < counts.size(); ++interaction) {
+  for (const InteractionId interaction : IdRange<InteractionId>(counts.size())) {
     ports_of_interaction(tables, tables.interactions[interaction], ports);
     const u32 first = placement.home[tables.port_atom[ports.front()]];
-    all += counts[interaction];
+    all += counts[interaction.value];
     if (std::any_of(ports.begin(), ports.end(),
                     [&](u32 port) { return placement.home[tables.port_atom[port]] != first; }))
-      border += counts[interaction];
+      border += counts[interaction.value];
   }
   return all == 0 ? 0 : static_cast<double>(border) / static_cast<double>(all);
 }

@@ -12,7 +12,7 @@ namespace bip::rt {
 namespace {
 
 bool shows_objects(const Tables& tables, const Distribution& distribution, u32 atom) {
-  return std::any_of(distribution.cells[atom].begin(), distribution.cells[atom].end(), [&](u32 cell) {
+  return std::any_of(distribution.cells[atom].begin(), distribution.cells[atom].end(), [&](VariableId cell) {
     return is_ffi(tables.atom_type(atom).variables[cell - tables.atoms[atom].first_cell].type);
   });
 }
@@ -50,16 +50,17 @@ class SetSplitter {
     if (sets_.interactions[set].size <= distribution_.placement.split_above) return false;
     const Span<u32> atoms = sets_.atoms[set];
     const auto is_elsewhere = [&](u32 atom) { return distribution_.home(atom) != distribution_.home(atoms[0]); };
-    const Span<u32> all = sets_.interactions[set];
+    const Span<InteractionId> all = sets_.interactions[set];
     // A fault of a guard or an `up` is one of the step before, and no attempt may come for long.
-    const bool is_evaluated_between = distribution_.may_fault && std::any_of(all.begin(), all.end(), [&](u32 at) {
-                                        return partial_.groups_of_interaction[at].size != 0;
-                                      });
+    const bool is_evaluated_between =
+        distribution_.may_fault && std::any_of(all.begin(), all.end(), [&](InteractionId at) {
+          return partial_.groups_of_interaction[at].size != 0;
+        });
     return !is_evaluated_between && std::any_of(atoms.begin(), atoms.end(), is_elsewhere) &&
            std::none_of(atoms.begin(), atoms.end(),
                         [&](u32 atom) { return shows_objects(tables_, distribution_, atom); });
   }
-  [[nodiscard]] bool is_of_split_set(u32 interaction) const {
+  [[nodiscard]] bool is_of_split_set(InteractionId interaction) const {
     return distribution_.is_split[sets_.of_interaction[interaction]] != 0;
   }
 
@@ -67,9 +68,9 @@ class SetSplitter {
   void find_needs() {
     const u32 group_count = static_cast<u32>(partial_.busy_in_group.size());
     const Csr atoms_of_group = partial_.groups_of_atom.transposed(group_count);
-    std::vector<Csr::Pair> needs;
+    std::vector<RowsByInteraction::Pair> needs;
     is_looked_at_.assign(tables_.image->atoms.size, 0);
-    for (u32 interaction = 0; interaction < tables_.interactions.size(); ++interaction) {
+    for (const InteractionId interaction : tables_.interactions.ids()) {
       if (!is_of_split_set(interaction)) continue;
       for (const u32 atom : partial_.atoms_of_interaction[interaction]) needs.push_back({interaction, atom});
       for (const u32 group : partial_.groups_of_interaction[interaction]) {
@@ -79,8 +80,8 @@ class SetSplitter {
         }
       }
     }
-    Csr::sort_unique(needs);
-    distribution_.needs = Csr::build(tables_.interactions.size(), needs);
+    RowsByInteraction::sort_unique(needs);
+    distribution_.needs = RowsByInteraction::build(tables_.interactions.size(), needs);
   }
 
   void find_occasions() {
@@ -88,9 +89,9 @@ class SetSplitter {
     occasion_of_atom_.assign(tables_.image->atoms.size, kNone);
     occasion_of_row_.assign(sets_.situations.size(), kNone);
     number_situations();
-    std::vector<Csr::Pair> pairs;
+    std::vector<InteractionsBy::Pair> pairs;
     std::vector<u32> ports;
-    for (u32 interaction = 0; interaction < tables_.interactions.size(); ++interaction) {
+    for (const InteractionId interaction : tables_.interactions.ids()) {
       if (!is_of_split_set(interaction)) continue;
       for (const u32 atom : distribution_.needs[interaction]) {
         if (is_looked_at_[atom] != 0)
@@ -110,8 +111,8 @@ class SetSplitter {
       }
     }
     add_next_moves(pairs);
-    Csr::sort_unique(pairs);
-    interactions_ = Csr::build(occasions_.size(), pairs);
+    InteractionsBy::sort_unique(pairs);
+    interactions_ = InteractionsBy::build(occasions_.size(), pairs);
   }
 
   u32 occasion_of(u32& number, const Occasion& occasion) {
@@ -142,15 +143,15 @@ class SetSplitter {
     return std::tuple(a.atom, a.place, a.history) == std::tuple(b.atom, b.place, b.history);
   }
 
-  void add_next_moves(std::vector<Csr::Pair>& pairs) const {
+  void add_next_moves(std::vector<InteractionsBy::Pair>& pairs) const {
     if (distribution_.placement.next_moves.empty()) return;
-    std::vector<Csr::Pair> by_port;
+    std::vector<InteractionsBy::Pair> by_port;
     std::vector<u32> ports;
-    for (u32 interaction = 0; interaction < tables_.interactions.size(); ++interaction) {
+    for (const InteractionId interaction : tables_.interactions.ids()) {
       ports_of_interaction(tables_, tables_.interactions[interaction], ports);
       for (const u32 port : ports) by_port.push_back({port, interaction});
     }
-    const Csr interactions_of_port = Csr::build(tables_.port_atom.size(), by_port);
+    const InteractionsBy interactions_of_port = InteractionsBy::build(tables_.port_atom.size(), by_port);
     for (const NextMove& move : distribution_.placement.next_moves) {
       if (sets_.by_situation[move.atom] == 0) continue;
       const u32 row = sets_.situation_of(move.atom, move.place, move.history, move.port);
@@ -159,19 +160,19 @@ class SetSplitter {
         pairs.push_back({occasion_of_row_[row], tables_.interaction_of(move.connector)});
         continue;
       }
-      for (const u32 interaction : interactions_of_port[tables_.instance(move.atom, move.port)])
+      for (const InteractionId interaction : interactions_of_port[tables_.instance(move.atom, move.port)])
         pairs.push_back({occasion_of_row_[row], interaction});
     }
   }
 
   void choose_coordinators() {
-    std::vector<u32> first(tables_.interactions.size(), kNone);
+    IndexVector<InteractionId, u32> first(tables_.interactions.size(), kNone);
     for (u32 occasion = 0; occasion < occasions_.size(); ++occasion) {
       if (interactions_[occasion].size < 2) continue;
-      for (const u32 interaction : interactions_[occasion])
+      for (const InteractionId interaction : interactions_[occasion])
         first[interaction] = std::min(first[interaction], distribution_.home(occasions_[occasion].atom));
     }
-    for (u32 interaction = 0; interaction < tables_.interactions.size(); ++interaction) {
+    for (const InteractionId interaction : tables_.interactions.ids()) {
       if (!is_of_split_set(interaction)) continue;
       u32& coordinator = distribution_.coordinator_of[interaction];
       // Without a contended atom no other interaction needs its atoms.
@@ -181,22 +182,22 @@ class SetSplitter {
   }
 
   void share_occasions() {
-    std::vector<std::tuple<u32, u32, u32>> locks;  // interaction, home, atom
+    std::vector<std::tuple<InteractionId, u32, u32>> locks;  // interaction, home, atom
     for (u32 number = 0; number < occasions_.size(); ++number) {
       const Occasion& occasion = occasions_[number];
-      const Span<u32> all = interactions_[number];
+      const Span<InteractionId> all = interactions_[number];
       if (all.size == 0) continue;
-      const auto coordinator = [&](u32 interaction) { return distribution_.coordinator_of[interaction]; };
-      const bool is_shared =
-          std::any_of(all.begin(), all.end(), [&](u32 other) { return coordinator(other) != coordinator(all[0]); });
+      const auto coordinator = [&](InteractionId interaction) { return distribution_.coordinator_of[interaction]; };
+      const bool is_shared = std::any_of(
+          all.begin(), all.end(), [&](InteractionId other) { return coordinator(other) != coordinator(all[0]); });
       const u32 home = distribution_.home(occasion.atom);
       offer(occasion, is_shared ? home : coordinator(all[0]));
       if (!is_shared) continue;
-      for (const u32 interaction : all) locks.emplace_back(interaction, home, occasion.atom);
+      for (const InteractionId interaction : all) locks.emplace_back(interaction, home, occasion.atom);
     }
     std::sort(locks.begin(), locks.end());
     locks.erase(std::unique(locks.begin(), locks.end()), locks.end());
-    std::vector<Csr::Pair> pairs;
+    std::vector<RowsByInteraction::Pair> pairs;
     for (const auto& [interaction, home, atom] : locks) {
       BIP_ASSERT(home >= distribution_.coordinator_of[interaction], "a lock of interaction {} before its coordinator",
                  interaction);
@@ -205,7 +206,7 @@ class SetSplitter {
           "interaction {} locks atom {}, which it does not need", interaction, atom);
       pairs.push_back({interaction, atom});
     }
-    distribution_.locks = Csr::build(tables_.interactions.size(), pairs);
+    distribution_.locks = RowsByInteraction::build(tables_.interactions.size(), pairs);
   }
 
   void offer(const Occasion& occasion, u32 node) {
@@ -225,10 +226,10 @@ class SetSplitter {
   void forget_sets_that_come_apart() {
     for (u32 set = 0; set < sets_.count; ++set) {
       if (distribution_.is_split[set] == 0) continue;
-      const Span<u32> all = sets_.interactions[set];
+      const Span<InteractionId> all = sets_.interactions[set];
       const u32 coordinator = distribution_.coordinator_of[all[0]];
       if (std::any_of(all.begin(), all.end(),
-                      [&](u32 other) { return distribution_.coordinator_of[other] != coordinator; }))
+                      [&](InteractionId other) { return distribution_.coordinator_of[other] != coordinator; }))
         continue;
       distribution_.is_split[set] = 0;
       distribution_.coordinator[set] = coordinator;
@@ -242,7 +243,7 @@ class SetSplitter {
   std::vector<std::uint8_t> is_looked_at_;  // by atom
   std::vector<Occasion> occasions_;
   std::vector<u32> occasion_of_place_, occasion_of_atom_, occasion_of_row_;
-  Csr interactions_;  // by occasion
+  InteractionsBy interactions_;  // by occasion
 };
 
 }  // namespace

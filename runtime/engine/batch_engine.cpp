@@ -33,9 +33,9 @@ BatchEngine::BatchEngine(Core& core, Scheduler& scheduler, const RunOptions& opt
   (void)follower_->initialize();
 }
 
-void BatchEngine::tell(const std::vector<u32>& interactions) {
+void BatchEngine::tell(const std::vector<InteractionId>& interactions) {
   if (!follower_) return output_.record(interactions);
-  for (const u32 interaction : interactions) {
+  for (const InteractionId interaction : interactions) {
     const EnabledSet::Position at{interaction, 0};
     BIP_ASSERT(follower_->enabled().has(at), "interaction {} of step {} is no candidate", interaction, told_);
     output_.step(*follower_, at, told_++, follower_->enabled().number(at));
@@ -46,8 +46,8 @@ void BatchEngine::tell(const std::vector<u32>& interactions) {
 u64 BatchEngine::advance(u64 number, u64 limit, bool& sound) {
   BIP_ASSERT(is_on(), "the batch engine is off");
   told_ = number;
-  std::function<void(const std::vector<u32>&)> record;
-  if (output_.writes_steps()) record = [this](const std::vector<u32>& interactions) { tell(interactions); };
+  std::function<void(const std::vector<InteractionId>&)> record;
+  if (output_.writes_steps()) record = [this](const std::vector<InteractionId>& interactions) { tell(interactions); };
   const u64 done = core_.steps().run_batch(plan_, *team_, scheduler_.prng(), limit, is_interrupted, record);
   BIP_ASSERT(done <= limit, "{} steps of {}", done, limit);
   beside_ += done;

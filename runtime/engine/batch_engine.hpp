@@ -31,7 +31,7 @@ class BatchEngine {
   [[nodiscard]] u64 beside() const { return beside_; }
 
  private:
-  void tell(const std::vector<u32>& interactions);
+  void tell(const std::vector<InteractionId>& interactions);
 
   Core& core_;
   Scheduler& scheduler_;

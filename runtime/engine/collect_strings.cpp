@@ -9,7 +9,7 @@
 namespace bip::rt {
 
 void LiveStrings::add(const Core& core) {
-  for (u32 cell = 0; cell < core.image().cell_count; ++cell) rows_.push_back(core.cell(cell).i);
+  for (const VariableId variable : IdRange<VariableId>(core.image().cell_count)) rows_.push_back(core.cell(variable).i);
   std::vector<i64> queued;
   core.events().save(queued);
   for (const i64 word : queued) rows_.push_back(static_cast<std::int32_t>(word));

@@ -88,7 +88,7 @@ struct Execution::Impl {
     const rt::AtomType& atom_type = core.tables().atom_type(atom);
     for (rt::u32 i = 0; i < atom_type.variables.size; ++i) {
       if (path.compare(dot + 1, std::string::npos, atom_type.variables[i].name) != 0) continue;
-      return atom_type.variables[i].type == type ? &core.cell(core.image().atoms[atom].first_cell + i) : nullptr;
+      return atom_type.variables[i].type == type ? &core.cell(core.tables().atoms[atom].first_cell + i) : nullptr;
     }
     return nullptr;
   }
@@ -238,7 +238,7 @@ struct Execution::Impl {
 
 struct Execution::Snapshot::Impl {
   rt::State state;
-  std::vector<rt::u32> order;  // of the list that `uniform` draws from
+  std::vector<rt::InteractionId> order;  // of the list that `uniform` draws from
   rt::TimedScheduler scheduler;
   std::uint64_t steps;
   Outcome outcome;

@@ -391,7 +391,7 @@ class Launcher {
     locked_[atom] = control.numbers[3 + words] != 0;
     ByteReader reader(control.texts[0]);
     for (u32 i = 0; i < tables.atom_type(atom).variables.size; ++i) {
-      const u32 cell = tables.atoms[atom].first_cell + i;
+      const VariableId cell = tables.atoms[atom].first_cell + i;
       const u64 bits = codec_.read_cell(reader, cell);
       if (reader.is_sound()) last_.data[cell] = bits;
     }
@@ -632,7 +632,7 @@ class Launcher {
   void free_strings() {
     LiveStrings live;
     live.add(core_);
-    live.add(last_.data);
+    live.add(last_.data.rows());
     live.keep_only(*core_.image().ffi);
   }
 

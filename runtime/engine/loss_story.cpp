@@ -31,12 +31,12 @@ Survivors::Survivors(const Core& core, const Distribution& distribution, std::ve
       if (is_gone(atom)) is_group_lost[group] = true;
     }
   }
-  for (u32 interaction = 0; interaction < tables.interactions.size(); ++interaction) {
+  for (const InteractionId interaction : tables.interactions.ids()) {
     const Span<u32> atoms = partial.atoms_of_interaction[interaction];
     const Span<u32> groups = partial.groups_of_interaction[interaction];
-    is_whole_.push_back(!is_lost_[distribution.coordinator_of[interaction]] &&
-                        std::none_of(atoms.begin(), atoms.end(), is_gone) &&
-                        std::none_of(groups.begin(), groups.end(), [&](u32 group) { return is_group_lost[group]; }));
+    is_whole_.push(!is_lost_[distribution.coordinator_of[interaction]] &&
+                   std::none_of(atoms.begin(), atoms.end(), is_gone) &&
+                   std::none_of(groups.begin(), groups.end(), [&](u32 group) { return is_group_lost[group]; }));
   }
   interactions_of_atom_ = partial.atoms_of_interaction.transposed(core.image().atoms.size);
 }
@@ -55,7 +55,7 @@ bool Survivors::waits(u32 atom, u32 place) const {
   };
   bool is_any = false;
   std::vector<u32> ports;
-  for (const u32 interaction : interactions_of_atom_[atom]) {
+  for (const InteractionId interaction : interactions_of_atom_[atom]) {
     ports_of_interaction(tables, tables.interactions[interaction], ports);
     if (std::none_of(ports.begin(), ports.end(), leaves)) continue;
     if (is_whole(interaction)) return false;

@@ -17,15 +17,15 @@ class Survivors {
 
   [[nodiscard]] bool is_lost(u32 node) const { return is_lost_[node]; }
   /// Are its coordinator there, and the homes of all that take part in it or that it looks at?
-  [[nodiscard]] bool is_whole(u32 interaction) const { return is_whole_[interaction]; }
+  [[nodiscard]] bool is_whole(InteractionId interaction) const { return is_whole_[interaction]; }
   /// Can interactions take the atom from this place (of Petri types: at all), and is none of them whole?
   [[nodiscard]] bool waits(u32 atom, u32 place) const;
 
  private:
   const Core& core_;
   std::vector<bool> is_lost_;
-  std::vector<bool> is_whole_;  // by interaction
-  Csr interactions_of_atom_;
+  IndexVector<InteractionId, bool> is_whole_;
+  InteractionsBy interactions_of_atom_;
 };
 
 /// Several lines. `core` is in the last state, as far as it is known. locked: by atom: an attempt that has ended

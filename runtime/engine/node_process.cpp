@@ -282,7 +282,7 @@ bool NodeProcess::has_worked() {
 // An attempt of what needs locks. Drawn, so that neither it nor what may begin here always comes first.
 bool NodeProcess::has_tried() {
   if (node_.try_count() == 0) return false;
-  const bool begins_first = node_.locked_interaction() != kNone || scheduler_.prng().below(2) == 0;
+  const bool begins_first = node_.locked_interaction().is_valid() || scheduler_.prng().below(2) == 0;
   if (begins_first && has_begun()) return true;
   node_.try_lock(scheduler_.prng().below(node_.try_count()));
   return true;
@@ -291,9 +291,9 @@ bool NodeProcess::has_tried() {
 bool NodeProcess::has_begun() {
   EnabledSet::Position at{};
   if (is_halted_ || is_paused_ || node_.is_stopped() || station_.link(launcher_).unsaid() > kMostUnsaid) return false;
-  const u32 locked = node_.locked_interaction();
-  if (locked != kNone) at = scheduler_.choose_of(node_.core(), locked);
-  wants_ = locked != kNone || time_.choose(scheduler_, node_.core(), at);
+  const InteractionId locked = node_.locked_interaction();
+  if (locked.is_valid()) at = scheduler_.choose_of(node_.core(), locked);
+  wants_ = locked.is_valid() || time_.choose(scheduler_, node_.core(), at);
   if (!wants_) return false;
   if (credit_ == 0) {
     if (!has_asked_) say(Control::Kind::Want, {});
@@ -313,7 +313,7 @@ bool NodeProcess::has_begun() {
                                      [&](u32 atom) { return setup_.distribution.home(atom) != setup_.self; });
   border_steps_ += is_border ? 1 : 0;
   if (writes_) {
-    std::vector<u64> numbers{step, at.interaction, cut_number(text_.out), cut_number(text_.trace)};
+    std::vector<u64> numbers{step, at.interaction.value, cut_number(text_.out), cut_number(text_.trace)};
     for (const u32 atom : atoms_) numbers.push_back(setup_.distribution.home(atom));
     if (is_evaluated) numbers.push_back(setup_.self);
     say(Control::Kind::Begun, std::move(numbers), {std::move(text_.out), std::move(text_.trace)});
@@ -373,7 +373,7 @@ void NodeProcess::free_strings() {
   LiveStrings live;
   const auto add = [&live](const std::vector<u64>& cells) { live.add(cells); };
   live.add(node_.core());
-  live.add(initial_->data);
+  live.add(initial_->data.rows());
   node_.visit_kept_cells(add);
   station_.visit_kept_cells(add);
   for (const Held& held : held_) visit_cells(held.outgoing.message, add);
@@ -422,7 +422,7 @@ void NodeProcess::say_state() {
     std::string values;
     ByteWriter writer(values);
     for (u32 i = 0; i < variables; ++i) {
-      const u32 cell = tables.atoms[atom].first_cell + i;
+      const VariableId cell = tables.atoms[atom].first_cell + i;
       codec_.write_cell(writer, cell, last.data[cell]);
     }
     told.texts.push_back(std::move(values));

@@ -52,7 +52,7 @@ bool NodeTime::choose(Scheduler& scheduler, Core& core, EnabledSet::Position& at
   const std::size_t count = due_.size();
   const std::size_t first = count < 2 ? 0 : prng_.below(count);
   for (std::size_t tried = 0; tried < count; ++tried) {
-    const u32 interaction = due_[(first + tried) % count];
+    const InteractionId interaction = due_[(first + tried) % count];
     if (core.enabled().weight(interaction) == 0 || !core.partial().is_decided(interaction)) continue;
     at = scheduler.choose_of(core, interaction);
     return true;
@@ -60,7 +60,7 @@ bool NodeTime::choose(Scheduler& scheduler, Core& core, EnabledSet::Position& at
   return false;
 }
 
-void NodeTime::fired(u32 interaction) {
+void NodeTime::fired(InteractionId interaction) {
   if (const auto at = std::find(due_.begin(), due_.end(), interaction); at != due_.end()) due_.erase(at);
 }
 

@@ -47,14 +47,14 @@ class NodeTime {
   void begin(i64 instant);
   /// Chooses a candidate that may begin now; `fired` follows if it does. False: there is none.
   [[nodiscard]] bool choose(Scheduler& scheduler, Core& core, EnabledSet::Position& at);
-  void fired(u32 interaction);
+  void fired(InteractionId interaction);
 
  private:
   bool plans_;
   Prng prng_;
-  std::vector<i64> ends_;                     // by candidate: the last instant of its interval
-  std::vector<std::pair<i64, u32>> planned_;  // instants of interactions
-  std::vector<u32> due_;                      // interactions that may begin
+  std::vector<i64> ends_;                               // by candidate: the last instant of its interval
+  std::vector<std::pair<i64, InteractionId>> planned_;  // instants of interactions
+  std::vector<InteractionId> due_;                      // interactions that may begin
 };
 
 }  // namespace bip::rt

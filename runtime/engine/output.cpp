@@ -139,7 +139,7 @@ void Output::put_of_node(StepText& text, const std::string& node) {
   put(text);
 }
 
-void Output::record(const std::vector<u32>& interactions) {
+void Output::record(const std::vector<InteractionId>& interactions) {
   BIP_ASSERT(records_only(), "interactions alone are not enough for the format `{}`", format_.name);
   sink_->steps(trace_.text, interactions);
   drain_trace(kPiece);

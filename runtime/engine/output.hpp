@@ -59,7 +59,7 @@ class Output {
   /// Of a step that this node began; text formats tell it.
   void put_of_node(StepText& text, const std::string& node);
   /// Writes interactions that the core fired. Requires records_only().
-  void record(const std::vector<u32>& interactions);
+  void record(const std::vector<InteractionId>& interactions);
   void end(const Core& core, End how, std::uint64_t number);
   /// Without an end.
   void flush() {

@@ -22,7 +22,7 @@ class EnginePolicy {
   /// Returns the candidate to take. Requires that there is one. `prng` is the run's: the same seed gives the same run.
   [[nodiscard]] virtual EnabledSet::Position choose(const Core& core, Prng& prng) = 0;
   /// Notes that a step of the interaction was taken: the chosen one, or another if a person or a C++ program chose.
-  virtual void fired(u32 interaction) { (void)interaction; }
+  virtual void fired(InteractionId interaction) { (void)interaction; }
   /// If the choice is the first candidate from some interaction on: how compiled steps make it by themselves, changing
   /// what the policy remembers. Null: all steps of a run are chosen one by one.
   [[nodiscard]] virtual StepOrder* order() { return nullptr; }

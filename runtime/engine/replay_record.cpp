@@ -116,7 +116,7 @@ Followed follow(const Image& image, std::string_view bytes, RunOptions options, 
       }
       if (!core.enabled().has(at)) {
         result.problem = numbered("step ", result.steps, "");
-        if (at.interaction < core.tables().interactions.size()) {
+        if (core.tables().interactions.contains(at.interaction)) {
           result.problem += " takes `";
           append_candidate(result.problem, core, core.candidate({at.interaction, 0}));
           result.problem += '`';

@@ -388,7 +388,7 @@ std::string RunLoop::last_steps() const {
   const u64 count = std::min(fired, kShown);
   std::string text = count == 0 ? "" : "  last steps:\n";
   u64 number = fired - count;
-  for (const u32 interaction : core_.history().recent(count)) {
+  for (const InteractionId interaction : core_.history().recent(count)) {
     text += "    #";
     append_number(text, number++);
     text += "  ";

@@ -40,7 +40,7 @@ class Scheduler {
   /// The first candidate from the policy's on that may begin in this partial state. False: there is none.
   bool choose_decided(Core& core, EnabledSet::Position& at);
   /// Returns a candidate of an interaction that has some.
-  EnabledSet::Position choose_of(const Core& core, u32 interaction) {
+  EnabledSet::Position choose_of(const Core& core, InteractionId interaction) {
     const u32 count = core.enabled().weight(interaction);
     BIP_ASSERT(count != 0, "interaction {} has no candidate", interaction);
     return {interaction, count == 1 || !is_uniform() ? 0 : static_cast<u32>(prng_.below(count))};
@@ -58,7 +58,7 @@ class Scheduler {
   }
   /// Returns the run's random numbers.
   [[nodiscard]] Prng& prng() { return prng_; }
-  void fired(u32 interaction) {
+  void fired(InteractionId interaction) {
     if (!is_uniform()) policy_->fired(interaction);
   }
 

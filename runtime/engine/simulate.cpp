@@ -263,7 +263,7 @@ class Simulator {
   EventFeed feed_;
   TimedScheduler scheduler_;
   State initial_;
-  std::vector<u32> order_;
+  std::vector<InteractionId> order_;
   std::vector<Seen> seen_;       // by observer
   std::vector<Answer> answers_;  // by query
   std::vector<Participant> participants_;

@@ -167,7 +167,7 @@ class SimulatedRun {
     Node& node = *seat.node;
     EnabledSet::Position at{};
     if (is_stopping_ || is_pausing_ || node.is_stopped() || steps_ == options_.limit || is_interrupted()) return false;
-    if (node.locked_interaction() != kNone) at = seat.scheduler.choose_of(node.core(), node.locked_interaction());
+    if (node.locked_interaction().is_valid()) at = seat.scheduler.choose_of(node.core(), node.locked_interaction());
     else if (!seat.time.choose(seat.scheduler, node.core(), at)) return false;
     if (writes_) flights_.depart(node.core(), at);
     seat.scheduler.fired(at.interaction);
@@ -354,7 +354,7 @@ class SimulatedRun {
   // lost node.
   void ensure_no_node_waits_in_vain(const Survivors& survivors) const {
     for (u64 k = 0; k < core_.candidate_count(); ++k) {
-      const u32 interaction = core_.position(k).interaction;
+      const InteractionId interaction = core_.position(k).interaction;
       const bool is_split = distribution_.is_split[distribution_.sets.of_interaction[interaction]] != 0;
       BIP_ENSURE(is_split || !survivors.is_whole(interaction), "a node waits for what never comes");
     }

@@ -133,7 +133,7 @@ class Splitter {
       return false;
     for (u32 atom = 0; has_draws_ && atom < core_.image().atoms.size; ++atom) {
       const u32 variable = core_.tables().atom_type(atom).draws;
-      if (variable != kNone) core_.write_cell(core_.image().atoms[atom].first_cell + variable, draw_start(seed, atom));
+      if (variable != kNone) core_.write_cell(core_.tables().atoms[atom].first_cell + variable, draw_start(seed, atom));
     }
     return true;
   }

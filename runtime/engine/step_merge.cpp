@@ -31,7 +31,7 @@ bool StepMerge::take_begun(u32 node, const Control& control) {
     return false;
   Flight& flight = flights_[step];
   flight.is_told = true;
-  flight.interaction = static_cast<u32>(control.numbers[1]);
+  flight.interaction = InteractionId(control.numbers[1]);
   flight.out_number = control.numbers[2];
   flight.trace_number = control.numbers[3];
   flight.text = {control.texts[0], control.texts[1]};

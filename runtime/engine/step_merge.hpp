@@ -44,7 +44,7 @@ class StepMerge {
  private:
   struct Flight {
     bool is_told = false;
-    u32 interaction = kNone;
+    InteractionId interaction;
     u64 out_number = 0, trace_number = 0;  // 1 + where it belongs in the text; 0: nowhere
     StepText text;
     std::vector<std::pair<u32, int>> open;  // node, parts there that have not ended

@@ -40,7 +40,7 @@ class TimedScheduler {
   [[nodiscard]] i64 latest(Core& core);
   /// Once, after the initial state is known.
   void start(Core& core) const { scheduler_.start(core); }
-  void fired(u32 interaction) { scheduler_.fired(interaction); }
+  void fired(InteractionId interaction) { scheduler_.fired(interaction); }
   /// The scheduler of models without time.
   [[nodiscard]] Scheduler& untimed() { return scheduler_; }
 

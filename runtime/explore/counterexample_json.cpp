@@ -48,8 +48,7 @@ void append_state(std::string& out, const Core& core, u32 atom) {
       if (k != 0) out += ',';
       append_quoted(out, type.variables[k].name);
       out += ':';
-      append_json_value(out, core.image(), type.variables[k].type,
-                        core.parts().memory.cells[core.image().atoms[atom].first_cell + k]);
+      append_json_value(out, core.image(), type.variables[k].type, core.cell(core.tables().atoms[atom].first_cell + k));
     }
     out += '}';
   }

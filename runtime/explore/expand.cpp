@@ -24,7 +24,7 @@ void Expander::put(const u64* state, u32 label, Outbox& out) {
   else list.insert(list.end(), state, state + words);
 }
 
-void Expander::emit(u32 interaction, u32 row, const u64* state, Outbox& out, Result& result) {
+void Expander::emit(InteractionId interaction, u32 row, const u64* state, Outbox& out, Result& result) {
   BIP_ASSERT(row != kNothing && row < outcomes_.size(), "outcome {} of {}", row, outcomes_.size());
   const Outcome outcome = outcomes_[row];
   BIP_ASSERT(outcome.first + outcome.count <= effects_.size(), "effects from {}", outcome.first);
@@ -87,7 +87,7 @@ Expander::Result Expander::expand_by_core(const u64* state, Outbox& out) {
   const bool may_look_up =
       !space_.shapes.calls_cpp && space_.shapes.watched.items.empty() && space_.image->sites.size == 0;
   for (u64 k = 0; k < count; ++k) {
-    const u32 interaction = core_->candidate(k).interaction;
+    const InteractionId interaction = core_->candidate(k).interaction;
     if (may_look_up && space_.shapes.interactions[interaction].is_rendezvous) {
       const u32 row = outcome_of(interaction, state);
       if (row == kUnknown) return result;
@@ -129,11 +129,10 @@ Expander::Result Expander::find_successors(const u64* state, Outbox& out) {
   if (space_.shapes.needs_core) return expand_by_core(state, out);
   Result result;
   const Shapes& shapes = space_.shapes;
-  const u32 interactions = static_cast<u32>(shapes.interactions.size());
   const std::size_t kept_effects = effects_.size(), kept_pieces = pieces_.size(), kept_outcomes = outcomes_.size();
   if (space_.stubborn == nullptr && shapes.dominators.items.empty()) {
     bool any = false;
-    for (u32 interaction = 0; interaction < interactions; ++interaction) {
+    for (const InteractionId interaction : shapes.interactions.ids()) {
       const u32 row = outcome_of(interaction, state);
       if (row == kNothing) continue;
       if (row == kUnknown) return result;
@@ -144,22 +143,23 @@ Expander::Result Expander::find_successors(const u64* state, Outbox& out) {
     result.is_deadlock = !any;
   } else {
     chosen_.clear();
-    for (u32 interaction = 0; interaction < interactions; ++interaction) {
+    for (const InteractionId interaction : shapes.interactions.ids()) {
       outcome_row_[interaction] = peek(interaction, state);
       if (outcome_row_[interaction] != kNothing) chosen_.push_back(interaction);
     }
     result.is_deadlock = chosen_.empty();
     if (!shapes.dominators.items.empty()) {
-      std::erase_if(chosen_, [&](u32 interaction) {
-        const Span<u32> high = shapes.dominators[interaction];
-        return std::any_of(high.begin(), high.end(), [&](u32 other) { return outcome_row_[other] != kNothing; });
+      std::erase_if(chosen_, [&](InteractionId interaction) {
+        const Span<InteractionId> high = shapes.dominators[interaction];
+        return std::any_of(high.begin(), high.end(),
+                           [&](InteractionId other) { return outcome_row_[other] != kNothing; });
       });
     }
     BIP_ASSERT(result.is_deadlock == chosen_.empty(), "priorities hide all candidates of a state");
     if (space_.stubborn != nullptr && chosen_.size() > 1) {
       space_.stubborn->choose(state, space_.layout, *space_.locals, outcome_row_, stubborn_scratch_, chosen_);
     }
-    for (const u32 interaction : chosen_) {
+    for (const InteractionId interaction : chosen_) {
       const u32 row = outcome_of(interaction, state);
       if (row == kUnknown) return result;
       emit(interaction, row, state, out, result);

@@ -43,10 +43,10 @@ void Expander::relayout() {
   moves_.clear();
   kept_ = 0;
   next_.resize(space_.layout.words());
-  outcome_row_.resize(shapes.interactions.size());
+  outcome_row_.assign(shapes.interactions.size(), kNothing);
   only_moves_ = space_.layout.words() == 1 && !shapes.needs_core && shapes.dominators.items.empty() &&
                 space_.stubborn == nullptr && space_.symmetry == nullptr;
-  for (u32 interaction = 0; interaction < shapes.interactions.size(); ++interaction) {
+  for (const InteractionId interaction : shapes.interactions.ids()) {
     InteractionTable& table = tables_[interaction];
     table.first_part = static_cast<u32>(parts_.size());
     if (shapes.interactions[interaction].form == InteractionForm::Moves) {
@@ -70,7 +70,7 @@ void Expander::relayout() {
 }
 
 // One mask and value a word that the interaction's atoms lie in, and the change.
-void Expander::add_moves(u32 interaction, InteractionTable& table) {
+void Expander::add_moves(InteractionId interaction, InteractionTable& table) {
   const u32 first_piece = static_cast<u32>(pieces_.size());
   for (const InteractionLeaf& leaf : space_.shapes.leaves_of(interaction)) {
     const Field& field = space_.layout[leaf.atom];
@@ -92,7 +92,7 @@ void Expander::add_moves(u32 interaction, InteractionTable& table) {
   u32 label = kNone;
   if (space_.labels != nullptr) {
     const Tables& tables = core_->tables();
-    const u32 connector = interaction < tables.connector_interactions ? tables.connector_of(interaction) : kNone;
+    const u32 connector = tables.is_of_connector(interaction) ? tables.connector_of(interaction) : kNone;
     label = space_.labels->of(interaction, connector, space_.shapes.leaves_of(interaction));
   }
   effects_.push_back({first_piece, table.part_count, label, false});
@@ -124,7 +124,7 @@ u64 Expander::key_of(const InteractionTable& table, const u64* state) const {
 }
 
 // What is known of the interaction in the state: a row of outcomes_, or kUnknown.
-u32 Expander::known(u32 interaction, const u64* state) const {
+u32 Expander::known(InteractionId interaction, const u64* state) const {
   const InteractionTable& table = tables_[interaction];
   if (table.outcome != kUnknown) {
     const Part* part = parts_.data() + table.first_part;
@@ -137,14 +137,14 @@ u32 Expander::known(u32 interaction, const u64* state) const {
   if (table.key_bits > 64) return kUnknown;
   const u64 key = key_of(table, state);
   const std::size_t mask = entries_.size() - 1;
-  for (std::size_t at = WordSet::hash_of(key + interaction * 0x9e3779b97f4a7c15ull) & mask;
-       entries_[at].interaction != kNone; at = (at + 1) & mask) {
+  for (std::size_t at = WordSet::hash_of(key + interaction.value * 0x9e3779b97f4a7c15ull) & mask;
+       entries_[at].interaction.is_valid(); at = (at + 1) & mask) {
     if (entries_[at].key == key && entries_[at].interaction == interaction) return entries_[at].outcome;
   }
   return kUnknown;
 }
 
-void Expander::remember(u32 interaction, const u64* state, u32 outcome) {
+void Expander::remember(InteractionId interaction, const u64* state, u32 outcome) {
   BIP_ASSERT(outcome < outcomes_.size() && known(interaction, state) == kUnknown, "outcome {}", outcome);
   const InteractionTable& table = tables_[interaction];
   const u64 key = key_of(table, state);
@@ -154,8 +154,8 @@ void Expander::remember(u32 interaction, const u64* state, u32 outcome) {
   }
   const auto insert = [](std::vector<Entry>& entries, const Entry& entry) {
     const std::size_t mask = entries.size() - 1;
-    std::size_t at = WordSet::hash_of(entry.key + entry.interaction * 0x9e3779b97f4a7c15ull) & mask;
-    while (entries[at].interaction != kNone) at = (at + 1) & mask;
+    std::size_t at = WordSet::hash_of(entry.key + entry.interaction.value * 0x9e3779b97f4a7c15ull) & mask;
+    while (entries[at].interaction.is_valid()) at = (at + 1) & mask;
     entries[at] = entry;
   };
   insert(entries_, {key, interaction, outcome});
@@ -163,7 +163,7 @@ void Expander::remember(u32 interaction, const u64* state, u32 outcome) {
   if (++entry_count_ * 2 <= entries_.size()) return;
   std::vector<Entry> wider(entries_.size() * 2);
   for (const Entry& entry : entries_) {
-    if (entry.interaction != kNone) insert(wider, entry);
+    if (entry.interaction.is_valid()) insert(wider, entry);
   }
   entries_ = std::move(wider);
 }
@@ -202,7 +202,7 @@ bool Expander::pack(const Core& core, u64* out) {
 }
 
 // After a step of the interaction: how its atoms differ from the state's, as an effect.
-bool Expander::read_effect(Core& core, u32 interaction, u32 label, const u64* state) {
+bool Expander::read_effect(Core& core, InteractionId interaction, u32 label, const u64* state) {
   Effect effect{static_cast<u32>(pieces_.size()), 0, label, false};
   for (const u32 atom : space_.shapes.atoms_of(interaction)) {
     const u32 number = space_.locals->number(atom, core);
@@ -226,8 +226,8 @@ bool Expander::read_effect(Core& core, u32 interaction, u32 label, const u64* st
 }
 
 // The interaction's candidates in the state that plain_ is in: numbers [first, end).
-std::pair<u64, u64> Expander::candidates_of(u32 interaction) const {
-  const u64 first = interaction == 0 ? 0 : plain_->enabled().next_after(interaction - 1);
+std::pair<u64, u64> Expander::candidates_of(InteractionId interaction) const {
+  const u64 first = interaction.value == 0 ? 0 : plain_->enabled().next_after(InteractionId(interaction.value - 1));
   u64 end = first;
   while (end < plain_->candidate_count() && plain_->candidate(end).interaction == interaction) ++end;
   BIP_ASSERT(first <= end && end <= plain_->candidate_count(), "candidates {} to {}", first, end);
@@ -235,7 +235,7 @@ std::pair<u64, u64> Expander::candidates_of(u32 interaction) const {
 }
 
 // Has the interaction a candidate in the state? What it does is not asked: rules may hide it. kNothing: no.
-u32 Expander::peek(u32 interaction, const u64* state) {
+u32 Expander::peek(InteractionId interaction, const u64* state) {
   const u32 row = known(interaction, state);
   if (row != kUnknown || !enter_plain(state)) return row;
   const auto [first, end] = candidates_of(interaction);
@@ -244,14 +244,14 @@ u32 Expander::peek(u32 interaction, const u64* state) {
   return kNothing;
 }
 
-void Expander::keep(u32 interaction, const u64* state, u32 row) {
+void Expander::keep(InteractionId interaction, const u64* state, u32 row) {
   if (tables_[interaction].key_bits > 64 || outcomes_.size() >= kKept || entry_count_ >= kKept) return;
   remember(interaction, state, row);
   kept_ = std::max(kept_, row);
 }
 
 // Asks the core what the interaction does in the state. kUnknown: a number that does not fit.
-u32 Expander::learn(u32 interaction, const u64* state) {
+u32 Expander::learn(InteractionId interaction, const u64* state) {
   const Outcome before{static_cast<u32>(effects_.size()), 0};
   Outcome outcome = before;
   bool is_kept = true;
@@ -288,21 +288,21 @@ u32 Expander::learn(u32 interaction, const u64* state) {
   return row;
 }
 
-u32 Expander::outcome_of(u32 interaction, const u64* state) {
+u32 Expander::outcome_of(InteractionId interaction, const u64* state) {
   const u32 row = known(interaction, state);
   return row != kUnknown ? row : learn(interaction, state);
 }
 
 // Does nothing fault in the state that a step of the interaction leads to? What has a table entry there was evaluated
 // before.
-bool Expander::is_sound(u32 interaction, const u64* state) {
-  const Csr& watched = space_.shapes.watched;
+bool Expander::is_sound(InteractionId interaction, const u64* state) {
+  const CsrOf<InteractionId, InteractionId>& watched = space_.shapes.watched;
   if (watched.items.empty()) return true;
-  const auto is_unknown = [&](u32 other) { return known(other, state) == kUnknown; };
+  const auto is_unknown = [&](InteractionId other) { return known(other, state) == kUnknown; };
   if (std::none_of(watched[interaction].begin(), watched[interaction].end(), is_unknown)) return true;
   if (!enter_plain(state)) return false;
   // Everything has been evaluated. The tables are told, so that it need not be done again.
-  for (const u32 other : watched[interaction]) {
+  for (const InteractionId other : watched[interaction]) {
     if (is_unknown(other)) (void)peek(other, state);
   }
   return true;

@@ -105,27 +105,28 @@ class Expander {
   };
   struct Entry {
     u64 key = 0;
-    u32 interaction = kNone, outcome = 0;
+    InteractionId interaction;
+    u32 outcome = 0;
   };
   struct Move {  // Moves in a state of one word
     u64 mask, value, change;
     u32 label;
   };
 
-  void add_moves(u32 interaction, InteractionTable& table);
+  void add_moves(InteractionId interaction, InteractionTable& table);
   [[nodiscard]] u64 key_of(const InteractionTable& table, const u64* state) const;
-  [[nodiscard]] u32 known(u32 interaction, const u64* state) const;
-  u32 outcome_of(u32 interaction, const u64* state);
-  [[nodiscard]] std::pair<u64, u64> candidates_of(u32 interaction) const;
-  u32 peek(u32 interaction, const u64* state);
-  u32 learn(u32 interaction, const u64* state);
-  void keep(u32 interaction, const u64* state, u32 row);
-  void remember(u32 interaction, const u64* state, u32 outcome);
+  [[nodiscard]] u32 known(InteractionId interaction, const u64* state) const;
+  u32 outcome_of(InteractionId interaction, const u64* state);
+  [[nodiscard]] std::pair<u64, u64> candidates_of(InteractionId interaction) const;
+  u32 peek(InteractionId interaction, const u64* state);
+  u32 learn(InteractionId interaction, const u64* state);
+  void keep(InteractionId interaction, const u64* state, u32 row);
+  void remember(InteractionId interaction, const u64* state, u32 outcome);
   bool enter_plain(const u64* state);
-  bool read_effect(Core& core, u32 interaction, u32 label, const u64* state);
-  bool is_sound(u32 interaction, const u64* state);
+  bool read_effect(Core& core, InteractionId interaction, u32 label, const u64* state);
+  bool is_sound(InteractionId interaction, const u64* state);
   void put(const u64* state, u32 label, Outbox& out);
-  void emit(u32 interaction, u32 outcome, const u64* state, Outbox& out, Result& result);
+  void emit(InteractionId interaction, u32 outcome, const u64* state, Outbox& out, Result& result);
   Result find_successors(const u64* state, Outbox& out);
   [[nodiscard]] bool is_final(const u64* state);
   Result expand_moves(u64 state, Outbox& out);
@@ -145,7 +146,7 @@ class Expander {
   bool is_too_narrow_ = false;
   bool only_moves_ = false;  // every interaction is one, in one word, without rules
 
-  std::vector<InteractionTable> tables_;  // by interaction
+  IndexVector<InteractionId, InteractionTable> tables_;
   std::vector<Part> parts_;
   std::vector<u32> dense_;
   std::vector<Entry> entries_;  // open addressing
@@ -158,8 +159,8 @@ class Expander {
   u32 kept_ = 0;  // the last outcome that a table refers to
 
   std::vector<u64> next_, canonical_, symmetry_scratch_;
-  std::vector<u32> outcome_row_;  // by interaction, of the state at hand
-  std::vector<u32> chosen_;
+  IndexVector<InteractionId, u32> outcome_row_;  // of the state at hand
+  std::vector<InteractionId> chosen_;
   StubbornScratch stubborn_scratch_;
 };
 

@@ -39,7 +39,7 @@ struct ExploreOptions {
   std::vector<u32> predicate_reads;  // without zones and connectors: all atoms that it reads
   // Rows of the cells of data on which nothing depends but themselves: states that differ in these alone count as one.
   // The predicate reads none of them.
-  std::vector<u32> unread_cells;
+  std::vector<VariableId> unread_cells;
 };
 
 enum class ExploreEnd : std::uint8_t { Complete, States, Memory, Time, Stopped };

@@ -26,10 +26,10 @@ u64 hash_of(const u64* key, u32 width) {
 
 }  // namespace
 
-Locals::Locals(const Core& core, const std::vector<u32>& unread_cells) : image_(core.image()) {
+Locals::Locals(const Core& core, const std::vector<VariableId>& unread_cells) : image_(core.image()) {
   const Tables& tables = core.tables();
-  std::vector<bool> is_unread(image_.cell_count, false);
-  for (const u32 cell : unread_cells) is_unread[cell] = true;
+  IndexVector<VariableId, bool> is_unread(image_.cell_count, false);
+  for (const VariableId cell : unread_cells) is_unread[cell] = true;
   std::map<std::vector<u64>, u32> rows;
   u32 objects = 0;
   for (u32 atom = 0; atom < image_.atoms.size; ++atom) {
@@ -53,7 +53,7 @@ Locals::Locals(const Core& core, const std::vector<u32>& unread_cells) : image_(
     made->mark_words = tables.types[row.type].mark_words;
     for (u32 cell = 0; cell < type.variables.size; ++cell) {
       if (is_ffi(type.variables[cell].type)) made->objects.push_back(cell);
-      else if (!type.variables[cell].is_param && !is_unread[row.first_cell + cell]) made->cells.push_back(cell);
+      else if (!type.variables[cell].is_param && !is_unread[row.variable(cell)]) made->cells.push_back(cell);
     }
     made->is_direct = made->mark_words == 0 && made->cells.empty() && made->objects.empty();
     made->width = std::max(1u, made->mark_words) + static_cast<u32>(made->cells.size());
@@ -135,7 +135,7 @@ u32 Locals::number(u32 atom, const Core& core) {
       marks |= u64{core.is_marked(atom, word * 64 + bit)} << bit;
     *out++ = marks;
   }
-  const u32 base = core.tables().atoms[atom].first_cell;
+  const VariableId base = core.tables().atoms[atom].first_cell;
   for (u32 cell : row.cells) *out++ = core.cell(base + cell).bits;
   std::vector<FfiValue> objects;
   for (u32 cell : row.objects) {
@@ -158,7 +158,7 @@ void Locals::write(u32 atom, u32 number, State& state) const {
   const u64* from = entry(row, number);
   if (row.mark_words == 0) state.places[atom] = static_cast<u32>(*from++);
   for (u32 word = 0; word < row.mark_words; ++word) state.marks[mark_base_[atom] + word] = *from++;
-  for (u32 cell : row.cells) state.data[image_.atoms[atom].first_cell + cell] = *from++;
+  for (u32 cell : row.cells) state.data[image_.atoms[atom].variable(cell)] = *from++;
   if (row.objects.empty()) return;
   const auto [piece, rank] = position(number);
   for (std::size_t k = 0; k < row.objects.size(); ++k)

@@ -21,7 +21,7 @@ class Locals {
  public:
   /// core: of the image, initialized or not. At most 2^31 local states a class. unread_cells: of no local state; all
   /// atoms of a type agree about them.
-  explicit Locals(const Core& core, const std::vector<u32>& unread_cells = {});
+  explicit Locals(const Core& core, const std::vector<VariableId>& unread_cells = {});
 
   [[nodiscard]] u32 atoms() const { return static_cast<u32>(class_of_.size()); }
   [[nodiscard]] u32 class_of(u32 atom) const { return class_of_[atom]; }

@@ -38,9 +38,9 @@ class ShapeBuilder {
     for (u32 atom = 0; atom < image_.atoms.size; ++atom) {
       const Atom& row = image_.atoms[atom];
       for (u32 variable = 0; variable < image_.atom_types[row.type].variables.size; ++variable) {
-        BIP_ASSERT(owner_[row.first_cell + variable] == kNone, "cell {} belongs to two atoms",
-                   row.first_cell + variable);
-        owner_[row.first_cell + variable] = atom;
+        const VariableId id = row.variable(variable);
+        BIP_ASSERT(owner_[id] == kNone, "variable {} belongs to two atoms", id);
+        owner_[id] = atom;
       }
     }
   }
@@ -59,14 +59,14 @@ class ShapeBuilder {
         add(tree, kNone);
       }
     }
-    std::vector<Csr::Pair> pairs;
-    for (u32 interaction = 0; interaction < shapes_.interactions.size(); ++interaction) {
+    std::vector<InteractionsBy::Pair> pairs;
+    for (const InteractionId interaction : shapes_.interactions.ids()) {
       for (const u32 atom : shapes_.atoms_of(interaction)) pairs.push_back({atom, interaction});
     }
     BIP_ASSERT(shapes_.interactions.size() == core_.tables().interactions.size() &&
                    has_fault_.size() == shapes_.interactions.size(),
                "{} shapes of {} interactions", shapes_.interactions.size(), core_.tables().interactions.size());
-    shapes_.interactions_of_atom = Csr::build(image_.atoms.size, pairs);
+    shapes_.interactions_of_atom = InteractionsBy::build(image_.atoms.size, pairs);
     shapes_.calls_cpp = image_.ffi != nullptr;
     shapes_.needs_core = shapes_.calls_cpp || !core_.tables().inner_rules.groups.empty();
     if (image_.priorities.size != 0 && !shapes_.needs_core && !add_rules()) shapes_.needs_core = true;
@@ -98,7 +98,7 @@ class ShapeBuilder {
       }
       for (u32 k = 0; k < row.bind_count; ++k) {
         BIP_ASSERT(row.binds + k < image_.binds.size, "bound variable {} of {}", row.binds + k, image_.binds.size);
-        const u32 atom = owner_[image_.binds[row.binds + k].cell];
+        const u32 atom = owner_[image_.binds[row.binds + k].variable()];
         if (atom != kNone) tree.reads.push_back(atom);
       }
       refs.clear();
@@ -133,7 +133,7 @@ class ShapeBuilder {
       }
       for (const u32 rule : tables.inner_rules.groups[witness.group].rules) {
         const Priority& row = image_.priorities[rule];
-        for (u32 k = 0; k < row.bind_count; ++k) tree.reads.push_back(owner_[image_.binds[row.binds + k].cell]);
+        for (u32 k = 0; k < row.bind_count; ++k) tree.reads.push_back(owner_[image_.binds[row.binds + k].variable()]);
       }
     }
   }
@@ -153,9 +153,9 @@ class ShapeBuilder {
     for (const InteractionLeaf& at : tree.leaves)
       moves = moves && only_moves_[image_.atoms[at.atom].type] && at.from != kNone;
     shape.form = moves ? InteractionForm::Moves : InteractionForm::Table;
-    shapes_.interactions.push_back(shape);
-    has_fault_.push_back(connector != kNone && ((tree.has_fault && image_.sites.size != 0) || tree.has_choice ||
-                                                (tree.has_trigger && progress_ == MaximalProgress::Off)));
+    (void)shapes_.interactions.push(shape);
+    (void)has_fault_.push(connector != kNone && ((tree.has_fault && image_.sites.size != 0) || tree.has_choice ||
+                                                 (tree.has_trigger && progress_ == MaximalProgress::Off)));
   }
 
   // Rules as sets of dominators. False: they are not that simple.
@@ -164,25 +164,25 @@ class ShapeBuilder {
     for (const Priority& rule : image_.priorities) {
       if (rule.guard != kNone) return false;
     }
-    const u32 interactions = static_cast<u32>(shapes_.interactions.size());
-    for (u32 interaction = 0; interaction < interactions; ++interaction) {
+    for (const InteractionId interaction : shapes_.interactions.ids()) {
       if (rules.is_involved[interaction] != 0 && !shapes_.interactions[interaction].is_rendezvous) return false;
     }
-    const auto connector_of = [&](u32 interaction) { return core_.tables().interactions[interaction].row; };
-    const auto params_of = [&](u32 interaction) {
+    const auto connector_of = [&](InteractionId interaction) { return core_.tables().interactions[interaction].row; };
+    const auto params_of = [&](InteractionId interaction) {
       std::vector<u32> params(core_.tables().connector_type(connector_of(interaction)).params.size);
       for (u32 k = 0; k < params.size(); ++k) params[k] = k;
       return params;
     };
-    std::vector<std::vector<u32>> highs(rules.count);
+    std::vector<std::vector<InteractionId>> highs(rules.count);
     for (const HighEdge& edge : rules.high_edges) {
       if (matches_high(core_.tables(), image_.priorities[edge.rule], connector_of(edge.interaction),
                        params_of(edge.interaction)))
         highs[edge.rule].push_back(edge.interaction);
     }
-    std::vector<Csr::Pair> pairs;
-    for (u32 interaction = 0; interaction < interactions; ++interaction) {
-      std::vector<bool> seen(rules.count, false), is_high(interactions, false);
+    std::vector<CsrOf<InteractionId, InteractionId>::Pair> pairs;
+    for (const InteractionId interaction : shapes_.interactions.ids()) {
+      std::vector<bool> seen(rules.count, false);
+      IndexVector<InteractionId, bool> is_high(shapes_.interactions.size(), false);
       std::vector<u32> todo;
       for (const u32 rule : rules.low_of_interaction[interaction]) {
         if (matches_low(core_.tables(), image_.priorities[rule], connector_of(interaction), params_of(interaction)))
@@ -193,40 +193,40 @@ class ShapeBuilder {
         todo.pop_back();
         if (seen[rule]) continue;
         seen[rule] = true;
-        for (const u32 high : highs[rule]) {
+        for (const InteractionId high : highs[rule]) {
           if (!is_high[high]) pairs.push_back({interaction, high});
           is_high[high] = true;
         }
         for (const u32 next : rules.next[rule]) todo.push_back(next);
       }
     }
-    shapes_.dominators = Csr::build(interactions, pairs);
+    shapes_.dominators = CsrOf<InteractionId, InteractionId>::build(shapes_.interactions.size(), pairs);
     return true;
   }
 
   void add_watched() {
     if (std::find(has_fault_.begin(), has_fault_.end(), true) == has_fault_.end()) return;
-    std::vector<Csr::Pair> pairs;
-    for (u32 interaction = 0; interaction < shapes_.interactions.size(); ++interaction) {
-      std::vector<u32> near;
+    std::vector<CsrOf<InteractionId, InteractionId>::Pair> pairs;
+    for (const InteractionId interaction : shapes_.interactions.ids()) {
+      std::vector<InteractionId> near;
       for (const u32 atom : shapes_.atoms_of(interaction)) {
-        for (const u32 other : shapes_.interactions_of_atom[atom]) {
+        for (const InteractionId other : shapes_.interactions_of_atom[atom]) {
           if (has_fault_[other]) near.push_back(other);
         }
       }
       std::sort(near.begin(), near.end());
       near.erase(std::unique(near.begin(), near.end()), near.end());
-      for (const u32 other : near) pairs.push_back({interaction, other});
+      for (const InteractionId other : near) pairs.push_back({interaction, other});
     }
-    shapes_.watched = Csr::build(shapes_.interactions.size(), pairs);
+    shapes_.watched = CsrOf<InteractionId, InteractionId>::build(shapes_.interactions.size(), pairs);
   }
 
   const Core& core_;
   const Image& image_;
   MaximalProgress progress_;
   std::vector<bool> only_moves_;
-  std::vector<u32> owner_;       // by row of all variables
-  std::vector<bool> has_fault_;  // by interaction
+  IndexVector<VariableId, u32> owner_;
+  IndexVector<InteractionId, bool> has_fault_;
   Shapes shapes_;
 };
 

@@ -28,26 +28,26 @@ struct InteractionShape {
   Slice leaves;               // rows of Shapes::leaves: the possible participants
 };
 struct Shapes {
-  std::vector<InteractionShape> interactions;
+  IndexVector<InteractionId, InteractionShape> interactions;
   std::vector<u32> atoms;
   std::vector<InteractionLeaf> leaves;
   /// By atom: the interactions that depend on it.
-  Csr interactions_of_atom;
+  InteractionsBy interactions_of_atom;
   /// The core is asked which candidates a state has: rules with guards, rules about parts of a connector, or C++.
   bool needs_core = false;
   /// The model calls C++: nothing is kept, for its functions may remember something.
   bool calls_cpp = false;
   /// Rules without guards, between interactions with one candidate each: by interaction the interactions that hide it.
   /// No rows: no rules.
-  Csr dominators;
+  CsrOf<InteractionId, InteractionId> dominators;
   /// By interaction: interactions whose guards may fault in the state that a step of this one leads to. No rows:
   /// nothing may.
-  Csr watched;
+  CsrOf<InteractionId, InteractionId> watched;
 
-  [[nodiscard]] Span<u32> atoms_of(u32 interaction) const {
+  [[nodiscard]] Span<u32> atoms_of(InteractionId interaction) const {
     return {atoms.data() + interactions[interaction].atoms.first, interactions[interaction].atoms.count};
   }
-  [[nodiscard]] Span<InteractionLeaf> leaves_of(u32 interaction) const {
+  [[nodiscard]] Span<InteractionLeaf> leaves_of(InteractionId interaction) const {
     return {leaves.data() + interactions[interaction].leaves.first, interactions[interaction].leaves.count};
   }
 };

@@ -29,7 +29,7 @@ struct GraphOptions {
   MaximalProgress progress = MaximalProgress::On;
   std::size_t bytes = 0;                   // of everything that is stored; 0: no limit
   std::function<bool()> is_stopped;        // called now and then
-  std::vector<u32> unread_cells;           // as in ExploreOptions
+  std::vector<VariableId> unread_cells;    // as in ExploreOptions
   std::vector<GraphPredicate> predicates;  // at most 64
 };
 

@@ -16,7 +16,7 @@ u32 StepLabels::of(Core& core, const Candidate& candidate) {
   return find_or_add(candidate.interaction, candidate.connector);
 }
 
-u32 StepLabels::of(u32 interaction, u32 connector, Span<InteractionLeaf> leaves) {
+u32 StepLabels::of(InteractionId interaction, u32 connector, Span<InteractionLeaf> leaves) {
   wanted_.clear();
   for (const InteractionLeaf& leaf : leaves) wanted_.push_back({leaf.atom, leaf.port});
   return find_or_add(interaction, connector);
@@ -27,11 +27,11 @@ bool StepLabels::has_port(u32 label, PortOfAtom port) const {
   return std::find(all.begin(), all.end(), port) != all.end();
 }
 
-u32 StepLabels::find_or_add(u32 interaction, u32 connector) {
+u32 StepLabels::find_or_add(InteractionId interaction, u32 connector) {
   std::sort(wanted_.begin(), wanted_.end(), [](const PortOfAtom& a, const PortOfAtom& b) {
     return a.atom != b.atom ? a.atom < b.atom : a.port < b.port;
   });
-  u64 hash = WordSet::hash_of(interaction);
+  u64 hash = WordSet::hash_of(interaction.value);
   for (const PortOfAtom& port : wanted_) hash = WordSet::hash_of(hash ^ (u64{port.atom} << 32 | port.port));
   const auto [begin, end] = rows_.equal_range(hash);
   for (auto at = begin; at != end; ++at) {

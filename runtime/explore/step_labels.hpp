@@ -17,9 +17,9 @@ struct PortOfAtom {
   friend bool operator==(const PortOfAtom&, const PortOfAtom&) = default;
 };
 struct StepLabel {
-  u32 interaction = 0;       // of the candidate order
-  u32 connector = kNone;     // kNone: an internal port
-  u32 first = 0, count = 0;  // ports, sorted
+  InteractionId interaction{0u};  // of the candidate order
+  u32 connector = kNone;          // kNone: an internal port
+  u32 first = 0, count = 0;       // ports, sorted
 };
 
 class StepLabels {
@@ -27,7 +27,7 @@ class StepLabels {
   /// The label of a candidate of the state that the core is in.
   u32 of(Core& core, const Candidate& candidate);
   /// The label of an interaction in which all its leaves take part.
-  u32 of(u32 interaction, u32 connector, Span<InteractionLeaf> leaves);
+  u32 of(InteractionId interaction, u32 connector, Span<InteractionLeaf> leaves);
 
   [[nodiscard]] u32 size() const { return static_cast<u32>(labels_.size()); }
   [[nodiscard]] const StepLabel& operator[](u32 label) const { return labels_[label]; }
@@ -37,7 +37,7 @@ class StepLabels {
   [[nodiscard]] bool has_port(u32 label, PortOfAtom port) const;
 
  private:
-  u32 find_or_add(u32 interaction, u32 connector);
+  u32 find_or_add(InteractionId interaction, u32 connector);
 
   std::vector<StepLabel> labels_;
   std::vector<PortOfAtom> ports_;

@@ -9,7 +9,7 @@
 namespace bip::rt {
 
 Stubborn::Stubborn(const Core& core, const Shapes& shapes) : image_(core.image()), shapes_(shapes) {
-  std::vector<Csr::Pair> pairs;
+  std::vector<InteractionsBy::Pair> pairs;
   u32 rows = 0;
   for (u32 atom = 0; atom < image_.atoms.size; ++atom) {
     const u32 type_row = image_.atoms[atom].type;
@@ -17,7 +17,7 @@ Stubborn::Stubborn(const Core& core, const Shapes& shapes) : image_(core.image()
     place_base_.push_back(rows);
     const u32 places = is_automaton_.back() ? image_.atom_types[type_row].places.size : 1;
     for (u32 place = 0; place < places; ++place, ++rows) {
-      for (const u32 interaction : shapes.interactions_of_atom[atom]) {
+      for (const InteractionId interaction : shapes.interactions_of_atom[atom]) {
         // Who reads an atom, or asks whether it is ready, depends on it wherever it stands.
         bool uses = !is_automaton_.back() || !shapes.interactions[interaction].is_rendezvous;
         bool is_leaf = false;
@@ -30,7 +30,7 @@ Stubborn::Stubborn(const Core& core, const Shapes& shapes) : image_(core.image()
       }
     }
   }
-  by_place_ = Csr::build(rows, pairs);
+  by_place_ = InteractionsBy::build(rows, pairs);
   list_enabling();
 }
 
@@ -60,7 +60,7 @@ std::vector<std::vector<bool>> Stubborn::ports_that_lead(const AtomType& type) {
 
 void Stubborn::list_enabling() {
   std::vector<std::vector<std::vector<bool>>> leads(image_.atom_types.size);
-  std::vector<Csr::Pair> pairs;
+  std::vector<InteractionsBy::Pair> pairs;
   u32 rows = 0;
   for (u32 atom = 0; atom < image_.atoms.size; ++atom) {
     const u32 row = image_.atoms[atom].type;
@@ -69,7 +69,7 @@ void Stubborn::list_enabling() {
     if (is_automaton_[atom] && leads[row].empty()) leads[row] = ports_that_lead(image_.atom_types[row]);
     for (u32 port = 0; port < ports; ++port, ++rows) {
       if (!is_automaton_[atom]) continue;
-      for (const u32 interaction : shapes_.interactions_of_atom[atom]) {
+      for (const InteractionId interaction : shapes_.interactions_of_atom[atom]) {
         const Span<InteractionLeaf> leaves = shapes_.leaves_of(interaction);
         const bool brings = std::any_of(leaves.begin(), leaves.end(), [&](const InteractionLeaf& leaf) {
           return leaf.atom == atom && leads[row][leaf.port][port];
@@ -78,7 +78,7 @@ void Stubborn::list_enabling() {
       }
     }
   }
-  enabling_ = Csr::build(rows, pairs);
+  enabling_ = InteractionsBy::build(rows, pairs);
 }
 
 // May the port of an automaton be enabled at the place? Guards are not looked at.
@@ -89,24 +89,24 @@ bool Stubborn::offers(u32 atom, u32 port, u32 place) const {
   return false;
 }
 
-Span<u32> Stubborn::near(const u64* state, const Layout& layout, const Locals& locals, u32 atom) const {
+Span<InteractionId> Stubborn::near(const u64* state, const Layout& layout, const Locals& locals, u32 atom) const {
   return by_place_[place_base_[atom] + (is_automaton_[atom] ? locals.place(atom, layout.get(state, atom)) : 0)];
 }
 
 // What an interaction needs. Of an interaction without candidate: of the atoms whose port is not offered where they
 // stand, and the two sets that each gives, one that adds few interactions with a candidate; those of the component at
 // hand are in the set anyway.
-StubbornScratch::Needed Stubborn::needed_by(u32 interaction, const u64* state, const Layout& layout,
-                                            const Locals& locals, const std::vector<u32>& has_candidate,
+StubbornScratch::Needed Stubborn::needed_by(InteractionId interaction, const u64* state, const Layout& layout,
+                                            const Locals& locals, const IndexVector<InteractionId, u32>& has_candidate,
                                             const StubbornScratch& scratch) const {
   StubbornScratch::Needed needed;
   if (has_candidate[interaction] != 0 || !shapes_.interactions[interaction].is_rendezvous) return needed;
   std::pair<u32, u32> fewest;
-  const auto offer = [&](Span<u32> interactions) {
+  const auto offer = [&](Span<InteractionId> interactions) {
     std::pair<u32, u32> cost{0, 0};
-    for (const u32 other : interactions) {
-      const bool is_visited = scratch.search.is_visited(other);
-      if (is_visited && scratch.search.is_open(other)) continue;
+    for (const InteractionId other : interactions) {
+      const bool is_visited = scratch.search.is_visited(other.value);
+      if (is_visited && scratch.search.is_open(other.value)) continue;
       cost.first += has_candidate[other] != 0 || (is_visited && scratch.has_candidate[other] != 0) ? 1 : 0;
       cost.second += is_visited ? 0 : 1;
     }
@@ -125,16 +125,17 @@ StubbornScratch::Needed Stubborn::needed_by(u32 interaction, const u64* state, c
   return needed;
 }
 
-// The next interaction that the interaction needs, or kNoSuccessor.
-u32 Stubborn::next_needed(u32 interaction, StubbornScratch::Needed& needed, const u64* state, const Layout& layout,
-                          const Locals& locals) const {
-  if (needed.is_blocked) return needed.at < needed.interactions.size ? needed.interactions[needed.at++] : kNoSuccessor;
+// The next interaction that the interaction needs, or none.
+InteractionId Stubborn::next_needed(InteractionId interaction, StubbornScratch::Needed& needed, const u64* state,
+                                    const Layout& layout, const Locals& locals) const {
+  if (needed.is_blocked)
+    return needed.at < needed.interactions.size ? needed.interactions[needed.at++] : InteractionId();
   const Span<u32> own = shapes_.atoms_of(interaction);
   for (; needed.atom < own.size; ++needed.atom, needed.at = 0) {
-    const Span<u32> interactions = near(state, layout, locals, own[needed.atom]);
+    const Span<InteractionId> interactions = near(state, layout, locals, own[needed.atom]);
     if (needed.at < interactions.size) return interactions[needed.at++];
   }
-  return kNoSuccessor;
+  return {};
 }
 
 // The graph "t needs u", in the form that StrongComponents visits. Keeps the smallest set of candidates of a component
@@ -144,28 +145,34 @@ struct Stubborn::NeedGraph {
   const u64* state;
   const Layout& layout;
   const Locals& locals;
-  const std::vector<u32>& has_candidate;
+  const IndexVector<InteractionId, u32>& has_candidate;
   StubbornScratch& scratch;
-  std::vector<u32>& chosen;
+  std::vector<InteractionId>& chosen;
   std::size_t best = ~std::size_t{0};
 
-  StubbornScratch::Needed enter(u32 interaction) {
+  // Vertices are the numbers of interactions.
+  static_assert(kNoSuccessor == InteractionId::kNone);
+  StubbornScratch::Needed enter(u32 vertex) {
+    const InteractionId interaction(vertex);
     scratch.has_candidate[interaction] = 0;
     return stubborn.needed_by(interaction, state, layout, locals, has_candidate, scratch);
   }
-  u32 next(u32 interaction, StubbornScratch::Needed& needed) {
-    return stubborn.next_needed(interaction, needed, state, layout, locals);
+  u32 next(u32 vertex, StubbornScratch::Needed& needed) {
+    return stubborn.next_needed(InteractionId(vertex), needed, state, layout, locals).value;
   }
-  void reach(u32 from, u32 to) { scratch.has_candidate[from] |= scratch.has_candidate[to]; }
+  void reach(u32 from, u32 to) {
+    scratch.has_candidate[InteractionId(from)] |= scratch.has_candidate[InteractionId(to)];
+  }
   // All that the component needs was complete before.
   void close(const u32* members, std::size_t count) {
-    const bool is_candidate_below = scratch.has_candidate[members[0]] != 0;
+    const bool is_candidate_below = scratch.has_candidate[InteractionId(members[0])] != 0;
     scratch.set.clear();
     for (std::size_t k = 0; k < count; ++k) {
-      if (has_candidate[members[k]] != 0) scratch.set.push_back(members[k]);
+      const InteractionId member(members[k]);
+      if (has_candidate[member] != 0) scratch.set.push_back(member);
     }
     for (std::size_t k = 0; k < count; ++k)
-      scratch.has_candidate[members[k]] = is_candidate_below || !scratch.set.empty() ? 1 : 0;
+      scratch.has_candidate[InteractionId(members[k])] = is_candidate_below || !scratch.set.empty() ? 1 : 0;
     if (is_candidate_below || scratch.set.empty() || scratch.set.size() >= best) return;
     best = scratch.set.size();
     chosen = scratch.set;
@@ -173,20 +180,22 @@ struct Stubborn::NeedGraph {
 };
 
 void Stubborn::choose(const u64* state, const Layout& layout, const Locals& locals,
-                      const std::vector<u32>& has_candidate, StubbornScratch& scratch, std::vector<u32>& chosen) const {
+                      const IndexVector<InteractionId, u32>& has_candidate, StubbornScratch& scratch,
+                      std::vector<InteractionId>& chosen) const {
   BIP_ASSERT(has_candidate.size() == shapes_.interactions.size(), "{} interactions of {}", has_candidate.size(),
              shapes_.interactions.size());
   BIP_ASSERT(!chosen.empty(), "no interaction to choose among");
-  scratch.has_candidate.resize(shapes_.interactions.size());
+  if (scratch.has_candidate.size() != shapes_.interactions.size())
+    scratch.has_candidate.assign(shapes_.interactions.size(), 0);
   scratch.search.begin(shapes_.interactions.size());
   NeedGraph graph{*this, state, layout, locals, has_candidate, scratch, chosen};
-  const u32 interactions = static_cast<u32>(has_candidate.size());
-  for (u32 start = 0; start < interactions && graph.best > 1; ++start) {
-    if (has_candidate[start] != 0) scratch.search.visit(start, graph);
+  for (const InteractionId start : has_candidate.ids()) {
+    if (graph.best <= 1) break;
+    if (has_candidate[start] != 0) scratch.search.visit(start.value, graph);
   }
   std::sort(chosen.begin(), chosen.end());
   BIP_ASSERT(!chosen.empty() && std::all_of(chosen.begin(), chosen.end(),
-                                            [&](u32 interaction) { return has_candidate[interaction] != 0; }),
+                                            [&](InteractionId interaction) { return has_candidate[interaction] != 0; }),
              "an interaction without candidate is among {} chosen ones", chosen.size());
 }
 

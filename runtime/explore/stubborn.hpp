@@ -26,13 +26,13 @@ struct StubbornScratch {
   // A position among the interactions that an interaction needs.
   struct Needed {
     bool is_blocked = false;  // it needs `interactions`, else what is near its atoms
-    Span<u32> interactions;
+    Span<InteractionId> interactions;
     u32 atom = 0, at = 0;  // position among its atoms, among interactions
   };
   StrongComponents<Needed> search;
   // By interaction that was visited: in the complete components that it needs; once its own is complete, in that too.
-  std::vector<std::uint8_t> has_candidate;
-  std::vector<u32> set;
+  IndexVector<InteractionId, std::uint8_t> has_candidate;
+  std::vector<InteractionId> set;
 };
 
 class Stubborn {
@@ -40,28 +40,31 @@ class Stubborn {
   Stubborn(const Core& core, const Shapes& shapes);
 
   /// has_candidate: by interaction, 0 is none. At least one has. `chosen` becomes the interactions to take, sorted.
-  void choose(const u64* state, const Layout& layout, const Locals& locals, const std::vector<u32>& has_candidate,
-              StubbornScratch& scratch, std::vector<u32>& chosen) const;
+  void choose(const u64* state, const Layout& layout, const Locals& locals,
+              const IndexVector<InteractionId, u32>& has_candidate, StubbornScratch& scratch,
+              std::vector<InteractionId>& chosen) const;
 
  private:
-  [[nodiscard]] Span<u32> near(const u64* state, const Layout& layout, const Locals& locals, u32 atom) const;
+  [[nodiscard]] Span<InteractionId> near(const u64* state, const Layout& layout, const Locals& locals, u32 atom) const;
   [[nodiscard]] bool offers(u32 atom, u32 port, u32 place) const;
   static std::vector<std::vector<bool>> ports_that_lead(const AtomType& type);
   void list_enabling();
   struct NeedGraph;
-  [[nodiscard]] StubbornScratch::Needed needed_by(u32 interaction, const u64* state, const Layout& layout,
-                                                  const Locals& locals, const std::vector<u32>& has_candidate,
+  [[nodiscard]] StubbornScratch::Needed needed_by(InteractionId interaction, const u64* state, const Layout& layout,
+                                                  const Locals& locals,
+                                                  const IndexVector<InteractionId, u32>& has_candidate,
                                                   const StubbornScratch& scratch) const;
-  [[nodiscard]] u32 next_needed(u32 interaction, StubbornScratch::Needed& needed, const u64* state,
-                                const Layout& layout, const Locals& locals) const;
+  /// None: it needs no further one.
+  [[nodiscard]] InteractionId next_needed(InteractionId interaction, StubbornScratch::Needed& needed, const u64* state,
+                                          const Layout& layout, const Locals& locals) const;
 
   const Image& image_;
   const Shapes& shapes_;
   std::vector<u32> place_base_;  // by atom: its first row of by_place_; Petri types have one row
   std::vector<bool> is_automaton_;
-  Csr by_place_;                // by atom and place: interactions that may use the atom there
+  InteractionsBy by_place_;     // by atom and place: interactions that may use the atom there
   std::vector<u32> port_base_;  // by atom: its first row of enabling_
-  Csr enabling_;  // by atom and port: interactions that may bring an automaton to where the port is offered
+  InteractionsBy enabling_;  // by atom and port: interactions that may bring an automaton to where the port is offered
 };
 
 }  // namespace bip::rt

@@ -31,7 +31,7 @@ class SymmetryDetector {
     owner_.assign(image.cell_count, {kNone, 0});
     for (u32 atom = 0; atom < image.atoms.size; ++atom) {
       for (u32 variable = 0; variable < image.atom_types[image.atoms[atom].type].variables.size; ++variable) {
-        owner_[image.atoms[atom].first_cell + variable] = {atom, variable};
+        owner_[image.atoms[atom].variable(variable)] = {atom, variable};
       }
     }
     connectors_of_.resize(image.atoms.size);
@@ -55,7 +55,7 @@ class SymmetryDetector {
       }
       is_too_deep_ = is_too_deep_ || depth[connector] > kDeepest;
       for (u32 k = 0; k < row.bind_count; ++k) {
-        const u32 atom = owner_[image.binds[row.binds + k].cell].first;
+        const u32 atom = owner_[image.binds[row.binds + k].variable()].first;
         if (atom != kNone) atoms.push_back(atom);
       }
       std::sort(atoms.begin(), atoms.end());
@@ -161,7 +161,7 @@ class SymmetryDetector {
       key.insert(key.end(), param.begin(), param.end());
     }
     for (u32 k = 0; k < row.bind_count && !is_plain; ++k) {
-      const auto& [atom, variable] = owner_[image_.binds[row.binds + k].cell];
+      const auto& [atom, variable] = owner_[image_.binds[row.binds + k].variable()];
       // Rows of connectors below say nothing that the parameters do not.
       key.push_back(atom == kNone ? kNone : image_of(atom));
       key.push_back(variable);
@@ -184,8 +184,8 @@ class SymmetryDetector {
 
   const Image& image_;
   const Locals& locals_;
-  std::vector<std::pair<u32, u32>> owner_;       // by row of all variables: atom and variable
-  std::vector<std::vector<u32>> connectors_of_;  // by atom: those that run
+  IndexVector<VariableId, std::pair<u32, u32>> owner_;  // atom, and which of its variables
+  std::vector<std::vector<u32>> connectors_of_;         // by atom: those that run
   bool is_too_deep_ = false;
 };
 

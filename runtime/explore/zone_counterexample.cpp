@@ -67,7 +67,7 @@ ZoneBound side_of(const ZoneBound& bound, const std::vector<i64>& point) {
   return point[bound.i] - point[bound.j] <= bound.limit ? bound : bound.opposite();
 }
 
-u64 number_of(const Core& core, u32 interaction, u32 config) {
+u64 number_of(const Core& core, InteractionId interaction, u32 config) {
   for (u64 k = 0; k < core.candidate_count(); ++k) {
     const Candidate candidate = core.candidate(k);
     if (candidate.interaction == interaction && candidate.config == config) return k;
@@ -135,7 +135,9 @@ void ZoneSearch::find_path(const Target& target, TimedPath& path) {
       instants.set_clock(clock + 1, when, core_.time().clock_state(clock).value);
   };
   struct Taken {
-    u32 when, interaction, config;
+    u32 when;
+    InteractionId interaction;
+    u32 config;
   };
   struct Resumed {
     u64 before;

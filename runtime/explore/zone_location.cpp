@@ -38,10 +38,10 @@ i64 without_tick(i64 constant) {
 }  // namespace
 
 std::size_t Location::bytes() const {
-  std::size_t sum = sizeof(Location) + heap_bytes(state.places) + heap_bytes(state.marks) + heap_bytes(state.data) +
-                    heap_bytes(state.objects) + heap_bytes(state.time) + heap_bytes(waits) + heap_bytes(leaders) +
-                    heap_bytes(invariants) + heap_bytes(interactions) + heap_bytes(groups) + heap_bytes(cells) +
-                    heap_bytes(asked);
+  std::size_t sum = sizeof(Location) + heap_bytes(state.places) + heap_bytes(state.marks) +
+                    heap_bytes(state.data.rows()) + heap_bytes(state.objects) + heap_bytes(state.time) +
+                    heap_bytes(waits) + heap_bytes(leaders) + heap_bytes(invariants) + heap_bytes(interactions) +
+                    heap_bytes(groups) + heap_bytes(cells) + heap_bytes(asked);
   for (const InteractionCondition& interaction : interactions) sum += heap_bytes(interaction.bounds);
   for (const WaitGroup& group : groups) sum += heap_bytes(group.bounds);
   return sum;
@@ -70,8 +70,8 @@ Locations::Locations(Core& core, const ExploreOptions& options, const TimedRespo
   transitions_.resize(image.atoms.size);
   is_ruled_.assign(shapes_.interactions.size(), false);
   const PriorityTables rules = link_priorities(core.tables());
-  for (u32 interaction = 0; interaction < rules.is_involved.size(); ++interaction) {
-    const bool is_connector = interaction < core.tables().connector_interactions;
+  for (const InteractionId interaction : rules.is_involved.ids()) {
+    const bool is_connector = core.tables().is_of_connector(interaction);
     const u32 plan = is_connector ? core.tables().interactions[interaction].plan() : kNone;
     const bool has_witnesses = plan != kNone && !core.tables().plans[plan].witnesses.empty();
     if (rules.is_involved[interaction] == 0 && !has_witnesses) continue;
@@ -108,11 +108,11 @@ u32 Locations::find_or_add(State&& state, const std::vector<u32>& waits, const s
                            bool is_pending) {
   BIP_ASSERT(waits.size() == is_timed_.size() && leaders.size() == is_timed_.size(), "{} waits", waits.size());
   BIP_ASSERT(index_.size() == rows_.size(), "{} keys of {} locations", index_.size(), rows_.size());
-  for (const u32 cell : unread_cells_) state.data[cell] = 0;
+  for (const VariableId cell : unread_cells_) state.data[cell] = 0;
   std::string key;
   append_all(key, state.places);
   append_all(key, state.marks);
-  append_all(key, state.data);
+  append_all(key, state.data.rows());
   append_all(key, waits);
   append_all(key, leaders);
   if (is_pending) key += '\1';
@@ -163,7 +163,7 @@ void Locations::append(u32 atom, const MeasuredGuard& guard, Bounds& out) {
   }
 }
 
-bool Locations::measure_variable(Location& at, u32 interaction) {
+bool Locations::measure_interaction(Location& at, InteractionId interaction) {
   const Image& image = core_.image();
   const InteractionShape& shape = shapes_.interactions[interaction];
   InteractionCondition condition{interaction, shape.is_rendezvous && !is_ruled_[interaction], {}};
@@ -260,8 +260,7 @@ bool Locations::measure_bounds(Location& at, const std::vector<i64>& clocks) {
     if (group.ends) at.cells.insert(at.cells.end(), group.bounds.begin(), group.bounds.end());
   }
   if (at.is_pending && is_limited_) at.cells.push_back(in_time_);
-  for (u32 interaction = 0; interaction < shapes_.interactions.size(); ++interaction)
-    (void)measure_variable(at, interaction);
+  for (const InteractionId interaction : shapes_.interactions.ids()) (void)measure_interaction(at, interaction);
   sort_unique(at.cells);
   measure_asked(at);
   at.is_measured = true;

@@ -20,7 +20,7 @@ namespace bip::rt {
 using Bounds = std::vector<ZoneBound>;
 
 struct InteractionCondition {
-  u32 interaction = 0;
+  InteractionId interaction{0u};
   bool is_conjunction = false;  // a candidate exactly where all bounds hold
   Bounds bounds;
 };
@@ -99,19 +99,20 @@ class Locations {
   bool measure_bounds(Location& at, const std::vector<i64>& clocks);
   void measure_asked(Location& at);
   void note(const ZoneBound& bound);
-  bool measure_variable(Location& at, u32 interaction);
+  bool measure_interaction(Location& at, InteractionId interaction);
 
   Core& core_;
   Shapes shapes_;
   u32 clocks_ = 0;
-  ZoneBound in_time_;             // of the observer's clock; 0, 0: there is none
-  bool is_limited_ = false;       // the observer's clock cuts cells
-  i64 divisor_ = 0;               // of the constants that were noted, but for open bounds
-  std::vector<bool> is_timed_;    // by atom
-  std::vector<bool> is_ruled_;    // by interaction: priorities compare it with others
-  std::vector<u32> ruled_atoms_;  // of all those interactions
-  std::vector<u32> asked_interactions_, asked_atoms_;
-  std::vector<u32> unread_cells_;
+  ZoneBound in_time_;                          // of the observer's clock; 0, 0: there is none
+  bool is_limited_ = false;                    // the observer's clock cuts cells
+  i64 divisor_ = 0;                            // of the constants that were noted, but for open bounds
+  std::vector<bool> is_timed_;                 // by atom
+  IndexVector<InteractionId, bool> is_ruled_;  // priorities compare it with others
+  std::vector<u32> ruled_atoms_;               // of all those interactions
+  std::vector<InteractionId> asked_interactions_;
+  std::vector<u32> asked_atoms_;
+  std::vector<VariableId> unread_cells_;
   std::vector<i64> max_, min_;
   bool has_grown_ = false, has_differences_ = false, is_cut_by_all_ = false;
   std::deque<Location> rows_;

@@ -29,8 +29,8 @@ void ZoneSearch::classify_dead_points(u32 node, const std::vector<Zone>& rest, c
   const auto note = [&](Target& target, bool& has, std::vector<i64> point, bool is_far, bool is_bound = false) {
     const bool is_first = !has;
     has = true;
-    if (&target == &time_lock_ && is_first) lock = {node, point, false, false, 0, 0, is_far, false, is_bound};
-    if (target.node == kNone) target = {node, std::move(point), false, false, 0, 0, is_far, false, is_bound};
+    if (&target == &time_lock_ && is_first) lock = {node, point, false, false, {}, 0, is_far, false, is_bound};
+    if (target.node == kNone) target = {node, std::move(point), false, false, {}, 0, is_far, false, is_bound};
   };
   const bool is_inside_now = is_inside(at, nodes_[node].zone);
   for (const Zone& part : rest) {
@@ -72,7 +72,7 @@ bool ZoneSearch::find_match(u32 node) {
   for (const Zone& part : parts) {
     const std::vector<i64> point = part.least_point();
     if (!enter_core(at, point) || !options_.predicate(core_)) continue;
-    match_ = {node, point, false, false, 0, 0, false, true, false};
+    match_ = {node, point, false, false, {}, 0, false, true, false};
     return true;
   }
   return false;

@@ -28,7 +28,7 @@ bool ZoneSearch::find_late(u32 node) {
     locations_.cut_by_all();
     return false;
   }
-  match_ = {node, point, false, false, 0, 0, false, true, false};
+  match_ = {node, point, false, false, {}, 0, false, true, false};
   return true;
 }
 

@@ -46,8 +46,8 @@ ZoneSearch::ZoneSearch(const Image& image, const ExploreOptions& options, const 
   if (part_ == nullptr) return;
   is_sure_.assign(locations_.shapes().interactions.size(), 1);
   for (u32 connector = 0; connector < image.connectors.size; ++connector) {
-    const u32 interaction = core_.tables().interaction_of(connector);
-    if (interaction != kNone) is_sure_[interaction] = part_->is_whole[connector];
+    const InteractionId interaction = core_.tables().interaction_of(connector);
+    if (interaction.is_valid()) is_sure_[interaction] = part_->is_whole[connector];
   }
 }
 
@@ -169,7 +169,7 @@ void ZoneSearch::enter(u32 row, Zone&& zone, ZoneNode&& label) {
         label.zone = std::move(zone);
         const std::vector<i64> point = label.zone.least_point();
         nodes_.push_back(std::move(label));
-        note_error(static_cast<u32>(nodes_.size() - 1), point, ErrorIn::State, 0, 0);
+        note_error(static_cast<u32>(nodes_.size() - 1), point, ErrorIn::State, {}, 0);
       } else {
         note_error(label.parent, label.origin, label.edge == ZoneEdge::Step ? ErrorIn::Step : ErrorIn::State,
                    label.interaction, label.config);
@@ -230,7 +230,8 @@ void ZoneSearch::insert(ZoneNode&& node) {
   ++report_.zones;
 }
 
-void ZoneSearch::note_error(u32 node, const std::vector<i64>& point, ErrorIn where, u32 interaction, u32 config) {
+void ZoneSearch::note_error(u32 node, const std::vector<i64>& point, ErrorIn where, InteractionId interaction,
+                            u32 config) {
   if (!is_node_faulty_) ++report_.errors;
   is_node_faulty_ = report_.has_error = true;
   if (error_.node == kNone)
@@ -319,7 +320,7 @@ bool ZoneSearch::step_from(u32 node, const InteractionCondition& condition, std:
     }
     u64 first = 0, end = 0;
     for (u64 k = 0; k < core_.candidate_count(); ++k) {
-      const u32 interaction = core_.candidate(k).interaction;
+      const InteractionId interaction = core_.candidate(k).interaction;
       if (interaction < condition.interaction) first = k + 1;
       if (interaction <= condition.interaction) end = k + 1;
     }
@@ -450,7 +451,7 @@ void ZoneSearch::expand(u32 node) {
   }
   if (nodes_[node].is_waking) go_on(node);
   if (nodes_[node].is_faulty) {
-    note_error(node, nodes_[node].zone.least_point(), ErrorIn::State, 0, 0);
+    note_error(node, nodes_[node].zone.least_point(), ErrorIn::State, {}, 0);
     return;
   }
   std::vector<Zone> rest{nodes_[node].zone};

@@ -17,14 +17,15 @@ enum class ZoneEdge : std::uint8_t { Initial, Step, Time, GoOn };
 struct ZoneNode {
   u32 location = 0, parent = kNone, depth = 0;
   ZoneEdge edge = ZoneEdge::Initial;
-  u32 interaction = 0, config = 0;  // Step
-  bool is_still = false;            // no time passes in it
-  bool is_faulty = false;           // a run that comes here ends in an error
-  bool is_waking = false;           // busy atoms may go on
-  bool is_covered = false;          // by a later one, before it was expanded
-  bool is_requested = false;        // a request begins to wait, and the observer's clock
-  bool is_later = false;    // Step, without a limit: the observer's clock shows that time has passed, and begins
-  std::vector<i64> origin;  // Step: a point of the parent's zone at which it was taken
+  InteractionId interaction{0u};
+  u32 config = 0;             // Step
+  bool is_still = false;      // no time passes in it
+  bool is_faulty = false;     // a run that comes here ends in an error
+  bool is_waking = false;     // busy atoms may go on
+  bool is_covered = false;    // by a later one, before it was expanded
+  bool is_requested = false;  // a request begins to wait, and the observer's clock
+  bool is_later = false;      // Step, without a limit: the observer's clock shows that time has passed, and begins
+  std::vector<i64> origin;    // Step: a point of the parent's zone at which it was taken
   Zone zone;
 };
 
@@ -33,7 +34,8 @@ struct ZoneArc {
   u32 from = 0, to = 0;
   ZoneEdge edge = ZoneEdge::Step;
   bool is_later = false;
-  u32 interaction = 0, config = 0;
+  InteractionId interaction{0u};
+  u32 config = 0;
   std::vector<i64> origin;
 };
 
@@ -54,7 +56,8 @@ class ZoneSearch {
     u32 node = kNone;
     std::vector<i64> point;
     bool is_error = false, is_step = false;  // is_step: in a step of this interaction
-    u32 interaction = 0, config = 0;
+    InteractionId interaction{0u};
+    u32 config = 0;
     bool is_far = false;         // deadlock: however long time passes
     bool is_state = false;       // it is enough to be there
     bool is_bound = false;       // just there: at an open bound
@@ -65,7 +68,8 @@ class ZoneSearch {
   struct Visit {
     u32 node = 0, parent = kNone;
     ZoneEdge edge = ZoneEdge::Initial;
-    u32 interaction = 0, config = 0;
+    InteractionId interaction{0u};
+    u32 config = 0;
     bool is_requested = false, is_later = false;
     const std::vector<i64>* origin = nullptr;
   };
@@ -82,7 +86,7 @@ class ZoneSearch {
   void pass_time(u32 node, std::vector<Zone>& ahead);
   void go_on(u32 node);
   enum class ErrorIn : std::uint8_t { Step, State };  // while firing, or already when the core looks at the state
-  void note_error(u32 node, const std::vector<i64>& point, ErrorIn where, u32 interaction, u32 config);
+  void note_error(u32 node, const std::vector<i64>& point, ErrorIn where, InteractionId interaction, u32 config);
   [[nodiscard]] bool is_over();
   bool follow_clocks(Zone& zone);
   [[nodiscard]] bool enter_core(const Location& at, const std::vector<i64>& point) {
@@ -124,10 +128,10 @@ class ZoneSearch {
   ExploreOptions options_;
   Core core_;
   Locations locations_;
-  const PartQuestion* part_;           // not null: the image is a part of a system
-  const TimedResponse* response_;      // not null: an observer runs beside it
-  std::vector<std::uint8_t> is_sure_;  // of a part, by interaction: a candidate is one in the whole
-  u32 open_ = kNone;                   // of a part: a location
+  const PartQuestion* part_;                          // not null: the image is a part of a system
+  const TimedResponse* response_;                     // not null: an observer runs beside it
+  IndexVector<InteractionId, std::uint8_t> is_sure_;  // of a part: a candidate is one in the whole
+  u32 open_ = kNone;                                  // of a part: a location
   u64 impossible_ = 0;
   std::deque<ZoneNode> nodes_;
   std::vector<ZoneArc> arcs_;  // of a response without a limit

@@ -12,12 +12,12 @@ namespace {
 
 constexpr const char* kPrefix = "[BIP ENGINE]: ";
 
-void append_values(std::string& out, const Core& core, const PortType& type, u32 base, Span<u32> cells) {
+void append_values(std::string& out, const Core& core, const PortType& type, VariableId first, Span<u32> variables) {
   out += '(';
-  for (u32 i = 0; i < cells.size; ++i) {
+  for (u32 i = 0; i < variables.size; ++i) {
     out += type.vars[i].name;
     out += '=';
-    append_value(out, core.image(), type.vars[i].type, core.cell(base + cells[i]));
+    append_value(out, core.image(), type.vars[i].type, core.cell(first + variables[i]));
     out += ';';
   }
   out += ')';
@@ -127,12 +127,12 @@ void Bip2Writer::append_body(std::string& out, Core& core, const Candidate& cand
       const Connector& below = image.connectors[participant.connector];
       const ConnectorType& type = image.connector_types[below.type];
       append_port_name(out, image, connector, participant.param, below.path(), type.export_name);
-      append_values(out, core, image.port_types[type.export_type], below.first_cell, type.export_variables);
+      append_values(out, core, image.port_types[type.export_type], below.variable(0), type.export_variables);
     } else {
       const Atom& atom = image.atoms[participant.atom];
       const Port& port = image.atom_types[atom.type].ports[participant.port];
       append_port_name(out, image, connector, participant.param, atom.path(), port.name);
-      append_values(out, core, image.port_types[port.type], atom.first_cell, port.variables);
+      append_values(out, core, image.port_types[port.type], atom.variable(0), port.variables);
     }
   }
 }

@@ -39,7 +39,7 @@ std::vector<FutureCandidate> future_candidates(Core& core,
                                                const std::function<void(std::string&, Core&, const Candidate&)>& tell) {
   BIP_ASSERT(core.is_timed(), "a model without time has no later candidates");
   const State state = core.snapshot();
-  const std::vector<u32> order = core.enabled().list_order();
+  const std::vector<InteractionId> order = core.enabled().list_order();
   std::vector<FutureCandidate> all;
   Last until;
   for (int instants = 0; instants < kMaxInstants; ++instants) {

@@ -15,7 +15,7 @@ namespace bip::rt {
 struct FutureCandidate {
   std::string text;  // as `tell` gave it when it was first met
   bool is_internal = false;
-  u32 interaction = 0;
+  InteractionId interaction{0u};
   std::vector<Interval> intervals;  // in their order
 };
 inline constexpr int kMaxInstants = 1000;

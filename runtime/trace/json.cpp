@@ -94,7 +94,7 @@ void JsonWriter::step(std::string& out, Core& core, EnabledSet::Position positio
                       std::uint64_t k) {
   const Candidate candidate = core.candidate(position);
   if (lines_.empty()) begin_lines(core);
-  BIP_ASSERT(candidate.interaction < lines_.size(), "a writer of another image");
+  BIP_ASSERT(lines_.contains(candidate.interaction), "a writer of another image");
   BIP_ASSERT(k == kNoChoice || k < core.candidate_count(), "candidate {}", k);
   Line& line = lines_[candidate.interaction];
   if (line.text.empty()) begin_line(line, core, candidate);
@@ -130,7 +130,7 @@ void JsonWriter::step(std::string& out, Core& core, EnabledSet::Position positio
     pen.put_blocks(text + from, value.at - from);
     from = value.at;
     const Cell& cell =
-        core.is_timed() ? core.events().shown(value.atom, value.port, value.variable) : core.cell(value.cell);
+        core.is_timed() ? core.events().shown(value.atom, value.port, value.variable) : core.cell(value.id);
     if (value.type == CellType::Int) {
       pen.number(cell.i);
     } else if (value.type == CellType::Bool) {
@@ -148,7 +148,7 @@ void JsonWriter::step(std::string& out, Core& core, EnabledSet::Position positio
 }
 
 void JsonWriter::begin_lines(const Core& core) {
-  lines_.resize(core.tables().interactions.size());
+  lines_.assign(core.tables().interactions.size(), {});
   ports_.resize(core.tables().port_atom.size());
   for (const PortType& type : core.image().port_types) {
     first_variable_.push_back(static_cast<u32>(variables_.size()));
@@ -178,11 +178,8 @@ void JsonWriter::begin_line(Line& line, Core& core, const Candidate& candidate) 
     for (u32 i = 0; i < port.variables.size; ++i) {
       if (i != 0) whole += ',';
       whole += variables_[first_variable_[port.type] + i];
-      const u32 cell =
-          core.is_timed()
-              ? kNone
-              : static_cast<u32>(&core.events().shown(participant.atom, participant.port, i) - &core.cell(0));
-      values_.push_back({static_cast<u32>(whole.size()), participant.atom, participant.port, i, cell,
+      const VariableId id = core.tables().atoms[participant.atom].first_cell + port.variables[i];
+      values_.push_back({static_cast<u32>(whole.size()), participant.atom, participant.port, i, id,
                          core.image().port_types[port.type].vars[i].type});
     }
     if (port.variables.size != 0) whole += "}}";

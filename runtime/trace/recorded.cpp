@@ -25,8 +25,8 @@ void append_text(std::string& out, std::string_view text) {
 }
 
 void append_recorded_step(std::string& out, EnabledSet::Position position) {
-  BIP_ASSERT(position.interaction != kNone, "a step of no interaction");
-  append_leb(out, 1 + (u64{position.interaction} << 1 | (position.rank != 0 ? 1 : 0)));
+  BIP_ASSERT(position.interaction.is_valid(), "a step of no interaction");
+  append_leb(out, 1 + (u64{position.interaction.value} << 1 | (position.rank != 0 ? 1 : 0)));
   if (position.rank != 0) append_leb(out, position.rank);
 }
 
@@ -65,8 +65,8 @@ void RecordedWriter::step(std::string& out, Core& core, EnabledSet::Position pos
   if (core.is_timed()) append_leb(out, static_cast<u64>(core.now()));
 }
 
-void RecordedWriter::steps(std::string& out, const std::vector<u32>& interactions) {
-  for (const u32 interaction : interactions) append_recorded_step(out, {interaction, 0});
+void RecordedWriter::steps(std::string& out, const std::vector<InteractionId>& interactions) {
+  for (const InteractionId interaction : interactions) append_recorded_step(out, {interaction, 0});
 }
 
 void RecordedWriter::end(std::string& out, const Core& core, End end, std::uint64_t steps) {
@@ -90,7 +90,7 @@ std::uint64_t digest_of(const Core& core) {
   for (const Atom& atom : image.atoms) {
     const AtomType& type = image.atom_types[atom.type];
     for (u32 i = 0; i < type.variables.size; ++i) {
-      const Cell cell = core.cell(atom.first_cell + i);
+      const Cell cell = core.cell(atom.variable(i));
       if (is_ffi(type.variables[i].type)) continue;
       if (type.variables[i].type == CellType::String) digest.add(string_of(image, cell));
       else if (type.variables[i].type == CellType::Float && std::isnan(cell.f)) digest.add("nan");
@@ -163,7 +163,7 @@ RecordedReader::Next RecordedReader::next(EnabledSet::Position& position, Record
     --word;
     if (((word & 1) != 0 && !number(rank)) || !read_instant()) return Next::Cut;
     // What is no interaction of any core stays none.
-    position.interaction = word >> 1 > kNone ? kNone : static_cast<u32>(word >> 1);
+    position.interaction = word >> 1 > kNone ? InteractionId() : InteractionId(word >> 1);
     position.rank = rank > kNone ? kNone : static_cast<u32>(rank);
     return Next::Step;
   }

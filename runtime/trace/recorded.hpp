@@ -37,7 +37,7 @@ class RecordedWriter final : public TraceSink {
   void begin(std::string& out, const TraceHead& head) override;
   void step(std::string& out, Core& core, EnabledSet::Position position, std::uint64_t number,
             std::uint64_t k) override;
-  void steps(std::string& out, const std::vector<u32>& interactions) override;
+  void steps(std::string& out, const std::vector<InteractionId>& interactions) override;
   void end(std::string& out, const Core& core, End end, std::uint64_t steps) override;
 };
 

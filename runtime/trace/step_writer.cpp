@@ -41,7 +41,7 @@ void append_candidate(std::string& out, const Core& core, const Candidate& candi
   out += core.tables().atom_type(candidate.atom).ports[candidate.port].name;
 }
 
-void append_interaction(std::string& out, const Core& core, u32 interaction) {
+void append_interaction(std::string& out, const Core& core, InteractionId interaction) {
   const Tables& tables = core.tables();
   const InteractionInfo info = tables.interactions[interaction];
   Candidate candidate;

@@ -19,7 +19,7 @@ inline constexpr std::uint64_t kNoChoice = ~std::uint64_t{0};
 /// The candidate's name: the connector's path, or atom.port.
 void append_candidate(std::string& out, const Core& core, const Candidate& candidate);
 /// The same of an interaction that was fired.
-void append_interaction(std::string& out, const Core& core, u32 interaction);
+void append_interaction(std::string& out, const Core& core, InteractionId interaction);
 /// A value as JSON has it; what JSON has no word for, quoted.
 void append_json_value(std::string& out, const Image& image, CellType type, Cell value);
 /// `{"v":1}`: what a port shows.
@@ -95,7 +95,7 @@ class JsonWriter final : public TraceSink {
   /// Of a variable of a port: it comes before the character `at`.
   struct Value {
     u32 at, atom, port, variable;
-    u32 cell;  // without time: where it is
+    VariableId id;  // without time
     CellType type;
   };
   void begin_lines(const Core& core);
@@ -103,7 +103,7 @@ class JsonWriter final : public TraceSink {
   void append_ports(std::string& out, Core& core, const Candidate& candidate);
   std::vector<Participant> participants_;
   // Text that comes again, made when it comes first: a writer is for one image.
-  std::vector<Line> lines_;  // by interaction
+  IndexVector<InteractionId, Line> lines_;
   std::vector<Value> values_;
   std::vector<std::string> ports_;      // by port instance, for lines that are not whole
   std::vector<std::string> variables_;  // by first_variable_ of a port type + variable: the quoted name and a colon

@@ -40,7 +40,9 @@ class TraceSink {
   virtual void step(std::string& out, Core& core, EnabledSet::Position position, std::uint64_t number,
                     std::uint64_t k) = 0;
   /// Writes steps of which nothing but their interactions is known. Only formats with `needs_only_interactions`.
-  virtual void steps(std::string& out, const std::vector<u32>& interactions) { (void)out, (void)interactions; }
+  virtual void steps(std::string& out, const std::vector<InteractionId>& interactions) {
+    (void)out, (void)interactions;
+  }
   virtual void end(std::string& out, const Core& core, End end, std::uint64_t steps) = 0;
 };
 

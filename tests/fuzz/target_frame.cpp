@@ -76,10 +76,10 @@ class NoFabric final : public rt::Fabric {
 void go_on(rt::Node& node) {
   std::vector<rt::u32> atoms;
   if (node.try_count() != 0) node.try_lock(0);
-  const rt::u32 locked = node.locked_interaction();
+  const rt::InteractionId locked = node.locked_interaction();
   for (rt::u64 k = 0; k < node.core().candidate_count(); ++k) {
     const rt::EnabledSet::Position at = node.core().position(k);
-    if (locked != rt::kNone ? at.interaction != locked : !node.core().partial().is_decided(at.interaction)) continue;
+    if (locked.is_valid() ? at.interaction != locked : !node.core().partial().is_decided(at.interaction)) continue;
     node.begin(at, 1, atoms);
     break;
   }

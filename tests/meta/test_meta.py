@@ -76,7 +76,7 @@ def relative(path):
 def folder_of(include):
     """compiler/model/x.hpp -> model; runtime/…, bip/… -> runtime; else None."""
     parts = include.split("/")
-    if parts[-1] in ("assert.hpp", "result.hpp", "distributions.hpp") and "bip" in parts:
+    if parts[-1] in ("assert.hpp", "ids.hpp", "result.hpp", "distributions.hpp") and "bip" in parts:
         return None  # these need nothing, all may include them
     if include == "runtime/core/graph_algorithms.hpp":
         return None  # needs bip/assert.hpp only: one implementation for the compiler and the runtime

@@ -211,7 +211,7 @@ bool Clauses::read(const std::string& text, Rows& rows) const {
 
 std::int32_t Clauses::value(const rt::State& state, std::size_t atom, std::uint32_t variable) const {
   return static_cast<std::int32_t>(
-      static_cast<std::uint32_t>(state.data[image_.atoms[static_cast<u32>(atom)].first_cell + variable]));
+      static_cast<std::uint32_t>(state.data[image_.atoms[static_cast<u32>(atom)].variable(variable)]));
 }
 
 bool Clauses::is_in(const rt::State& state, std::size_t atom, const Mode& mode) const {
@@ -299,7 +299,7 @@ Worth Clauses::worth(const std::string& text, const SearchGoal& goal, std::size_
       for (const auto& [variable, v] : mode.values) {
         if (variables[variable].is_param && value(first, atom, variable) != v) exists = false;
         if (!variables[variable].is_param)
-          state.data[image_.atoms[static_cast<u32>(atom)].first_cell + variable] = static_cast<std::uint32_t>(v);
+          state.data[image_.atoms[static_cast<u32>(atom)].variable(variable)] = static_cast<std::uint32_t>(v);
       }
     }
     if (!exists || !hold(rows, state)) continue;

@@ -51,8 +51,8 @@ class List {
   void write(const Numbers& numbers, rt::State& state) const {
     for (std::size_t atom = 0; atom < system_.atoms.size(); ++atom) {
       state.places[atom] = static_cast<u32>(numbers[first_[atom]]);
-      const std::size_t base = image_.atoms[static_cast<u32>(atom)].first_cell;
-      for (std::size_t k = 0; k < type_of(atom).variables.size(); ++k) {
+      const rt::VariableId base = image_.atoms[static_cast<u32>(atom)].variable(0);
+      for (u32 k = 0; k < type_of(atom).variables.size(); ++k) {
         if (!type_of(atom).variables[k].is_param)
           state.data[base + k] = static_cast<std::uint32_t>(numbers[first_[atom] + 1 + k]);
       }
@@ -65,8 +65,8 @@ class List {
   }
   [[nodiscard]] Numbers numbers_of(const rt::State& state, std::size_t atom) const {
     Numbers numbers{static_cast<std::int64_t>(state.places[atom])};
-    const std::size_t base = image_.atoms[static_cast<u32>(atom)].first_cell;
-    for (std::size_t k = 0; k < type_of(atom).variables.size(); ++k)
+    const rt::VariableId base = image_.atoms[static_cast<u32>(atom)].variable(0);
+    for (u32 k = 0; k < type_of(atom).variables.size(); ++k)
       numbers.push_back(static_cast<std::int32_t>(static_cast<std::uint32_t>(state.data[base + k])));
     return numbers;
   }

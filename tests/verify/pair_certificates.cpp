@@ -64,7 +64,7 @@ Point point_of(const System& system, const rt::Core& core) {
     }
     std::uint32_t n = 0;
     while (type.variables[n].name != "n") ++n;
-    point.numbers.push_back(core.cell(core.image().atoms[a].first_cell + n).i);
+    point.numbers.push_back(core.cell(core.image().atoms[a].variable(static_cast<rt::u32>(n))).i);
     point.clocks.push_back(static_cast<std::int64_t>(core.time().clock_value(a, 0)));
   }
   return point;

@@ -25,7 +25,7 @@ Ports ports_of(rt::Core& core, std::uint64_t choice) {
   std::vector<rt::Participant> participants;
   const rt::Candidate candidate = core.candidate(choice);
   core.participants(candidate, participants);
-  Ports ports{{candidate.interaction, 0}};
+  Ports ports{{candidate.interaction.value, 0}};
   for (const rt::Participant& p : participants) ports.emplace_back(p.atom, p.port);
   std::sort(ports.begin() + 1, ports.end());
   return ports;

@@ -46,7 +46,7 @@ class ThreeLayers {
     std::vector<Csr::Pair> pairs;
     for (u32 i = 0; i < count; ++i) {
       std::vector<u32> found;
-      ports_of_interaction(tables_, tables_.interactions[i], found);
+      ports_of_interaction(tables_, tables_.interactions[InteractionId(i)], found);
       std::vector<u32> votes(nodes, 0);
       for (const u32 port : found) {
         ++votes[home(port)];

@@ -93,7 +93,7 @@ class Comparison {
     for (std::uint32_t v = 0; v < type.variables.size; ++v) {
       // Hidden ones, which clocks own.
       if (!state.vars.contains(type.variables[v].name)) continue;
-      rt::Cell cell = core_.cell(atom.first_cell + v);
+      rt::Cell cell = core_.cell(atom.variable(v));
       const Value& value = state.vars.at(type.variables[v].name);
       if (is_equal(image_, cell, value)) continue;
       return path + "." + type.variables[v].name + " is " + cell_text(image_, type.variables[v].type, cell) +

@@ -19,9 +19,10 @@ inline std::string session_state(const rt::DebugSession& session) {
   const rt::Core& core = session.core();
   std::string text = std::to_string(rt::digest_of(core)) + " at " + std::to_string(core.now()) + ", " +
                      std::to_string(core.candidate_count()) + " candidates, list";
-  for (const std::uint32_t interaction : core.enabled().list_order()) text += " " + std::to_string(interaction);
+  for (const rt::InteractionId interaction : core.enabled().list_order())
+    text += " " + std::to_string(interaction.value);
   for (std::uint64_t k = 0; k < core.candidate_count() && k < 20; ++k)
-    text += " " + std::to_string(core.candidate(k).interaction) + "/" + std::to_string(core.candidate(k).config);
+    text += " " + std::to_string(core.candidate(k).interaction.value) + "/" + std::to_string(core.candidate(k).config);
   return text;
 }
 

@@ -101,11 +101,12 @@ inline std::string silent_run(const rt::Image& image, const RunSpec& spec) {
   if (!sound) return text + "fault " + core.fault().what + "\n";
   const rt::State state = core.snapshot();
   for (const std::uint32_t place : state.places) text += std::to_string(place) + " ";
-  text += data_text(image, state.data);
+  text += data_text(image, state.data.rows());
   text += "\nlist";
-  for (const std::uint32_t cell : core.enabled().list_order()) text += " " + std::to_string(cell);
+  for (const rt::InteractionId interaction : core.enabled().list_order())
+    text += " " + std::to_string(interaction.value);
   for (std::uint64_t k = 0; k < core.candidate_count() && k < 100; ++k)
-    text += " " + std::to_string(core.candidate(k).interaction);
+    text += " " + std::to_string(core.candidate(k).interaction.value);
   // From the same state without a history: everything must follow from it.
   rt::Core fresh(image);
   fresh.seed_draws(spec.seed);

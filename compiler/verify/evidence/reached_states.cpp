@@ -17,7 +17,7 @@ using u32 = std::uint32_t;
 std::int32_t StateColumn::value_in(const rt::State& state) const {
   if (about == About::Automaton) return static_cast<std::int32_t>(state.places[position]);
   if (about == About::Place) return static_cast<std::int32_t>(state.marks[position / 64] >> (position % 64) & 1);
-  return static_cast<std::int32_t>(static_cast<u32>(state.data[position]));
+  return static_cast<std::int32_t>(static_cast<u32>(state.data[rt::VariableId(position)]));
 }
 
 void StateColumn::append(std::int32_t value, std::string& out) const {
@@ -28,7 +28,7 @@ void StateColumn::append(std::int32_t value, std::string& out) const {
 }
 
 std::vector<StateColumn> state_columns(const System& system, const rt::Image& image,
-                                       const std::vector<u32>& left_out_cells) {
+                                       const std::vector<rt::VariableId>& left_out_cells) {
   using About = StateColumn::About;
   std::vector<StateColumn> columns;
   u32 mark_word = 0;
@@ -45,12 +45,12 @@ std::vector<StateColumn> state_columns(const System& system, const rt::Image& im
     }
     for (std::size_t k = 0; k < type.variables.size(); ++k) {
       const Type of = type.variables[k].type;
-      const u32 cell = image.atoms[atom].first_cell + static_cast<u32>(k);
+      const rt::VariableId variable = image.atoms[atom].variable(static_cast<u32>(k));
       const bool is_hidden = type.variables[k].name.find(' ') != std::string::npos;
       if (type.variables[k].is_param || is_hidden ||
-          std::binary_search(left_out_cells.begin(), left_out_cells.end(), cell))
+          std::binary_search(left_out_cells.begin(), left_out_cells.end(), variable))
         continue;
-      columns.push_back({About::Value, cell, instance.path + '.' + type.variables[k].name + '=', nullptr,
+      columns.push_back({About::Value, variable.value, instance.path + '.' + type.variables[k].name + '=', nullptr,
                          of == Type::Int || of == Type::Bool || of == Type::String});
     }
   }

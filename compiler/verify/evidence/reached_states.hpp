@@ -28,7 +28,7 @@ struct StateColumn {
 };
 /// Parameters, hidden variables of time and these cells have no column. Refers to `system`.
 [[nodiscard]] std::vector<StateColumn> state_columns(const System& system, const rt::Image& image,
-                                                     const std::vector<std::uint32_t>& left_out_cells = {});
+                                                     const std::vector<rt::VariableId>& left_out_cells = {});
 
 class StateCollector {
  public:

@@ -18,7 +18,7 @@ constexpr std::int64_t kUnsaid = INT64_MIN;
 }  // namespace
 
 ZoneCollector::ZoneCollector(const System& system, const rt::Image& image,
-                             const std::vector<std::uint32_t>& unread_cells, std::size_t bytes, ZoneObserver observer)
+                             const std::vector<rt::VariableId>& unread_cells, std::size_t bytes, ZoneObserver observer)
     : columns_(state_columns(system, image, unread_cells)), clocks_(1), observer_(observer), bytes_(bytes) {
   if (!system::first_inner_priority(system).empty()) problem_ = "priorities below connectors";
   for (const StateColumn& column : columns_) {

@@ -19,7 +19,7 @@ class ZoneCollector {
  public:
   /// Refers to `system`, which must outlive it. `unread_cells`: data that may have any value (unread_data.hpp).
   /// `bytes`: of the text.
-  ZoneCollector(const System& system, const rt::Image& image, const std::vector<std::uint32_t>& unread_cells,
+  ZoneCollector(const System& system, const rt::Image& image, const std::vector<rt::VariableId>& unread_cells,
                 std::size_t bytes, ZoneObserver observer = ZoneObserver::None);
   /// Returns what of the model no row can say or the checker cannot follow, with its name; empty if there is nothing.
   [[nodiscard]] const std::string& problem() const { return problem_; }

@@ -20,7 +20,7 @@ constexpr std::size_t kStoredBytes = std::size_t{256} << 20;
 
 // A step by who takes part, whatever else is possible.
 struct StepLabel {
-  u32 interaction = 0;
+  rt::InteractionId interaction;
   std::vector<std::pair<u32, u32>> ports;  // atom, port
 };
 

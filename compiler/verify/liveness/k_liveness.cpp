@@ -151,8 +151,7 @@ class KLiveness {
     for (const SystemStep& step : machine_.steps) {
       steps.emplace_back();
       for (const auto& [port, ignored] : step.parts) steps.back().push_back(tables.port_atom[port]);
-      connector.push_back(step.interaction < tables.connector_interactions ? tables.interactions[step.interaction].row
-                                                                           : kNoRow);
+      connector.push_back(tables.is_of_connector(step.interaction) ? tables.connector_of(step.interaction) : kNoRow);
     }
     AtomMask kept(system_.atoms.size(), 0);
     const auto keep_connector = [&](std::uint32_t row) {
@@ -266,9 +265,9 @@ class KLiveness {
       const RoundMonitor::Unit& unit = monitor.units()[row];
       out += "turn";
       const bool is_atom = options_.fairness.unit == FairnessUnit::Atoms;
-      if (is_atom) out += ' ' + system_.atoms[AtomId(std::size_t{unit.interaction})].path;
-      if (!is_atom && unit.interaction < tables.connector_interactions)
-        out += ' ' + system_.connectors[ConnectorId(std::size_t{tables.interactions[unit.interaction].row})].path;
+      if (is_atom) out += ' ' + system_.atoms[AtomId(unit.atom)].path;
+      if (!is_atom && tables.is_of_connector(unit.interaction))
+        out += ' ' + system_.connectors[ConnectorId(tables.connector_of(unit.interaction))].path;
       for (const std::uint32_t port : unit.ports) {
         const std::uint32_t atom = tables.port_atom[port];
         const Atom& owner = system_.atoms[AtomId(std::size_t{atom})];

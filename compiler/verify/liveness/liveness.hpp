@@ -24,7 +24,7 @@ struct LivenessOptions {
   Fairness fairness;
   std::size_t megabytes = 2048;
   CancellationToken cancellation;
-  std::vector<std::uint32_t> unread_cells;  // rt::ExploreOptions
+  std::vector<rt::VariableId> unread_cells;  // rt::ExploreOptions
   /// Of a property that holds: called with each reachable state, which then are visited though the formula be true of
   /// any run.
   std::function<void(const rt::Core&)> add_state;

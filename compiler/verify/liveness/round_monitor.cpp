@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <tuple>
 #include <utility>
 
 #include "compiler/verify/net/net.hpp"
@@ -74,7 +75,7 @@ void RoundMonitor::find_conditions(const Formula& formula, const rt::Image& imag
           if (port == tables_.instance(condition.owner, condition.port))
             happens = aig_.make_or(happens, aig_.make_and(step.chosen, when));
         }
-      } else if (step.interaction < tables_.connector_interactions &&
+      } else if (tables_.is_of_connector(step.interaction) &&
                  tables_.interactions[step.interaction].row == condition.owner) {
         happens = aig_.make_or(happens, step.chosen);
       }
@@ -87,13 +88,13 @@ void RoundMonitor::find_conditions(const Formula& formula, const rt::Image& imag
 void RoundMonitor::find_units(const Fairness& fairness, const Part& part) {
   is_strong_ = fairness.kind == FairnessKind::Strong;
   if (fairness.kind == FairnessKind::None) return;
-  using Key = std::pair<std::uint32_t, std::vector<std::uint32_t>>;  // the interaction and its ports; or the atom
+  // The interaction and its ports; or the atom.
+  using Key = std::tuple<rt::InteractionId, std::uint32_t, std::vector<std::uint32_t>>;
   std::map<Key, Unit> units;
   const auto add = [&](const Key& key, Signal when, const SystemStep& step) -> Unit& {
     Unit& unit = units[key];
-    unit.ports = key.second;
+    std::tie(unit.interaction, unit.atom, unit.ports) = key;
     const Signal possible = aig_.make_and(step.fine, when);
-    unit.interaction = key.first;
     unit.possible = aig_.make_or(unit.possible, possible);
     unit.taken = aig_.make_or(unit.taken, aig_.make_and(step.chosen, possible));
     return unit;
@@ -103,7 +104,7 @@ void RoundMonitor::find_units(const Fairness& fairness, const Part& part) {
       for (const auto& [port, when] : step.parts) {
         const std::uint32_t atom = tables_.port_atom[port];
         // All atoms of its interactions must be kept.
-        Unit& unit = add({atom, {}}, when, step);
+        Unit& unit = add(Key(rt::InteractionId(), atom, std::vector<std::uint32_t>()), when, step);
         for (const auto& [other, ignored] : step.parts) insert_atom(unit.atoms, tables_.port_atom[other]);
       }
       continue;
@@ -124,7 +125,7 @@ void RoundMonitor::find_units(const Fairness& fairness, const Part& part) {
       }
       if (ports.empty() || is_set == kFalse) continue;
       std::sort(ports.begin(), ports.end());
-      Unit& unit = add({step.interaction, std::move(ports)}, is_set, step);
+      Unit& unit = add(Key(step.interaction, 0u, std::move(ports)), is_set, step);
       // Whether it is possible depends on each of its participants.
       for (const auto& [port, ignored] : step.parts) insert_atom(unit.atoms, tables_.port_atom[port]);
     }
@@ -139,7 +140,7 @@ void RoundMonitor::find_units(const Fairness& fairness, const Part& part) {
 // The last state of a run repeats. Of a part, what others do is a step in which nothing of it moves; the system's end
 // is none of its own.
 void RoundMonitor::add_end(const Part& part) {
-  SystemStep end{.interaction = kNoRow, .chosen = aig_.make_input(), .possible = kTrue, .fine = kTrue, .parts = {}};
+  SystemStep end{.interaction = {}, .chosen = aig_.make_input(), .possible = kTrue, .fine = kTrue, .parts = {}};
   if (part.has_all()) {
     std::vector<Signal> possible, chosen{end.chosen};
     for (const SystemStep& step : machine_.steps) {
@@ -400,7 +401,7 @@ void RoundMonitor::find_violated(const Automaton& automaton) {
   const std::uint64_t of_states = states_ == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << states_) - 1;
   std::vector<Signal> fine;
   for (const SystemStep& step : machine_.steps) {
-    if (step.interaction != kNoRow) fine.push_back(step.fine);
+    if (step.interaction.is_valid()) fine.push_back(step.fine);
   }
   const Signal has_steps = aig_.make_or_of(fine);
   for (std::uint32_t state = 0; state < automaton.edges.size(); ++state) {

@@ -61,7 +61,8 @@ class RoundMonitor {
   struct Unit {
     Signal possible = kFalse, taken = kFalse;
     std::vector<std::uint32_t> atoms;
-    std::uint32_t interaction = 0;          // of fairness of interactions; else the atom
+    rt::InteractionId interaction;          // of fairness of interactions
+    std::uint32_t atom = 0;                 // of fairness of atoms
     std::vector<std::uint32_t> ports = {};  // instances that take part
   };
   /// All whose atoms are kept. The same for all monitors of a part.

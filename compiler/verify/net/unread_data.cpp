@@ -162,16 +162,16 @@ std::vector<std::vector<std::uint8_t>> find_read_data(const System& system, cons
   return DataReaders(system, asked, faulty).all();
 }
 
-std::vector<std::uint32_t> find_unread_cells(const System& system, const rt::Image& image,
-                                             const std::vector<DataRef>& asked) {
+std::vector<rt::VariableId> find_unread_cells(const System& system, const rt::Image& image,
+                                              const std::vector<DataRef>& asked) {
   const std::vector<std::vector<std::uint8_t>> is_read = find_read_data(system, asked, FaultyAssignments::Read);
-  std::vector<std::uint32_t> cells;
+  std::vector<rt::VariableId> cells;
   for (std::uint32_t atom = 0; atom < system.atoms.size(); ++atom) {
     const AtomTypeId type = system.atoms[AtomId(std::size_t{atom})].type;
     const std::vector<DataVariable>& variables = system.atom_types[type].variables;
     for (std::uint32_t k = 0; k < variables.size(); ++k) {
       const bool is_number = !is_ffi(variables[k].type) && variables[k].type != Type::String;
-      if (is_number && is_read[type.value][k] == 0) cells.push_back(image.atoms[atom].first_cell + k);
+      if (is_number && is_read[type.value][k] == 0) cells.push_back(image.atoms[atom].variable(k));
     }
   }
   return cells;

@@ -20,8 +20,8 @@ enum class FaultyAssignments : std::uint8_t { Read, DivisionsRead, Ignored };
     FaultyAssignments faulty = FaultyAssignments::Ignored);
 /// Rows of the cells of numbers that are never read, ascending: whatever they hold, the same steps are possible, now
 /// and later, and the same run-time errors. Strings and C++ objects are not among them.
-[[nodiscard]] std::vector<std::uint32_t> find_unread_cells(const System& system, const rt::Image& image,
-                                                           const std::vector<DataRef>& asked = {});
+[[nodiscard]] std::vector<rt::VariableId> find_unread_cells(const System& system, const rt::Image& image,
+                                                            const std::vector<DataRef>& asked = {});
 /// The same system without assignments to data that is not read. Faults that they would have ended in do not occur.
 [[nodiscard]] System without_unread_data(const System& system, const std::vector<std::vector<std::uint8_t>>& is_read);
 

@@ -71,7 +71,7 @@ class SamplingRun {
       const StateBit& bit = machine_.bits[row];
       const bool value = bit.is_place
                              ? core_.is_marked(bit.atom, bit.row)
-                             : (core_.cell(image_.atoms[bit.atom].first_cell + bit.row).bits >> bit.position & 1) != 0;
+                             : (core_.cell(image_.atoms[bit.atom].variable(bit.row)).bits >> bit.position & 1) != 0;
       if (sample % 64 == 0) result_.values[row].push_back(value ? ~std::uint64_t{0} : 0);
       // What follows of the word repeats the first state until it is sampled.
       std::uint64_t& word = result_.values[row].back();
@@ -83,7 +83,7 @@ class SamplingRun {
   const rt::Image& image_;
   const TransitionSystem& machine_;
   rt::Core core_;
-  std::vector<u32> fired_;  // by interaction
+  IndexVector<rt::InteractionId, u32> fired_;
   SampledStates result_;
 };
 

@@ -197,7 +197,7 @@ class Search {
     std::size_t bytes = 0;
     const auto add = [&](u32 parent, u32 choice) {
       rt::State state = core_.snapshot();
-      for (const u32 cell : limits_.unread_cells) state.data[cell] = 0;
+      for (const rt::VariableId cell : limits_.unread_cells) state.data[cell] = 0;
       std::string key = state_key(state);
       const std::size_t size = 2 * key.size() + 200;
       const auto [found, is_new] = rows.try_emplace(std::move(key), static_cast<u32>(visited.size()));
@@ -291,7 +291,7 @@ std::string state_key(const rt::State& state) {
   std::string key;
   append_bytes(key, state.places);
   append_bytes(key, state.marks);
-  append_bytes(key, state.data);
+  append_bytes(key, state.data.rows());
   return key;
 }
 

@@ -35,7 +35,8 @@ struct SearchLimits {
   bool only_walk = false;                            // end after the walk towards the candidate
   std::function<void(std::uint64_t states)> report;  // called now and then; may be empty
   std::function<void(const rt::State&)> visit = {};  // called for each different state; may be empty
-  std::vector<u32> unread_cells = {};  // on which nothing depends: states that differ in these alone count as one
+  std::vector<rt::VariableId> unread_cells =
+      {};  // on which nothing depends: states that differ in these alone count as one
 };
 
 /// Searches until the goal, the end or a limit. `candidate`: by atom the mode to head for; empty: none is known. The

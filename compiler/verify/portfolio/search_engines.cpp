@@ -35,7 +35,7 @@ SearchLimits search_limits(const ProofContext& context, const CancellationToken&
 }
 
 // A certificate speaks of all data.
-std::vector<u32> unread_cells(const ProofContext& context) {
+std::vector<rt::VariableId> unread_cells(const ProofContext& context) {
   if (context.limits.wants_certificate) return {};
   const Question& question = context.question;
   return find_unread_cells(context.parts.system(), context.parts.image(),

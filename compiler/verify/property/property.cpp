@@ -28,7 +28,7 @@ Number evaluate(const Property& property, std::uint32_t row, const rt::Core& cor
     case PropertyKind::Constant: return node.type == Type::Float ? Number{0, node.float_value} : of(node.int_value);
     case PropertyKind::At: return of(core.is_marked(node.owner, node.row) ? 1 : 0);
     case PropertyKind::Data: {
-      const rt::Cell& variable = core.cell(core.image().atoms[node.owner].first_cell + node.row);
+      const rt::Cell& variable = core.cell(core.image().atoms[node.owner].variable(node.row));
       return node.type == Type::Float ? Number{0, variable.f} : of(variable.i);
     }
     case PropertyKind::CanConnector:

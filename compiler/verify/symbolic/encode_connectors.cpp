@@ -296,8 +296,8 @@ void TransitionSystemBuilder::fire_use(const Tree& tree, u32 row, const std::vec
   }
 }
 
-void TransitionSystemBuilder::add_step(u32 interaction, const Tree& tree, const std::vector<Signal>& chosen,
-                                       Store store, Signal candidate) {
+void TransitionSystemBuilder::add_step(rt::InteractionId interaction, const Tree& tree,
+                                       const std::vector<Signal>& chosen, Store store, Signal candidate) {
   SystemStep step{.interaction = interaction, .chosen = aig_.make_input(), .possible = candidate, .parts = {}};
   std::vector<std::vector<Signal>> clauses;
   for (const Use& use : tree.uses) clauses.push_back(clause_choice(tree, use, chosen));
@@ -313,7 +313,7 @@ void TransitionSystemBuilder::add_step(u32 interaction, const Tree& tree, const 
   transition_system_.steps.push_back(std::move(step));
 }
 
-void TransitionSystemBuilder::add_connector(u32 interaction, u32 connector) {
+void TransitionSystemBuilder::add_connector(rt::InteractionId interaction, u32 connector) {
   const ConnectorId id(std::size_t{connector});
   const std::string name = system_.connectors[id].path;
   Result<Tree> built = analysis::build_interaction_tree(system_, id, {.nodes = most_nodes()});
@@ -357,14 +357,14 @@ void TransitionSystemBuilder::add_connector(u32 interaction, u32 connector) {
 }
 
 void TransitionSystemBuilder::add_connectors() {
-  for (u32 interaction = 0;
-       interaction < tables_.connector_interactions && transition_system_.unsupported.empty() && !aig_.is_full();
-       ++interaction)
+  for (const rt::InteractionId interaction : tables_.interactions_of_connectors()) {
+    if (!transition_system_.unsupported.empty() || aig_.is_full()) break;
     add_connector(interaction, tables_.interactions[interaction].row);
+  }
 }
 
 void TransitionSystemBuilder::add_internal_ports() {
-  for (u32 interaction = tables_.connector_interactions; interaction < tables_.interactions.size(); ++interaction) {
+  for (const rt::InteractionId interaction : tables_.interactions_of_ports()) {
     const u32 port = tables_.interactions[interaction].row;
     if (transition_system_.port_is_on[port] == kFalse) continue;
     SystemStep step{.interaction = interaction,

@@ -34,7 +34,7 @@ Signal TransitionSystemBuilder::matches(const rt::Priority& rule, RuleSide side,
 void TransitionSystemBuilder::apply_priorities() {
   const rt::PriorityTables rules = rt::link_priorities(tables_);
   if (rules.count == 0) return;
-  const auto is_connector = [&](const SystemStep& step) { return step.interaction < tables_.connector_interactions; };
+  const auto is_connector = [&](const SystemStep& step) { return tables_.is_of_connector(step.interaction); };
   std::vector<Signal> guard, hides;
   for (u32 r = 0; r < rules.count; ++r) {
     const rt::Priority& rule = image_.priorities[r];
@@ -96,7 +96,7 @@ TransitionSystem TransitionSystemBuilder::build() {
     SystemStep& step = transition_system_.steps[s];
     step.possible = aig_.make_and(step.possible, negated(state_fault_));
     some = aig_.make_or(some, step.possible);
-    if (step.interaction < tables_.connector_interactions) {
+    if (tables_.is_of_connector(step.interaction)) {
       Signal& can = transition_system_.connector_can[tables_.interactions[step.interaction].row];
       can = aig_.make_or(can, step.possible);
     }

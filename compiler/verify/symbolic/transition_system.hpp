@@ -26,7 +26,7 @@ struct StateBit {
   std::uint32_t position = 0;  // which bit of the variable
 };
 struct SystemStep {
-  std::uint32_t interaction = 0;                        // of the core's candidate order
+  rt::InteractionId interaction;                        // of the core's candidate order
   Signal chosen = kFalse;                               // an input
   Signal possible = kFalse;                             // it is a candidate, and no priority hides it
   Signal fine = kFalse;                                 // possible, and it ends in no fault

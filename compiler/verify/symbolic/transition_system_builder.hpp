@@ -78,7 +78,7 @@ class TransitionSystemBuilder {
   enum class RuleSide : std::uint8_t { Low, High };
   void add_connectors();
   void add_internal_ports();
-  void add_connector(u32 variable, u32 connector);
+  void add_connector(rt::InteractionId interaction, u32 connector);
   [[nodiscard]] u32 port_of(const Node& leaf) const { return tables_.instance(leaf.atom.value, leaf.port); }
   [[nodiscard]] bool is_plain(const Tree& tree) const;
   [[nodiscard]] bool has_free_choices(const Tree& tree) const;
@@ -94,7 +94,8 @@ class TransitionSystemBuilder {
   [[nodiscard]] Local& local_in(Store& store, u32 atom);
   void fire_use(const Tree& tree, u32 use, const std::vector<Signal>& chosen, Store& store,
                 const std::vector<std::vector<Signal>>& clauses, SystemStep& step, Signal& fault, Signal& lost);
-  void add_step(u32 variable, const Tree& tree, const std::vector<Signal>& chosen, Store store, Signal candidate);
+  void add_step(rt::InteractionId interaction, const Tree& tree, const std::vector<Signal>& chosen, Store store,
+                Signal candidate);
   void record(Signal when, u32 port, const Local& before, const Post& post);
 
   // encode_priorities.cpp

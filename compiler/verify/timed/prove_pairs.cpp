@@ -275,11 +275,11 @@ class PairProver {
     return is_read_[simple_.atoms[AtomId(std::size_t{atom})].type.value][variable] != 0;
   }
   // Of the local system, ascending.
-  [[nodiscard]] std::vector<u32> unread_cells(const rt::Image& image) const {
-    std::vector<u32> cells;
+  [[nodiscard]] std::vector<rt::VariableId> unread_cells(const rt::Image& image) const {
+    std::vector<rt::VariableId> cells;
     for (u32 row = 0; row < members_.size(); ++row) {
       for (u32 variable = 0; variable < type_of(members_[row]).variables.size(); ++variable) {
-        if (!is_read(members_[row], variable)) cells.push_back(image.atoms[row].first_cell + variable);
+        if (!is_read(members_[row], variable)) cells.push_back(image.atoms[row].variable(variable));
       }
     }
     return cells;

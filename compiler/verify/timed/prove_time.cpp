@@ -149,7 +149,7 @@ class TimeProver {
     for (u32 place = 0; place < type.places.size(); ++place) {
       if (core.is_marked(row, place)) state.places.push_back(place);
     }
-    const u32 base = core.image().atoms[row].first_cell;
+    const rt::VariableId base = core.image().atoms[row].variable(0);
     for (u32 variable = 0; variable < type.variables.size(); ++variable)
       state.values.push_back(core.cell(base + variable).i);
     return state;
@@ -293,18 +293,18 @@ class TimeProver {
   // Chooses the connector whose components join: of the ports that are offered in the open state those of the members
   // that joined first, then the port with the fewest connectors, then the connector with the fewest new components.
   bool add_neighbour(const LocalizedSystem& part, const rt::State& open, std::vector<u32>& joined) const {
-    std::set<std::array<std::size_t, 4>> choices;   // whose port, its connectors, others in this one, its row
-    std::vector<std::size_t> first_interaction{0};  // by member
+    std::set<std::array<std::size_t, 4>> choices;  // whose port, its connectors, others in this one, its row
+    std::vector<rt::VariableId> first_cell{rt::VariableId(0u)};  // by member
     for (const u32 atom : part.members)
-      first_interaction.push_back(first_interaction.back() +
-                                  simple_.atom_types[simple_.atoms[AtomId(std::size_t{atom})].type].variables.size());
+      first_cell.push_back(first_cell.back() +
+                           static_cast<u32>(simple_.atom_types[simple_.atoms[AtomId(atom)].type].variables.size()));
     const VariableFacts value = [&](u32 atom, u32 variable) {
       const auto at = std::lower_bound(part.members.begin(), part.members.end(), atom);
       if (at == part.members.end() || *at != atom) return constant_(atom, variable);
       const Type type = simple_.atom_types[simple_.atoms[AtomId(std::size_t{atom})].type].variables[variable].type;
       if (type != Type::Int && type != Type::Bool) return AbstractValue{};
       return known(static_cast<std::int32_t>(
-          open.data[first_interaction[static_cast<std::size_t>(at - part.members.begin())] + variable]));
+          open.data[first_cell[static_cast<std::size_t>(at - part.members.begin())] + variable]));
     };
     for (std::size_t order = 0; order < joined.size(); ++order) {
       const u32 atom = joined[order];

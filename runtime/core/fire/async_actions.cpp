@@ -76,7 +76,7 @@ void AsyncActions::begin_job(u32 atom) {
   job.action = transition.action;
   job.ffi = core_.image().ffi;
   const Span<Var>& vars = core_.tables.atom_type(atom).variables;
-  const Cell* self = core_.memory.cells.data() + core_.atoms[atom].first_cell;
+  const Cell* self = core_.memory.cells.from(core_.atoms[atom].first_cell);
   job.self.assign(self, self + vars.size);
   for (u32 i = 0; i < vars.size; ++i) {
     if (is_ffi(vars[i].type))
@@ -128,7 +128,7 @@ bool AsyncActions::finish_action(u32 atom) {
   const AtWork work = at_work_[atom];
   const LinkedTransition& transition = end_work(atom);
   const Span<Var>& vars = core_.tables.atom_type(atom).variables;
-  Cell* self = core_.memory.cells.data() + core_.atoms[atom].first_cell;
+  Cell* self = core_.memory.cells.from(core_.atoms[atom].first_cell);
   std::int32_t status = 1;
   if (work.job != 0) {
     const ActionJob job = pool_->take(work.job);
@@ -144,7 +144,7 @@ bool AsyncActions::finish_action(u32 atom) {
             .copy(reinterpret_cast<void*>(static_cast<std::uintptr_t>(self[i].bits)), job.objects[object++].object());
     }
   } else if (transition.action.fn != nullptr) {
-    status = transition.action.fn(transition.action.context, self, core_.memory.cells.data(), nullptr);
+    status = transition.action.fn(transition.action.context, self, core_.memory.cells.all(), nullptr);
   }
   if (status >= 2) return core_.faults.fail_code(status, atom, kNone, transition.source);
   if (!core_.clocks.read_clocks(atom, transition.source)) return false;

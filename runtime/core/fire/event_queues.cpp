@@ -49,7 +49,7 @@ void EventQueues::take(u32 instance) {
   const Port& declared = core_.tables.atom_type(port.atom).ports[port.port];
   BIP_ASSERT(declared.variables.size == port.width && queue.first + port.width <= queue.values.size(),
              "{} variables, an event has {}", declared.variables.size, port.width);
-  Cell* self = core_.memory.cells.data() + core_.atoms[port.atom].first_cell;
+  Cell* self = core_.memory.cells.from(core_.atoms[port.atom].first_cell);
   for (u32 i = 0; i < port.width; ++i) self[declared.variables[i]] = queue.values[queue.first + i];
   queue.first += port.width;
   --queue.count;

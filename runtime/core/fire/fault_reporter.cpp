@@ -114,7 +114,7 @@ bool FaultReporter::fail_code(std::int32_t status, u32 atom, u32 connector, cons
         core_.fault.data += std::string(type.params[param].name) + "." + port.vars[i].name + " = ";
         const u32 bind = core_.image().connectors[connector].binds + type.params[param].first_bind + i;
         append_value(core_.fault.data, core_.image(), port.vars[i].type,
-                     core_.memory.cells[core_.memory.binds.rows[bind]]);
+                     core_.memory.cells[VariableId(core_.memory.binds.rows[bind])]);
       }
     }
   } else {

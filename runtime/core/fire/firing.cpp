@@ -42,9 +42,9 @@ void Firing::zero_frame(u32 connector) {
   // A row of connectors is found in O(log rows): once.
   const Connector& row = core_.tables.image->connectors[connector];
   const Span<Var>& variables = core_.tables.image->connector_types[row.type].variables;
-  Cell* frame = core_.memory.cells.data() + row.first_cell;
+  Cell* frame = core_.memory.cells.from(row.variable(0));
   for (u32 i = 0; i < variables.size; ++i) frame[i] = Cell{0};
-  if (!core_.memory.ffi_data.empty()) core_.memory.ffi_data.reset(variables, core_.memory.cells.data(), row.first_cell);
+  if (!core_.memory.ffi_data.empty()) core_.memory.ffi_data.reset(variables, core_.memory.cells.all(), row.first_cell);
 }
 
 bool Firing::run_code(Code code, u32 connector) {
@@ -53,8 +53,8 @@ bool Firing::run_code(Code code, u32 connector) {
              "connector {} reads variables that are not bound", connector);
   if (code.fn == nullptr) return true;
   const Connector& row = core_.tables.image->connectors[connector];
-  const std::int32_t status = code.fn(code.context, core_.memory.cells.data() + row.first_cell,
-                                      core_.memory.cells.data(), core_.memory.binds.rows + row.binds);
+  const std::int32_t status = code.fn(code.context, core_.memory.cells.from(row.variable(0)), core_.memory.cells.all(),
+                                      core_.memory.binds.rows + row.binds);
   return status < 2 || core_.faults.fail_code(status, kNone, connector, nullptr);
 }
 

@@ -5,20 +5,20 @@
 
 namespace bip::rt {
 
-std::vector<u32> FiringHistory::recent(u64 count) const {
+std::vector<InteractionId> FiringHistory::recent(u64 count) const {
   BIP_ASSERT(count <= kSize, "{} of the last {} interactions", count, kSize);
-  std::vector<u32> interactions;
-  for (u64 i = count; i > 0; --i) interactions.push_back(ring_[(at_ + kSize - i) % kSize]);
+  std::vector<InteractionId> interactions;
+  for (u64 i = count; i > 0; --i) interactions.push_back(InteractionId(ring_[(at_ + kSize - i) % kSize]));
   return interactions;
 }
 
-std::vector<u32> FiringHistory::last_of_atoms(const Tables& tables) const {
-  std::vector<u32> last(tables.image->atoms.size, kNone);
+std::vector<InteractionId> FiringHistory::last_of_atoms(const Tables& tables) const {
+  std::vector<InteractionId> last(tables.image->atoms.size);
   for (u32 i = 0; i < kSize; ++i) {
-    const u32 interaction = ring_[(at_ + i) % kSize];
-    BIP_ASSERT(interaction == kNone || interaction < tables.interactions.size(), "interaction {} of {}", interaction,
-               tables.interactions.size());
-    if (interaction == kNone) continue;
+    const InteractionId interaction(ring_[(at_ + i) % kSize]);
+    BIP_ASSERT(!interaction.is_valid() || tables.interactions.contains(interaction), "interaction {} of {}",
+               interaction, tables.interactions.size());
+    if (!interaction.is_valid()) continue;
     const InteractionInfo info = tables.interactions[interaction];
     if (info.kind == InteractionKind::Port) last[tables.port_atom[info.row]] = interaction;
     for (u32 port = 0; port < info.count; ++port)

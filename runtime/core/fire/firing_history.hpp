@@ -17,11 +17,11 @@ class FiringHistory {
     ring_.assign(kSize, kNone);
     at_ = 0;
   }
-  void remember(u32 interaction) { ring_[std::exchange(at_, (at_ + 1) % kSize)] = interaction; }
+  void remember(InteractionId interaction) { ring_[std::exchange(at_, (at_ + 1) % kSize)] = interaction.value; }
   /// Returns the last `count` interactions, at most kSize of them, in the order of their firing.
-  [[nodiscard]] std::vector<u32> recent(u64 count) const;
-  /// Returns by atom the interaction of the last step in which it may have taken part; kNone: not known.
-  [[nodiscard]] std::vector<u32> last_of_atoms(const Tables& tables) const;
+  [[nodiscard]] std::vector<InteractionId> recent(u64 count) const;
+  /// Returns by atom the interaction of the last step in which it may have taken part; none: not known.
+  [[nodiscard]] std::vector<InteractionId> last_of_atoms(const Tables& tables) const;
 
   // ---- for loops that keep the ring in registers (compiled_steps.cpp)
   [[nodiscard]] u32* ring() { return ring_.data(); }
@@ -32,8 +32,8 @@ class FiringHistory {
   [[nodiscard]] std::size_t bytes() const { return ring_.size() * sizeof(u32); }
 
  private:
-  std::vector<u32> ring_;
-  u32 at_ = 0;  // where the next one goes
+  std::vector<u32> ring_;  // interactions as plain numbers, for compiled steps write them; kNone: none yet
+  u32 at_ = 0;             // where the next one goes
 };
 
 }  // namespace bip::rt

@@ -55,12 +55,13 @@ void atoms_of_interaction(const Tables& tables, const InteractionInfo& info, std
 PartialState link_partial(const Tables& tables, const PriorityTables& rules) {
   PartialState p;
   const u32 interaction_count = static_cast<u32>(tables.interactions.size());
-  std::vector<Csr::Pair> interaction_atoms, atom_groups, interaction_groups;
+  std::vector<Csr::Pair> atom_groups;
+  std::vector<RowsByInteraction::Pair> interaction_atoms, interaction_groups;
   std::vector<std::uint8_t> is_strict;
   std::vector<u32> atoms;
   p.own_group.assign(interaction_count, kNone);
   p.is_exclusive.assign(interaction_count, 0);
-  for (u32 interaction = 0; interaction < interaction_count; ++interaction) {
+  for (const InteractionId interaction : tables.interactions.ids()) {
     const InteractionInfo& info = tables.interactions[interaction];
     atoms_of_interaction(tables, info, atoms);
     const auto end = std::unique(atoms.begin(), atoms.end());
@@ -73,15 +74,15 @@ PartialState link_partial(const Tables& tables, const PriorityTables& rules) {
     interaction_groups.push_back({interaction, group});
     for (const u32 atom : atoms) atom_groups.push_back({atom, group});
     // Rules that decide about connectors below it read data of others.
-    const u32 plan = interaction < tables.connector_interactions ? info.plan() : kNone;
+    const u32 plan = tables.is_of_connector(interaction) ? info.plan() : kNone;
     if (plan == kNone || tables.plans[plan].witnesses.empty()) continue;
     for (u32 atom = 0; atom < tables.image->atoms.size; ++atom) {
-      const Span<u32> watchers = tables.atom_watch[atom];
+      const Span<InteractionId> watchers = tables.atom_watch[atom];
       if (std::find(watchers.begin(), watchers.end(), interaction) != watchers.end())
         atom_groups.push_back({atom, group});
     }
   }
-  p.atoms_of_interaction = Csr::build(interaction_count, interaction_atoms);
+  p.atoms_of_interaction = RowsByInteraction::build(interaction_count, interaction_atoms);
 
   const u32 components = static_cast<u32>(rules.cyclic.size());
   for (u32 component = 0; component < components; ++component) {
@@ -91,34 +92,33 @@ PartialState link_partial(const Tables& tables, const PriorityTables& rules) {
   for (u32 rule = 0; rule < rules.count; ++rule) {
     const u32 group = p.group_of_component[rules.component[rule]];
     if (tables.image->priorities[rule].guard != kNone) is_strict[group] = 1;
-    for (const u32 interaction : rules.interactions_of_low[rule]) interaction_groups.push_back({interaction, group});
+    for (const InteractionId interaction : rules.interactions_of_low[rule])
+      interaction_groups.push_back({interaction, group});
   }
   for (const HighEdge& edge : rules.high_edges) {
     const u32 group = p.group_of_component[rules.component[edge.rule]];
     for (const u32 atom : p.atoms_of_interaction[edge.interaction]) atom_groups.push_back({atom, group});
   }
   for (u32 atom = 0; rules.count != 0 && atom < tables.image->atoms.size; ++atom) {
-    for (const u32 item : tables.atom_watch[atom]) {
-      if (item >= interaction_count)
-        atom_groups.push_back({atom, p.group_of_component[rules.component[item - interaction_count]]});
-    }
+    for (const u32 rule : tables.atom_rules[atom])
+      atom_groups.push_back({atom, p.group_of_component[rules.component[rule]]});
   }
   Csr::sort_unique(atom_groups);
   p.groups_of_atom = Csr::build(tables.image->atoms.size, atom_groups);
-  for (u32 interaction = 0; interaction < interaction_count; ++interaction) {
+  for (const InteractionId interaction : tables.interactions.ids()) {
     for (const u32 atom : p.atoms_of_interaction[interaction]) {
       for (const u32 group : p.groups_of_atom[atom]) {
         if (is_strict[group] != 0) interaction_groups.push_back({interaction, group});
       }
     }
   }
-  Csr::sort_unique(interaction_groups);
-  p.groups_of_interaction = Csr::build(interaction_count, interaction_groups);
+  RowsByInteraction::sort_unique(interaction_groups);
+  p.groups_of_interaction = RowsByInteraction::build(interaction_count, interaction_groups);
   p.busy_in_group.assign(is_strict.size(), 0);
   p.last_step.assign(tables.image->atoms.size, 0);
   p.order.assign(tables.image->atoms.size, 0);
   BIP_ASSERT(std::all_of(interaction_groups.begin(), interaction_groups.end(),
-                         [&](const Csr::Pair& pair) { return pair.to < is_strict.size(); }),
+                         [&](const RowsByInteraction::Pair& pair) { return pair.to < is_strict.size(); }),
              "a group beyond {}", is_strict.size());
   BIP_ASSERT(p.group_of_component.size() == components, "{} groups of {} components", p.group_of_component.size(),
              components);
@@ -141,7 +141,7 @@ bool PartialSteps::end() {
   return !core_.fault;
 }
 
-bool PartialSteps::is_decided(u32 interaction) const {
+bool PartialSteps::is_decided(InteractionId interaction) const {
   const PartialState& p = *state_;
   if (p.busy == 0) return true;
   if (p.is_exclusive[interaction] != 0) return false;
@@ -242,8 +242,8 @@ std::int32_t PartialSteps::run(const Work& work) {
   if (is_timed && (!work.is_return || work.internals != 0)) core_.clocks.show_clocks(work.atom);
   const Code& action = work.transition->action;
   return action.fn == nullptr ? 1
-                              : action.fn(action.context, core_.memory.cells.data() + core_.atoms[work.atom].first_cell,
-                                          core_.memory.cells.data(), nullptr);
+                              : action.fn(action.context, core_.memory.cells.from(core_.atoms[work.atom].first_cell),
+                                          core_.memory.cells.all(), nullptr);
 }
 
 Finished PartialSteps::come_to_rest(Work& work, std::int32_t status) {
@@ -326,7 +326,7 @@ void PartialSteps::send_away(u32 atom) {
 
 // What settle() held stays marked, so it comes back when it is looked at. All others follow their ports at once.
 void PartialSteps::drop_held() {
-  for (const u32 interaction : core_.ports.dirty()) {
+  for (const InteractionId interaction : core_.ports.dirty()) {
     BIP_ASSERT(!is_decided(interaction), "interaction {} is decided and was not looked at", interaction);
     core_.enabled.set(interaction, 0);
   }
@@ -450,7 +450,7 @@ bool PartialSteps::receive(u32 atom, const AtomOffer& offer) {
 }
 
 // The step that brought the interaction's atoms where they are.
-u64 PartialSteps::last_step_of(u32 interaction) const {
+u64 PartialSteps::last_step_of(InteractionId interaction) const {
   u64 last = 0;
   for (const u32 atom : state_->atoms_of_interaction[interaction]) last = std::max(last, state_->last_step[atom]);
   return last;
@@ -459,14 +459,14 @@ u64 PartialSteps::last_step_of(u32 interaction) const {
 // As settle; what depends on atoms at work waits. A fault does not end it: an earlier step's may follow.
 bool PartialSteps::settle() {
   PartialState& p = *state_;
-  core_.ports.dirty().hold([&](u32 interaction) {
+  core_.ports.dirty().hold([&](InteractionId interaction) {
     const u32 group = p.own_group[interaction];
     return group != kNone && p.busy_in_group[group] != 0;
   });
   core_.priorities.dirty().hold(
       [&](u32 rule) { return p.busy_in_group[p.group_of_component[core_.priorities.tables().component[rule]]] != 0; });
   bool sound = true;
-  for (const u32 interaction : core_.ports.dirty()) {
+  for (const InteractionId interaction : core_.ports.dirty()) {
     if (!core_.search.is_searched(interaction) || core_.search.list(interaction)) continue;
     note_fault(last_step_of(interaction), kAfterAll);
     sound = false;
@@ -476,7 +476,7 @@ bool PartialSteps::settle() {
     // Groups of guards are strict: their last step is the one that just ended.
     if (!sound) note_fault(p.step, kAfterAll);
   } else if (sound) {
-    for (const u32 interaction : core_.ports.dirty())
+    for (const InteractionId interaction : core_.ports.dirty())
       core_.enabled.set(interaction, core_.search.base_count(interaction));
   }
   core_.ports.dirty().clear();

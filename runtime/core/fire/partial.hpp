@@ -53,14 +53,14 @@ struct AtomOffer {
 };
 
 struct PartialState {
-  Csr groups_of_interaction;  // those it depends on
+  RowsByInteraction groups_of_interaction;  // those it depends on
   Csr groups_of_atom;
   std::vector<u32> busy_in_group;
-  std::vector<u32> own_group;           // by interaction: of its connector, or kNone
-  std::vector<u32> group_of_component;  // of priority rules
-  Csr atoms_of_interaction;             // all that may take part, sorted
-  std::vector<std::uint8_t>
-      is_exclusive;  // by interaction: two of its ports are one atom's; it is taken while nothing is at work
+  IndexVector<InteractionId, u32> own_group;  // of its connector, or kNone
+  std::vector<u32> group_of_component;        // of priority rules
+  RowsByInteraction atoms_of_interaction;     // all that may take part, sorted
+  /// Two of its ports are one atom's; it is taken while nothing is at work.
+  IndexVector<InteractionId, std::uint8_t> is_exclusive;
 
   std::vector<u64> last_step;  // by atom
   std::vector<u32> order;      // by atom: in that step
@@ -100,7 +100,7 @@ class PartialSteps {
   /// Null unless it is on.
   [[nodiscard]] const PartialState* state() const { return state_.get(); }
   /// May a candidate of the interaction begin, although atoms are at work?
-  [[nodiscard]] bool is_decided(u32 interaction) const;
+  [[nodiscard]] bool is_decided(InteractionId interaction) const;
   /// Begins the step. Appends what must run then, also if it returns false: a fault.
   bool begin(EnabledSet::Position at, u64 step, std::vector<Work>& works);
   /// Runs the work's action; returns its status.
@@ -155,7 +155,7 @@ class PartialSteps {
   void occupy(u32 atom);
   void release(u32 atom);
   void note_fault(u64 step, u32 order);
-  [[nodiscard]] u64 last_step_of(u32 interaction) const;
+  [[nodiscard]] u64 last_step_of(InteractionId interaction) const;
 
   CoreParts& core_;
   std::unique_ptr<PartialState> state_;  // null: steps are taken at once

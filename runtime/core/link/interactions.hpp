@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bip/assert.hpp"
+#include "bip/ids.hpp"
 #include "bip/rows.hpp"
 
 namespace bip::rt {
@@ -42,10 +43,12 @@ static_assert(sizeof(InteractionInfo) == 16);  // each bit means something
 class Interactions {
  public:
   [[nodiscard]] std::size_t size() const { return size_; }
-  [[nodiscard]] InteractionInfo operator[](std::size_t interaction) const {
-    BIP_ASSERT(interaction < size_, "interaction {} of {}", interaction, size_);
-    const Block& block = blocks_[interaction / kBlock];
-    InteractionInfo info = patterns_[block.pattern + interaction % kBlock];
+  [[nodiscard]] IdRange<InteractionId> ids() const { return IdRange<InteractionId>(size_); }
+  [[nodiscard]] bool contains(InteractionId interaction) const { return interaction.value < size_; }
+  [[nodiscard]] InteractionInfo operator[](InteractionId interaction) const {
+    BIP_ASSERT(contains(interaction), "interaction {} of {}", interaction, size_);
+    const Block& block = blocks_[interaction.value / kBlock];
+    InteractionInfo info = patterns_[block.pattern + interaction.value % kBlock];
     info.row += block.row;
     info.first += block.first;
     return info;

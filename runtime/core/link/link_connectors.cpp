@@ -255,7 +255,7 @@ void link_interactions(Tables& tables, MaximalProgress progress) {
 
   const bool any_exports = std::any_of(image.connector_types.begin(), image.connector_types.end(),
                                        [](const ConnectorType& type) { return type.exports; });
-  if (any_exports) tables.interaction_of_connector.assign(image.connectors.size, kNone);
+  if (any_exports) tables.interaction_of_connector.assign(image.connectors.size, InteractionId());
   std::size_t ports = 0;
   for (const Connector& connector : image.connectors) {
     const ConnectorType& type = image.connector_types[connector.type];
@@ -267,7 +267,7 @@ void link_interactions(Tables& tables, MaximalProgress progress) {
     const ConnectorType& type = tables.connector_type(connector);
     if (type.exports) continue;
     if (!tables.interaction_of_connector.empty())
-      tables.interaction_of_connector[connector] = static_cast<u32>(tables.interactions.size());
+      tables.interaction_of_connector[connector] = InteractionId(tables.interactions.size());
     const Shape shape = shape_of(tables, connector);
     InteractionInfo interaction;
     interaction.row = connector;
@@ -319,7 +319,7 @@ void link_interactions(Tables& tables, MaximalProgress progress) {
   interactions.finish();
 }
 
-std::int32_t Tables::start_of(u32 interaction) const {
+std::int32_t Tables::start_of(InteractionId interaction) const {
   const InteractionInfo info = interactions[interaction];
   if (info.kind == InteractionKind::Planned) return group_start(connector_type(info.row), 0);
   return info.kind == InteractionKind::Flat && info.count != 0 ? -static_cast<std::int32_t>(info.count) : -1;
@@ -333,8 +333,8 @@ void link_network(Tables& tables) {
   std::vector<std::int32_t>& starts = tables.inner_start;
   std::vector<Csr::Pair> from_ports, from_nodes;
   from_ports.reserve(interaction_count - tables.connector_interactions + image.port_refs.size);
-  for (u32 interaction = tables.connector_interactions; interaction < interaction_count; ++interaction)
-    from_ports.push_back({tables.interactions[interaction].row, interaction});
+  for (const InteractionId port : tables.interactions_of_ports())
+    from_ports.push_back({tables.interactions[port].row, Tables::node_of(port)});
 
   // A choice is available if one of its ports is: a node that counts them.
   const u32 first_choice = interaction_count;
@@ -347,8 +347,8 @@ void link_network(Tables& tables) {
     for (u32 i = 0; i < type.define.size; ++i) {
       // A root that is a leaf counts as a group of one.
       if (type.define[i].is_leaf && i != 0) continue;
-      if (i == 0 && tables.interaction_of(connector) != kNone) {
-        group[i] = tables.interaction_of(connector);
+      if (i == 0 && tables.interaction_of(connector).is_valid()) {
+        group[i] = Tables::node_of(tables.interaction_of(connector));
       } else {
         group[i] = interaction_count + static_cast<u32>(starts.size());
         starts.push_back(group_start(type, i));
@@ -394,13 +394,14 @@ void link_network(Tables& tables) {
 
 void link_watches(Tables& tables) {
   const Image& image = *tables.image;
-  std::vector<Csr::Pair> ports, atoms;
-  // Bound rows beyond the parameters' variables are data of components that take part: whose they are is found by
-  // interaction.
-  std::vector<u32> bases;
+  std::vector<InteractionsBy::Pair> ports, atoms;
+  std::vector<Csr::Pair> atom_rules;
+  // Bound rows beyond the parameters' variables are data of components that take part: whose they are is found by their
+  // cells.
+  std::vector<VariableId> bases;
   for (u32 atom = 0; atom < image.atoms.size; ++atom) bases.push_back(tables.atoms[atom].first_cell);
   const bool sorted = std::is_sorted(bases.begin(), bases.end());
-  const auto atom_of = [&](u32 row) {
+  const auto atom_of = [&](VariableId row) {
     if (sorted) return static_cast<u32>(std::upper_bound(bases.begin(), bases.end(), row) - bases.begin()) - 1;
     u32 best = 0;
     for (u32 i = 0; i < bases.size(); ++i) {
@@ -408,18 +409,18 @@ void link_watches(Tables& tables) {
     }
     return best;
   };
-  BIP_ASSERT(bases.empty() || bases[0] == 0 || !sorted, "the first atom's data begin at {}", bases[0]);
-  const auto watch_reads = [&](u32 connector, u32 interaction) {
+  BIP_ASSERT(bases.empty() || bases[0].value == 0 || !sorted, "the first atom's data begin at {}", bases[0]);
+  const auto watch_reads = [&](u32 connector, InteractionId interaction) {
     const Connector& row = image.connectors[connector];
     for (u32 i = tables.first_read(connector); i < row.bind_count; ++i)
-      atoms.push_back({atom_of(image.binds[row.binds + i].cell), interaction});
+      atoms.push_back({atom_of(image.binds[row.binds + i].variable()), interaction});
   };
-  const auto watch_data = [&](u32 instance, u32 interaction) {
+  const auto watch_data = [&](u32 instance, InteractionId interaction) {
     const u32 atom = tables.port_atom[instance];
     const Port& port = tables.atom_type(atom).ports[instance - tables.port_base(atom)];
     if (port.variables.size != 0) atoms.push_back({atom, interaction});
   };
-  for (u32 interaction = 0; interaction < tables.connector_interactions; ++interaction) {
+  for (const InteractionId interaction : tables.interactions_of_connectors()) {
     const InteractionInfo info = tables.interactions[interaction];
     if (!info.searched) continue;
     if (info.kind == InteractionKind::Flat) {
@@ -439,7 +440,7 @@ void link_watches(Tables& tables) {
       for (const u32 rule : tables.inner_rules.groups[witness.group].rules) {
         const Priority& row = image.priorities[rule];
         for (u32 k = 0; row.guard != kNone && k < row.bind_count; ++k)
-          atoms.push_back({atom_of(image.binds[row.binds + k].cell), interaction});
+          atoms.push_back({atom_of(image.binds[row.binds + k].variable()), interaction});
       }
     }
     if (!plan.guarded) continue;
@@ -448,24 +449,18 @@ void link_watches(Tables& tables) {
   for (u32 rule = 0; rule < image.priorities.size; ++rule) {
     const Priority& row = image.priorities[rule];
     if (row.guard == kNone) continue;
-    for (u32 i = 0; i < row.bind_count; ++i) {
-      atoms.push_back({atom_of(image.binds[row.binds + i].cell), static_cast<u32>(tables.interactions.size()) + rule});
-    }
+    for (u32 i = 0; i < row.bind_count; ++i)
+      atom_rules.push_back({atom_of(image.binds[row.binds + i].variable()), rule});
   }
-  const auto tidy = [](std::vector<Csr::Pair>& pairs) {
-    const auto key = [](const Csr::Pair& p) { return u64{p.from} << 32 | p.to; };
-    std::sort(pairs.begin(), pairs.end(), [&](const Csr::Pair& a, const Csr::Pair& b) { return key(a) < key(b); });
-    pairs.erase(std::unique(pairs.begin(), pairs.end(),
-                            [&](const Csr::Pair& a, const Csr::Pair& b) { return key(a) == key(b); }),
-                pairs.end());
-  };
-  tidy(ports);
-  tidy(atoms);
+  InteractionsBy::sort_unique(ports);
+  InteractionsBy::sort_unique(atoms);
+  Csr::sort_unique(atom_rules);
   tables.any_port_watch = !ports.empty();
-  tables.port_watch = Csr::build(tables.port_atom.size(), ports);
-  tables.atom_watch = Csr::build(image.atoms.size, atoms);
+  tables.port_watch = InteractionsBy::build(tables.port_atom.size(), ports);
+  tables.atom_watch = InteractionsBy::build(image.atoms.size, atoms);
+  tables.atom_rules = Csr::build(image.atoms.size, atom_rules);
   for (u32 atom = 0; atom < image.atoms.size; ++atom)
-    tables.atoms[atom].watched = tables.atom_watch[atom].size != 0 ? 1 : 0;
+    tables.atoms[atom].watched = tables.atom_watch[atom].size != 0 || tables.atom_rules[atom].size != 0 ? 1 : 0;
 }
 
 }  // namespace bip::rt

@@ -111,15 +111,15 @@ bool meet_at(const Tables& tables, const Priority& from, const Priority& to, u32
 }
 
 // Interactions that a side of a rule may match.
-std::vector<u32> interactions_of(const Tables& tables, const Priority& rule, const Pattern& pattern,
-                                 const Pattern& other) {
-  std::vector<u32> interactions;
+std::vector<InteractionId> interactions_of(const Tables& tables, const Priority& rule, const Pattern& pattern,
+                                           const Pattern& other) {
+  std::vector<InteractionId> interactions;
   if (!pattern.any_connector) {
-    const u32 interaction = tables.interaction_of(pattern.connector);
-    if (interaction != kNone) interactions.push_back(interaction);
+    const InteractionId interaction = tables.interaction_of(pattern.connector);
+    if (interaction.is_valid()) interactions.push_back(interaction);
     return interactions;
   }
-  for (u32 interaction = 0; interaction < tables.connector_interactions; ++interaction) {
+  for (const InteractionId interaction : tables.interactions_of_connectors()) {
     const u32 connector = tables.connector_of(interaction);
     if (tables.image->connectors[connector].parent != rule.parent) continue;
     if (!other.any_connector && other.any_interaction && other.connector == connector) continue;
@@ -171,7 +171,9 @@ PriorityTables link_priorities(const Tables& tables) {
   if (rules.count == 0) return rules;
   const std::size_t interaction_count = tables.interactions.size();
   rules.is_involved.assign(interaction_count, 0);
-  std::vector<Csr::Pair> low, low_back, chain, chain_back;
+  std::vector<RowsByInteraction::Pair> low;
+  std::vector<InteractionsBy::Pair> low_back;
+  std::vector<Csr::Pair> chain, chain_back;
   // Rules by the connector of their low side, to find successors without looking at every pair.
   std::vector<Csr::Pair> by_low;
   std::vector<u32> wildcard_low;
@@ -181,24 +183,24 @@ PriorityTables link_priorities(const Tables& tables) {
     else by_low.push_back({rule.low.connector, row});
     // The search of interactions decides about those: here only their guards and chains count.
     if (tables.inner_rules.of_rule(row) != kNone) continue;
-    for (u32 interaction : interactions_of(tables, rule, rule.low, rule.high)) {
+    for (const InteractionId interaction : interactions_of(tables, rule, rule.low, rule.high)) {
       low.push_back({interaction, row});
       low_back.push_back({row, interaction});
       rules.is_involved[interaction] = 1;
     }
-    for (u32 interaction : interactions_of(tables, rule, rule.high, rule.low)) {
+    for (const InteractionId interaction : interactions_of(tables, rule, rule.high, rule.low)) {
       rules.high_edges.push_back({interaction, row});
       rules.is_involved[interaction] = 1;
     }
   }
   std::stable_sort(rules.high_edges.begin(), rules.high_edges.end(),
                    [](const HighEdge& a, const HighEdge& b) { return a.interaction < b.interaction; });
-  std::vector<Csr::Pair> edges_of_interaction;
+  std::vector<RowsByInteraction::Pair> edges_of_interaction;
   for (u32 i = 0; i < rules.high_edges.size(); ++i)
     edges_of_interaction.push_back({rules.high_edges[i].interaction, i});
-  rules.high_of_interaction = Csr::build(interaction_count, edges_of_interaction);
-  rules.low_of_interaction = Csr::build(interaction_count, low);
-  rules.interactions_of_low = Csr::build(rules.count, low_back);
+  rules.high_of_interaction = RowsByInteraction::build(interaction_count, edges_of_interaction);
+  rules.low_of_interaction = RowsByInteraction::build(interaction_count, low);
+  rules.interactions_of_low = InteractionsBy::build(rules.count, low_back);
 
   const Csr starting = Csr::build(image.connectors.size, by_low);
   std::vector<u32> parents(rules.count);
@@ -226,8 +228,8 @@ PriorityTables link_priorities(const Tables& tables) {
       if (!next.low.any_connector) {
         met = meet_at(tables, rule, next, next.low.connector);
       } else if (next.parent == rule.parent) {
-        for (u32 interaction = 0; interaction < tables.connector_interactions && !met; ++interaction)
-          met = meet_at(tables, rule, next, tables.connector_of(interaction));
+        for (const InteractionId interaction : tables.interactions_of_connectors())
+          met = met || meet_at(tables, rule, next, tables.connector_of(interaction));
         if (const u32 group = tables.inner_rules.of_rule(from); group != kNone) {
           for (u32 member : tables.inner_rules.groups[group].members) met = met || meet_at(tables, rule, next, member);
         }

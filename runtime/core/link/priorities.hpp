@@ -12,19 +12,20 @@
 namespace bip::rt {
 
 struct HighEdge {
-  u32 interaction, rule;
+  InteractionId interaction;
+  u32 rule;
 };
 struct PriorityTables {
   u32 count = 0;
-  std::vector<std::uint8_t> is_involved;  // by interaction; empty without rules
-  std::vector<HighEdge> high_edges;       // sorted by interaction
-  Csr high_of_interaction;                // rows of high_edges
-  Csr low_of_interaction;                 // rules
-  Csr interactions_of_low;                // by rule
-  Csr next, previous;                     // the chain graph, by rule
-  std::vector<u32> component;             // by rule: weakly connected part of the chain graph
-  Csr members;                            // by component
-  std::vector<std::uint8_t> cyclic;       // by component: guards alone keep it from being a cycle
+  IndexVector<InteractionId, std::uint8_t> is_involved;  // empty without rules
+  std::vector<HighEdge> high_edges;                      // sorted by interaction
+  RowsByInteraction high_of_interaction;                 // rows of high_edges
+  RowsByInteraction low_of_interaction;                  // rules
+  InteractionsBy interactions_of_low;                    // by rule
+  Csr next, previous;                                    // the chain graph, by rule
+  std::vector<u32> component;                            // by rule: weakly connected part of the chain graph
+  Csr members;                                           // by component
+  std::vector<std::uint8_t> cyclic;                      // by component: guards alone keep it from being a cycle
 };
 struct RuleState {
   bool guard = false;

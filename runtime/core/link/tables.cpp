@@ -7,35 +7,6 @@
 
 namespace bip::rt {
 
-Csr Csr::build(std::size_t rows, const std::vector<Pair>& pairs) {
-  Csr csr;
-  if (pairs.empty()) return csr;
-  csr.first.assign(rows + 1, 0);
-  for (const Pair& pair : pairs) ++csr.first[pair.from + 1];
-  for (std::size_t i = 0; i < rows; ++i) csr.first[i + 1] += csr.first[i];
-  BIP_ASSERT(csr.first[rows] == pairs.size(), "{} pairs in {} rows", pairs.size(), rows);
-  csr.items.resize(pairs.size());
-  std::vector<u32> next(csr.first.begin(), csr.first.end() - 1);
-  for (const Pair& pair : pairs) csr.items[next[pair.from]++] = pair.to;
-  return csr;
-}
-
-Csr Csr::transposed(std::size_t item_count) const {
-  std::vector<Pair> pairs;
-  pairs.reserve(items.size());
-  for (u32 row = 0; row + 1 < first.size(); ++row) {
-    for (const u32 item : (*this)[row]) pairs.push_back({item, row});
-  }
-  return build(item_count, pairs);
-}
-
-void Csr::sort_unique(std::vector<Pair>& pairs) {
-  const auto key = [](const Pair& p) { return u64{p.from} << 32 | p.to; };
-  std::sort(pairs.begin(), pairs.end(), [&](const Pair& a, const Pair& b) { return key(a) < key(b); });
-  pairs.erase(std::unique(pairs.begin(), pairs.end(), [&](const Pair& a, const Pair& b) { return key(a) == key(b); }),
-              pairs.end());
-}
-
 // Do the tables that belong together have as many rows as what they are by? For assertions. O(connectors + ports).
 static bool has_matching_sizes(const Tables& tables) {
   const Image& image = *tables.image;
@@ -160,13 +131,13 @@ void link_atoms(Tables& tables) {
     const AtomType& type = image.atom_types[row.type];
     BIP_ASSERT(row.first_cell + type.variables.size <= image.cell_count, "atom {} has data from cell {} on, of {}",
                atom, row.first_cell, image.cell_count);
-    tables.atoms.push_back({static_cast<u32>(tables.port_atom.size()), row.first_cell, row.type, 0});
+    tables.atoms.push_back({static_cast<u32>(tables.port_atom.size()), row.variable(0), row.type, 0});
     tables.port_atom.insert(tables.port_atom.end(), type.ports.size, atom);
     if (!tables.mark_base.empty()) tables.mark_base[atom] = tables.mark_words;
     tables.mark_words += tables.types[row.type].mark_words;
     tables.atom_cells = std::max(tables.atom_cells, row.first_cell + type.variables.size);
   }
-  tables.atoms.push_back({static_cast<u32>(tables.port_atom.size()), 0, 0, 0});
+  tables.atoms.push_back({static_cast<u32>(tables.port_atom.size()), {}, 0, 0});
 }
 
 void Binds::make(const Image& image) {

@@ -9,36 +9,76 @@
 #include <vector>
 
 #include "bip/assert.hpp"
+#include "bip/ids.hpp"
 #include "bip/image.hpp"
 #include "runtime/core/link/interactions.hpp"
 
 namespace bip::rt {
 
-/// Rows [first[i], first[i + 1]) of `items` belong to i. Without items there is no `first` either: many tables are
-/// empty.
-struct Csr {
+/// A table from rows to rows: rows [first[i], first[i + 1]) of `items` belong to i. Without items there is no `first`
+/// either: many tables are empty. From and To are ids, or plain row numbers.
+template <class From, class To>
+struct CsrOf {
   std::vector<u32> first;
-  std::vector<u32> items;
-  [[nodiscard]] Span<u32> operator[](std::size_t i) const {
+  std::vector<To> items;
+  [[nodiscard]] Span<To> operator[](From row) const {
     if (items.empty()) return {};
+    const std::size_t i = number_of(row);
     BIP_ASSERT(i + 1 < first.size(), "row {} of {}", i, first.size() - 1);
     return {items.data() + first[i], first[i + 1] - first[i]};
   }
   struct Pair {
-    u32 from, to;
+    From from;
+    To to;
   };
   /// Keeps the order of pairs with equal `from`.
-  static Csr build(std::size_t rows, const std::vector<Pair>& pairs);
+  static CsrOf build(std::size_t rows, const std::vector<Pair>& pairs);
   /// Returns the rows of each item, ascending; all items are below `item_count`.
-  [[nodiscard]] Csr transposed(std::size_t item_count) const;
+  [[nodiscard]] CsrOf<To, From> transposed(std::size_t item_count) const;
   /// Sorts the pairs and keeps one of those that are equal.
   static void sort_unique(std::vector<Pair>& pairs);
 };
+using Csr = CsrOf<u32, u32>;
+using InteractionsBy = CsrOf<u32, InteractionId>;  // of an atom, a port, a rule, ...: interactions
+using RowsByInteraction = CsrOf<InteractionId, u32>;
+using VariablesBy = CsrOf<u32, VariableId>;
+
+template <class From, class To>
+CsrOf<From, To> CsrOf<From, To>::build(std::size_t rows, const std::vector<Pair>& pairs) {
+  CsrOf csr;
+  if (pairs.empty()) return csr;
+  csr.first.assign(rows + 1, 0);
+  for (const Pair& pair : pairs) ++csr.first[number_of(pair.from) + 1];
+  for (std::size_t i = 0; i < rows; ++i) csr.first[i + 1] += csr.first[i];
+  BIP_ASSERT(csr.first[rows] == pairs.size(), "{} pairs in {} rows", pairs.size(), rows);
+  csr.items.resize(pairs.size());
+  std::vector<u32> next(csr.first.begin(), csr.first.end() - 1);
+  for (const Pair& pair : pairs) csr.items[next[number_of(pair.from)]++] = pair.to;
+  return csr;
+}
+
+template <class From, class To>
+CsrOf<To, From> CsrOf<From, To>::transposed(std::size_t item_count) const {
+  std::vector<typename CsrOf<To, From>::Pair> pairs;
+  pairs.reserve(items.size());
+  for (u32 row = 0; row + 1 < first.size(); ++row) {
+    for (u32 at = first[row]; at < first[row + 1]; ++at) pairs.push_back({items[at], From(row)});
+  }
+  return CsrOf<To, From>::build(item_count, pairs);
+}
+
+template <class From, class To>
+void CsrOf<From, To>::sort_unique(std::vector<Pair>& pairs) {
+  const auto key = [](const Pair& p) { return u64{number_of(p.from)} << 32 | number_of(p.to); };
+  std::sort(pairs.begin(), pairs.end(), [&](const Pair& a, const Pair& b) { return key(a) < key(b); });
+  pairs.erase(std::unique(pairs.begin(), pairs.end(), [&](const Pair& a, const Pair& b) { return key(a) == key(b); }),
+              pairs.end());
+}
 
 // ---- atoms -------------------------------------------------------------------------------------------------------
 struct AtomInfo {
-  u32 port_base = 0;  // number of its port 0 among all port instances
-  u32 first_cell = 0;
+  u32 port_base = 0;      // number of its port 0 among all port instances
+  VariableId first_cell;  // its variables stand from here on
   u32 type = 0;
   u32 watched = 0;  // 1: a guard or rule reads its data
 };
@@ -146,22 +186,23 @@ struct Tables {
   std::vector<u32> port_atom;   // by port instance
   std::vector<u32> mark_base;   // by atom (Petri types): first word. Empty: there are none
   u32 mark_words = 0;
-  u32 atom_cells = 0;  // cells [0, atom_cells) belong to atoms
+  u32 atom_cells = 0;  // so many variables, which come first, belong to atoms
 
   Interactions interactions;
   std::vector<u32> flat_ports;
-  std::vector<u32> interaction_of_connector;  // kNone if it exports a port. Empty: none does, and interactions are rows
-                                              // of connectors
-  u32 connector_interactions = 0;             // interactions below are connectors, the rest internal ports
+  std::vector<InteractionId> interaction_of_connector;  // none if it exports a port. Empty: none does, and interactions
+                                                        // are rows of connectors
+  u32 connector_interactions = 0;                       // interactions below are connectors, the rest internal ports
 
   // Availability network. Nodes [0, interactions.size()) are the interactions, the rest inner groups. A node is
   // available iff its value >= 0.
   std::vector<std::int32_t>
-      inner_start;  // of inner groups: the value with every port disabled; of interactions: start_of
-  Csr node_out;     // by node: nodes that count it
-  Csr port_out;     // by port instance: nodes that count it
-  Csr port_watch;   // by port instance: interactions to search again when it flips
-  Csr atom_watch;   // by atom: what reads its data; interactions, or priority rules + interactions.size()
+      inner_start;            // of inner groups: the value with every port disabled; of interactions: start_of
+  Csr node_out;               // by node: nodes that count it
+  Csr port_out;               // by port instance: nodes that count it
+  InteractionsBy port_watch;  // by port instance: interactions to search again when it flips
+  InteractionsBy atom_watch;  // by atom: interactions that read its data
+  Csr atom_rules;             // by atom: priority rules that read its data
   bool any_port_watch = false;
   bool any_searched = false;
 
@@ -197,18 +238,33 @@ struct Tables {
     return {plan_ports.data() + plans[info.plan()].first_port, plans[info.plan()].port_count};
   }
   [[nodiscard]] u32 first_mark(u32 atom) const { return mark_base.empty() ? 0 : mark_base[atom]; }
-  /// kNone if it exports a port.
-  [[nodiscard]] u32 interaction_of(u32 connector) const {
-    return interaction_of_connector.empty() ? connector : interaction_of_connector[connector];
+  /// No interaction if it exports a port.
+  [[nodiscard]] InteractionId interaction_of(u32 connector) const {
+    return interaction_of_connector.empty() ? InteractionId(connector) : interaction_of_connector[connector];
   }
-  /// Of an interaction below connector_interactions.
-  [[nodiscard]] u32 connector_of(u32 interaction) const {
-    BIP_ASSERT(interaction < connector_interactions, "interaction {} is an internal port", interaction);
-    return interaction_of_connector.empty() ? interaction : interactions[interaction].row;
+  /// Is it an interaction of a connector? Else it is an internal port.
+  [[nodiscard]] bool is_of_connector(InteractionId interaction) const {
+    return interaction.value < connector_interactions;
   }
+  [[nodiscard]] IdRange<InteractionId> interactions_of_connectors() const {
+    return IdRange<InteractionId>(connector_interactions);
+  }
+  /// Those of internal ports, which come after them.
+  [[nodiscard]] IdRange<InteractionId> interactions_of_ports() const {
+    return IdRange<InteractionId>(connector_interactions, interactions.size());
+  }
+  /// Of an interaction of a connector.
+  [[nodiscard]] u32 connector_of(InteractionId interaction) const {
+    BIP_ASSERT(is_of_connector(interaction), "interaction {} is an internal port", interaction);
+    return interaction_of_connector.empty() ? interaction.value : interactions[interaction].row;
+  }
+  /// The node of the availability network that is the interaction, and the other way round.
+  [[nodiscard]] static constexpr u32 node_of(InteractionId interaction) { return interaction.value; }
+  [[nodiscard]] static constexpr InteractionId interaction_at(u32 node) { return InteractionId(node); }
+  [[nodiscard]] bool is_interaction(u32 node) const { return node < interactions.size(); }
   [[nodiscard]] std::size_t node_count() const { return interactions.size() + inner_start.size(); }
   /// An interaction's value with every port disabled.
-  [[nodiscard]] std::int32_t start_of(u32 interaction) const;
+  [[nodiscard]] std::int32_t start_of(InteractionId interaction) const;
   [[nodiscard]] u32 instance(u32 atom, u32 port) const { return port_base(atom) + port; }
   /// The clause of a type for exactly these sorted parameters, or kNone. O(log clauses * params).
   [[nodiscard]] u32 clause_of(u32 connector_type_row, Span<u32> params) const;

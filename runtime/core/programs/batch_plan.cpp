@@ -14,17 +14,18 @@ constexpr std::size_t kMostPairs = std::size_t{1} << 26;  // (interaction, atom)
 
 }  // namespace
 
-std::vector<std::uint8_t> parts_of_atoms(const Csr& atoms_of_interaction, const Csr& interactions_of_atom, u32 atoms,
-                                         u32 parts) {
+std::vector<std::uint8_t> parts_of_atoms(const RowsByInteraction& atoms_of_interaction,
+                                         const InteractionsBy& interactions_of_atom, u32 atoms, u32 parts) {
   std::vector<u32> order;
-  std::vector<std::uint8_t> is_met(atoms, 0), is_walked(atoms_of_interaction.first.size(), 0);
+  std::vector<std::uint8_t> is_met(atoms, 0);
+  IndexVector<InteractionId, std::uint8_t> is_walked(atoms_of_interaction.first.size(), 0);
   order.reserve(atoms);
   for (u32 root = 0; root < atoms; ++root) {
     if (is_met[root] != 0) continue;
     is_met[root] = 1;
     order.push_back(root);
     for (std::size_t at = order.size() - 1; at < order.size(); ++at) {
-      for (const u32 interaction : interactions_of_atom[order[at]]) {
+      for (const InteractionId interaction : interactions_of_atom[order[at]]) {
         if (is_walked[interaction] != 0) continue;
         is_walked[interaction] = 1;
         for (const u32 next : atoms_of_interaction[interaction]) {
@@ -47,13 +48,13 @@ BatchPlan plan_batch(const Tables& tables, const PriorityTables& rules, u32 part
   const u32 atom_count = tables.image->atoms.size;
   // What an interaction's being enabled depends on: who takes part; if rules may hide it, who takes part in what they
   // prefer.
-  std::vector<Csr::Pair> own, all;
+  std::vector<RowsByInteraction::Pair> own, all;
   std::vector<u32> atoms;
-  for (u32 interaction = 0; interaction < interaction_count; ++interaction) {
+  for (const InteractionId interaction : tables.interactions.ids()) {
     atoms_of_interaction(tables, tables.interactions[interaction], atoms);
     for (const u32 atom : atoms) own.push_back({interaction, atom});
   }
-  const Csr takes = Csr::build(interaction_count, own);
+  const RowsByInteraction takes = RowsByInteraction::build(interaction_count, own);
   all = own;
   std::vector<std::vector<u32>> preferred(rules.cyclic.size());  // by component
   for (const HighEdge& edge : rules.high_edges) {
@@ -65,20 +66,20 @@ BatchPlan plan_batch(const Tables& tables, const PriorityTables& rules, u32 part
     of.erase(std::unique(of.begin(), of.end()), of.end());
   }
   for (u32 rule = 0; rule < rules.count; ++rule) {
-    for (const u32 interaction : rules.interactions_of_low[rule]) {
+    for (const InteractionId interaction : rules.interactions_of_low[rule]) {
       for (const u32 atom : preferred[rules.component[rule]]) all.push_back({interaction, atom});
       if (all.size() > kMostPairs) return plan;
     }
   }
-  const Csr depends = Csr::build(interaction_count, all);
-  const Csr watchers = depends.transposed(atom_count);
+  const RowsByInteraction depends = RowsByInteraction::build(interaction_count, all);
+  const InteractionsBy watchers = depends.transposed(atom_count);
   const std::vector<std::uint8_t> part_of_atom = parts_of_atoms(depends, watchers, atom_count, parts);
 
-  std::vector<std::uint8_t> spans(interaction_count, 0);
+  IndexVector<InteractionId, std::uint8_t> spans(interaction_count, 0);
   plan.part.assign(interaction_count, 0);
   plan.is_shared.assign(interaction_count, 0);
   plan.size.assign(parts, 0);
-  for (u32 interaction = 0; interaction < interaction_count; ++interaction) {
+  for (const InteractionId interaction : tables.interactions.ids()) {
     const Span<u32> on = depends[interaction];
     plan.part[interaction] = on.size == 0 ? 0 : part_of_atom[on[0]];
     ++plan.size[plan.part[interaction]];
@@ -88,12 +89,12 @@ BatchPlan plan_batch(const Tables& tables, const PriorityTables& rules, u32 part
   }
   // An atom is at the border if something that watches it spans; what moves such an atom is shared.
   std::vector<std::uint8_t> is_border(atom_count, 0);
-  for (u32 interaction = 0; interaction < interaction_count; ++interaction) {
+  for (const InteractionId interaction : tables.interactions.ids()) {
     for (const u32 atom : depends[interaction]) {
       if (spans[interaction] != 0) is_border[atom] = 1;
     }
   }
-  for (u32 interaction = 0; interaction < interaction_count; ++interaction) {
+  for (const InteractionId interaction : tables.interactions.ids()) {
     const Span<u32> moved = takes[interaction];
     if (std::none_of(moved.begin(), moved.end(), [&](u32 atom) { return is_border[atom] != 0; })) continue;
     plan.is_shared[interaction] = 1;

@@ -17,10 +17,10 @@ namespace bip::rt {
 inline constexpr std::uint8_t kMostParts = 64;
 
 struct BatchPlan {
-  u32 parts = 0;                        // 0: too much is shared
-  std::vector<std::uint8_t> part;       // by interaction: whose list it is in
-  std::vector<std::uint8_t> is_shared;  // by interaction
-  std::vector<u32> shared;
+  u32 parts = 0;                                  // 0: too much is shared
+  IndexVector<InteractionId, std::uint8_t> part;  // whose list it is in
+  IndexVector<InteractionId, std::uint8_t> is_shared;
+  std::vector<InteractionId> shared;
   std::vector<u32> size;       // by part: interactions
   u64 least_epoch = 1u << 16;  // steps: an epoch's two meetings of the threads cost as much as some hundred
   u64 perturb = 0;             // tests: the parts of an epoch begin late, by this seed
@@ -30,17 +30,18 @@ struct BatchPlan {
                                    bool any_share = false);
 
 /// Cuts the atoms, in breadth-first order along interactions, into `parts` pieces of equal size. Linear.
-[[nodiscard]] std::vector<std::uint8_t> parts_of_atoms(const Csr& atoms_of_interaction, const Csr& interactions_of_atom,
-                                                       u32 atoms, u32 parts);
+[[nodiscard]] std::vector<std::uint8_t> parts_of_atoms(const RowsByInteraction& atoms_of_interaction,
+                                                       const InteractionsBy& interactions_of_atom, u32 atoms,
+                                                       u32 parts);
 
 /// One thread's share of an epoch.
 struct BatchPart {
   Prng prng;
-  std::vector<u32> members;
+  std::vector<u32> members;  // interactions as plain numbers, for compiled steps change them
   std::vector<u32> scratch;
-  std::vector<u32> fired;    // if the run is recorded, in their order
-  u32 count = 0;             // of members
-  u64 draws = 0, steps = 0;  // to make, and made
+  std::vector<InteractionId> fired;  // if the run is recorded, in their order
+  u32 count = 0;                     // of members
+  u64 draws = 0, steps = 0;          // to make, and made
 };
 
 }  // namespace bip::rt

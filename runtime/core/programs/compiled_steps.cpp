@@ -21,7 +21,7 @@ namespace {
 
 struct Unwatched {
   void begin_step() const {}
-  void end_step(u32) const {}
+  void end_step(InteractionId) const {}
 };
 
 // ---- the choice of the next interaction, a parameter of the loop; the loop has a copy, so that it stays in registers
@@ -29,14 +29,16 @@ struct Unwatched {
 struct Drawn {
   static constexpr bool kMarks = false;
   Prng numbers;
-  [[nodiscard]] u32 choose(const StepState& s) { return s.members[s.count == 1 ? 0 : numbers.below(s.count)]; }
+  [[nodiscard]] InteractionId choose(const StepState& s) {
+    return InteractionId(s.members[s.count == 1 ? 0 : numbers.below(s.count)]);
+  }
   // By a function of the image for many steps.
   static StepsFn function_of(const Image& image) { return image.steps_fn; }
   [[nodiscard]] bool takes_many(const StepState&) const { return true; }
   StepsTaken take_many(StepsFn take, StepState& s, StepHistory& history, u64 limit) {
     return take(s, numbers, history, limit);
   }
-  void took(u32) const {}
+  void took(InteractionId) const {}
   void mark_all(const StepState&) const {}
 };
 // By order; marks what the step has put into the list. A short list is searched, and nothing is marked meanwhile.
@@ -47,20 +49,20 @@ struct InOrder {
   MemberOrder* members;
   bool marks = true;
   [[nodiscard]] bool is_short(const StepState& s) const { return s.count <= (marks ? kShortAgain : StepOrder::kShort); }
-  [[nodiscard]] u32 choose(const StepState& s) {
+  [[nodiscard]] InteractionId choose(const StepState& s) {
     if (!is_short(s)) {
       mark_all(s);
-      return members->next(order.from, s.position);
+      return members->next(InteractionId(order.from), s.position);
     }
     marks = false;
     // The least distance from there, modulo 2^32.
     u32 least = s.members[0] - order.from;
     for (u32 k = 1; k < s.count; ++k) least = std::min(least, s.members[k] - order.from);
-    return order.from + least;
+    return InteractionId(order.from + least);
   }
   /// What was not marked while the list was short.
   void mark_all(const StepState& s) {
-    for (u32 k = 0; k < s.count && !marks; ++k) members->mark(s.members[k]);
+    for (u32 k = 0; k < s.count && !marks; ++k) members->mark(InteractionId(s.members[k]));
     marks = true;
   }
   static OrderedStepsFn function_of(const Image& image) { return image.ordered_steps_fn; }
@@ -69,8 +71,8 @@ struct InOrder {
     marks = false;
     return take(s, order, history, limit);
   }
-  void took(u32 interaction) {
-    if (order.follows) order.from = interaction + 1;
+  void took(InteractionId interaction) {
+    if (order.follows) order.from = interaction.value + 1;
   }
   void mark(const StepState& s, const StepOperand* operands, u32 i, const StepEntry* entry, const StepEntry* end) {
     if (!marks) return;
@@ -78,7 +80,7 @@ struct InOrder {
       u32 interaction = operands[entry->operand].at(i);
       u32 left = entry->repeats == StepEntry::kOnce ? 1 : operands[entry->repeats].at(i);
       for (; left != 0; --left, interaction += entry->stride) {
-        if (s.position[interaction] != kAbsentInteraction) members->mark(interaction);
+        if (s.position[interaction] != kAbsentInteraction) members->mark(InteractionId(interaction));
       }
     }
   }
@@ -139,7 +141,8 @@ void CompiledSteps::link() {
     // Division by the distance as a multiplication, which is exact for offsets up to 2^32 / distance.
     const u64 inverse = ((u64{1} << 32) + run.distance - 1) / run.distance;
     if (u64{run.count} * run.distance * run.distance > std::numeric_limits<u32>::max()) return;
-    runs_.push_back({image.step_fns[run.shape], image.step_operands.data + run.operands, run.first, inverse});
+    runs_.push_back(
+        {image.step_fns[run.shape], image.step_operands.data + run.operands, InteractionId(run.first), inverse});
     BIP_ASSERT(run.count != 0 && run.first + u64{run.count - 1} * run.distance < rows.size(),
                "run {} goes beyond {} interactions", row, rows.size());
     for (u32 i = 0; i < run.count; ++i) rows[run.first + i * run.distance] = row;
@@ -158,14 +161,15 @@ void CompiledSteps::link() {
   }
   for (const StepRun& run : image.inner_steps.runs) {
     BIP_ASSERT(run.shape < image.step_fns.size && run.distance == 1, "shape {} of {}", run.shape, image.step_fns.size);
-    inner_runs_.push_back({image.step_fns[run.shape], image.step_operands.data + run.operands, run.first, 0});
+    inner_runs_.push_back(
+        {image.step_fns[run.shape], image.step_operands.data + run.operands, InteractionId(run.first), 0});
   }
   for (const ConnectorType& type : image.connector_types) most = std::max(most, type.params.size);
   step_scratch_.assign(std::size_t{most} + 1, 0);
 }
 
 StepState CompiledSteps::state_of(const EnabledSet::List& list) {
-  return {core_.memory.cells.data(),
+  return {core_.memory.cells.all(),
           core_.memory.places.data(),
           core_.ports.values(),
           list.members,
@@ -200,10 +204,10 @@ u64 CompiledSteps::run_watched(Choose& given, u64 limit, bool (*is_stopped)(), b
       if (is_stopped()) break;
       look = done + kBetweenLooks;
     }
-    u32 interaction = kAbsentInteraction;
+    InteractionId interaction;  // none yet; as a plain number kAbsentInteraction
     if (takes_many != nullptr && choose.takes_many(s)) {
       if (has_cells && !in_cells) {
-        fill_cells(image, core_.memory.cells.data(), cells);
+        fill_cells(image, core_.memory.cells.all(), cells);
         s.cells = cells.data();
         in_cells = true;
       }
@@ -211,24 +215,24 @@ u64 CompiledSteps::run_watched(Choose& given, u64 limit, bool (*is_stopped)(), b
       const StepsTaken taken = choose.take_many(takes_many, s, recent, std::min(limit, look) - done);
       history_at = recent.at;
       done += taken.count;
-      interaction = taken.interaction;
-      if (interaction == kAbsentInteraction) continue;
+      interaction = InteractionId(taken.interaction);
+      if (!interaction.is_valid()) continue;
     }
     if (in_cells) {
-      empty_cells(image, cells, core_.memory.cells.data());
+      empty_cells(image, cells, core_.memory.cells.all());
       in_cells = false;
       // A list that is short again and again would fill and empty the columns as often.
-      if (interaction == kAbsentInteraction) takes_many = nullptr;
+      if (!interaction.is_valid()) takes_many = nullptr;
     }
-    if (interaction == kAbsentInteraction) interaction = choose.choose(s);
+    if (!interaction.is_valid()) interaction = choose.choose(s);
     const u32 row = RunRows::find(blocks, rows, interaction);
     watch.begin_step();
     if (row != kNone) {
       const CompiledRun& run = runs[row];
-      history[history_at] = interaction;
+      history[history_at] = interaction.value;
       history_at = (history_at + 1) % FiringHistory::kSize;
       BIP_ASSERT(interaction >= run.first, "interaction {} is no row of its run", interaction);
-      const u32 i = static_cast<u32>((interaction - run.first) * run.inverse >> 32);
+      const u32 i = run.index_of(interaction);
       run.fn(s, run.operands, i);
       if constexpr (Choose::kMarks) {
         const u32* const entries = first_entry_.data() + image.step_runs[row].shape;
@@ -246,7 +250,7 @@ u64 CompiledSteps::run_watched(Choose& given, u64 limit, bool (*is_stopped)(), b
     watch.end_step(interaction);
     ++done;
   }
-  if (in_cells) empty_cells(image, cells, core_.memory.cells.data());
+  if (in_cells) empty_cells(image, cells, core_.memory.cells.all());
   choose.mark_all(s);
   given = choose;
   core_.history.set_next(history_at);
@@ -257,9 +261,11 @@ u64 CompiledSteps::run_watched(Choose& given, u64 limit, bool (*is_stopped)(), b
 
 bool CompiledSteps::close_run(u32 count) {
   core_.enabled.close_list(count);
-  for (u32 interaction = core_.ports.direct().below;
-       interaction < core_.ports.direct().is_direct.size() && core_.priorities.tables().count != 0; ++interaction) {
-    if (core_.ports.direct().is_direct[interaction] == 0) core_.ports.mark_dirty(interaction);
+  const DirectInteractions& direct = core_.ports.direct();
+  if (core_.priorities.tables().count != 0 && !direct.is_direct.empty()) {
+    for (const InteractionId interaction : IdRange<InteractionId>(direct.below, direct.is_direct.size())) {
+      if (direct.is_direct[interaction] == 0) core_.ports.mark_dirty(interaction);
+    }
   }
   return core_.settle();
 }
@@ -308,7 +314,7 @@ u64 CompiledSteps::run_inner(Prng& prng, u64 limit, bool (*is_stopped)()) {
       if (is_stopped()) break;
       look = done + kBetweenLooks;
     }
-    u32 interaction = kAbsentInteraction;
+    u32 interaction = kAbsentInteraction;  // an inner number
     if (takes_many != nullptr) {
       StepHistory recent{history, history_at};
       const StepsTaken taken = takes_many(s, numbers, recent, std::min(limit, look) - done);
@@ -323,7 +329,7 @@ u64 CompiledSteps::run_inner(Prng& prng, u64 limit, bool (*is_stopped)()) {
     const CompiledRun& run = runs[run_of[interaction]];
     history[history_at] = interaction;
     history_at = (history_at + 1) % FiringHistory::kSize;
-    run.fn(s, run.operands, interaction - run.first);
+    run.fn(s, run.operands, interaction - run.first.value);
     ++done;
   }
   prng = numbers;
@@ -376,7 +382,7 @@ bool CompiledSteps::has_steps() const { return !run_of_.blocks.empty(); }
 
 bool CompiledSteps::can_batch() const {
   if (!has_steps()) return false;
-  for (u32 interaction = 0; interaction < core_.tables.interactions.size(); ++interaction) {
+  for (const InteractionId interaction : core_.tables.interactions.ids()) {
     if (run_of_[interaction] == kNone) return false;
   }
   return true;
@@ -384,21 +390,20 @@ bool CompiledSteps::can_batch() const {
 
 // The part's share: whom it draws among the shared ones is left to the end of the epoch.
 void CompiledSteps::run_part(const BatchPlan& plan, BatchPart& part, bool records) {
-  StepState s{core_.memory.cells.data(),
+  StepState s{core_.memory.cells.all(),
               core_.memory.places.data(),
               core_.ports.values(),
               part.members.data(),
               core_.enabled.open_list().position,
               part.scratch.data(),
               part.count};
-  const std::uint8_t* const is_shared = plan.is_shared.data();
   Prng numbers = part.prng;
   u64 steps = 0;
   for (u64 draw = 0; draw < part.draws && s.count != 0; ++draw) {
-    const u32 interaction = s.members[numbers.below(s.count)];
-    if (is_shared[interaction] != 0) continue;
+    const InteractionId interaction(s.members[numbers.below(s.count)]);
+    if (plan.is_shared[interaction] != 0) continue;
     const CompiledRun& run = runs_[run_of_[interaction]];
-    run.fn(s, run.operands, static_cast<u32>((interaction - run.first) * run.inverse >> 32));
+    run.fn(s, run.operands, run.index_of(interaction));
     if (records) part.fired.push_back(interaction);
     ++steps;
   }
@@ -412,12 +417,12 @@ void CompiledSteps::cut_list(const BatchPlan& plan, std::vector<BatchPart>& part
   const EnabledSet::List list = core_.enabled.open_list();
   for (BatchPart& part : parts) part.count = 0;
   for (u32 i = 0; i < *list.count; ++i) {
-    const u32 interaction = list.members[i];
+    const InteractionId interaction(list.members[i]);
     BatchPart& part = parts[plan.part[interaction]];
-    BIP_ASSERT(plan.part[interaction] < parts.size() && list.position[interaction] == i, "interaction {} is not at {}",
-               interaction, i);
-    list.position[interaction] = part.count;
-    part.members[part.count++] = interaction;
+    BIP_ASSERT(plan.part[interaction] < parts.size() && list.position[interaction.value] == i,
+               "interaction {} is not at {}", interaction, i);
+    list.position[interaction.value] = part.count;
+    part.members[part.count++] = interaction.value;
     BIP_ASSERT(part.count < part.members.size(), "{} members of a part", part.count);
   }
   for (BatchPart& part : parts) {
@@ -431,9 +436,9 @@ void CompiledSteps::join_list(const std::vector<BatchPart>& parts) {
   u32 count = 0;
   for (const BatchPart& part : parts) {
     for (u32 i = 0; i < part.count; ++i) {
-      const u32 interaction = part.members[i];
-      list.position[interaction] = count;
-      list.members[count++] = interaction;
+      const InteractionId interaction(part.members[i]);
+      list.position[interaction.value] = count;
+      list.members[count++] = interaction.value;
     }
   }
   BIP_ASSERT(count <= core_.tables.interactions.size(), "{} members", count);
@@ -441,15 +446,15 @@ void CompiledSteps::join_list(const std::vector<BatchPart>& parts) {
 }
 
 // Up to `draws` steps among the shared interactions.
-u64 CompiledSteps::run_shared(const BatchPlan& plan, Prng& prng, u64 draws, std::vector<u32>& fired) {
+u64 CompiledSteps::run_shared(const BatchPlan& plan, Prng& prng, u64 draws, std::vector<InteractionId>& fired) {
   const EnabledSet::List list = core_.enabled.open_list();
   StepState s = state_of(list);
   u64 steps = 0;
   for (u64 tries = draws * kTriesPerStep; steps < draws && tries > 0 && !plan.shared.empty(); --tries) {
-    const u32 interaction = plan.shared[prng.below(plan.shared.size())];
-    if (s.position[interaction] == kAbsentInteraction) continue;
+    const InteractionId interaction = plan.shared[prng.below(plan.shared.size())];
+    if (s.position[interaction.value] == kAbsentInteraction) continue;
     const CompiledRun& run = runs_[run_of_[interaction]];
-    run.fn(s, run.operands, static_cast<u32>((interaction - run.first) * run.inverse >> 32));
+    run.fn(s, run.operands, run.index_of(interaction));
     fired.push_back(interaction);
     ++steps;
   }
@@ -458,7 +463,7 @@ u64 CompiledSteps::run_shared(const BatchPlan& plan, Prng& prng, u64 draws, std:
 }
 
 u64 CompiledSteps::run_batch(const BatchPlan& plan, Team& team, Prng& prng, u64 limit, bool (*is_stopped)(),
-                             const std::function<void(const std::vector<u32>&)>& record) {
+                             const std::function<void(const std::vector<InteractionId>&)>& record) {
   BIP_ASSERT(can_batch() && plan.parts <= team.size(), "{} parts for {} threads", plan.parts, team.size());
   const u64 epoch = std::min(std::max<u64>(core_.tables.interactions.size() * 2, plan.least_epoch), kMostEpoch);
   std::vector<BatchPart> parts(plan.parts);
@@ -467,7 +472,7 @@ u64 CompiledSteps::run_batch(const BatchPlan& plan, Team& team, Prng& prng, u64 
     parts[k].members.assign(std::size_t{plan.size[k]} + 1, 0);
     parts[k].scratch = step_scratch_;
   }
-  std::vector<u32> fired;
+  std::vector<InteractionId> fired;
   u64 done = 0;
   while (core_.enabled.listed_count() != 0 && limit - done >= plan.least_epoch && !is_stopped()) {
     BIP_ASSERT(done <= limit, "{} steps, a limit of {}", done, limit);

@@ -30,8 +30,12 @@ class Team;
 struct CompiledRun {
   StepFn fn;
   const StepOperand* operands;
-  u32 first;
+  InteractionId first;
   u64 inverse;
+  /// Which one of the run the interaction is.
+  [[nodiscard]] u32 index_of(InteractionId interaction) const {
+    return static_cast<u32>((interaction.value - first.value) * inverse >> 32);
+  }
 };
 
 /// A number for each interaction, by 64 interactions if those have the same, or the same as 64 others: small enough to
@@ -40,11 +44,13 @@ struct RunRows {
   static constexpr u32 kInteractionsDiffer = 1u << 31;
   std::vector<u32> blocks;  // a number, or kInteractionsDiffer and where theirs are in `rows`
   std::vector<u32> rows;
-  [[nodiscard]] u32 operator[](u32 interaction) const { return find(blocks.data(), rows.data(), interaction); }
-  static u32 find(const u32* blocks, const u32* rows, u32 interaction) {
-    const u32 row = blocks[interaction >> 6];
+  [[nodiscard]] u32 operator[](InteractionId interaction) const {
+    return find(blocks.data(), rows.data(), interaction);
+  }
+  static u32 find(const u32* blocks, const u32* rows, InteractionId interaction) {
+    const u32 row = blocks[interaction.value >> 6];
     if (row < kInteractionsDiffer || row == kNone) return row;
-    return rows[row - kInteractionsDiffer + (interaction & 63)];
+    return rows[row - kInteractionsDiffer + (interaction.value & 63)];
   }
 };
 
@@ -66,7 +72,7 @@ class CompiledSteps {
   /// The same on the team's threads, in epochs (batch_plan.hpp), while there is enough to do for all; run must follow.
   /// record, unless empty, is given what was fired, in an order that is a run.
   u64 run_batch(const BatchPlan& plan, Team& team, Prng& prng, u64 limit, bool (*is_stopped)(),
-                const std::function<void(const std::vector<u32>&)>& record);
+                const std::function<void(const std::vector<InteractionId>&)>& record);
   /// Drops what only steps of the core need, if all steps are compiled; it is made anew when it is.
   void drop_programs();
   /// Of all rows.
@@ -88,7 +94,7 @@ class CompiledSteps {
   void run_part(const BatchPlan& plan, BatchPart& part, bool records);
   void cut_list(const BatchPlan& plan, std::vector<BatchPart>& parts, u64 draws);
   void join_list(const std::vector<BatchPart>& parts);
-  u64 run_shared(const BatchPlan& plan, Prng& prng, u64 draws, std::vector<u32>& fired);
+  u64 run_shared(const BatchPlan& plan, Prng& prng, u64 draws, std::vector<InteractionId>& fired);
 
   CoreParts& core_;
   std::vector<CompiledRun> runs_;  // the image's runs of step functions

@@ -47,7 +47,7 @@ void StepPrograms::list_port(u32 instance, Parts& parts) {
   if (transition.from != transition.to) parts.places.insert(parts.places.end(), {atom, transition.to});
   if (transition.action.fn != nullptr) {
     parts.after.words.insert(parts.after.words.end(),
-                             {code_row(transition.action, 0), core_.atoms[atom].first_cell, 0});
+                             {code_row(transition.action, 0), core_.atoms[atom].first_cell.value, 0});
     parts.after.owners.push_back({true, instance});
   }
 }
@@ -93,11 +93,9 @@ bool StepPrograms::list_effects(Parts& parts) {
     if (port.place == kNone) return false;
     atoms.push_back(row);
     if (atom.watched != 0) {
-      for (u32 item : core_.tables.atom_watch[row]) {
-        // Rules of priorities follow another way.
-        if (item >= core_.tables.interactions.size()) return false;
-        parts.touched.push_back(item);
-      }
+      // Rules of priorities follow another way.
+      if (core_.tables.atom_rules[row].size != 0) return false;
+      for (const InteractionId interaction : core_.tables.atom_watch[row]) parts.touched.push_back(interaction);
     }
     const LinkedTransition& transition = core_.tables.transitions[port.transition];
     for (u32 d = 0; d < transition.delta_count; ++d) {
@@ -124,7 +122,7 @@ bool StepPrograms::list_effects(Parts& parts) {
   return std::all_of(deltas.begin(), deltas.end(), [](const auto& d) { return d.second >= -16 && d.second < 16; });
 }
 
-bool StepPrograms::list_program(u32 interaction, Parts& parts) {
+bool StepPrograms::list_program(InteractionId interaction, Parts& parts) {
   const InteractionInfo info = core_.tables.interactions[interaction];
   parts = {};
   if (info.kind == InteractionKind::Flat) {
@@ -152,13 +150,13 @@ void StepPrograms::build() {
   std::vector<u32> words;  // all programs, each after its interaction and length
   std::size_t longest = 1;
   Parts parts;
-  for (u32 interaction = 0; interaction < core_.tables.connector_interactions && core_.tables.node_count() < kNodesKept;
-       ++interaction) {
+  const std::size_t listed = core_.tables.node_count() < kNodesKept ? core_.tables.connector_interactions : 0;
+  for (const InteractionId interaction : IdRange<InteractionId>(listed)) {
     if (!list_program(interaction, parts)) continue;
     bool pure = !core_.tables.any_searched && parts.touched.empty();
     for (const auto& [node, by] : parts.deltas) pure = pure && core_.ports.direct().has(node);
     const std::size_t start = words.size();
-    words.insert(words.end(), {interaction, 0});
+    words.insert(words.end(), {interaction.value, 0});
     const u32 before = static_cast<u32>(parts.before.owners.size()),
               after = static_cast<u32>(parts.after.owners.size());
     const u32 places = static_cast<u32>(parts.places.size() / 2);
@@ -167,9 +165,9 @@ void StepPrograms::build() {
     words.push_back((pure ? kPure : 0) | (wide ? kWide : before << 14 | places << 20 | after << 26) | deltas << 2 |
                     touched << 8);
     if (wide) words.insert(words.end(), {before, places, after});
-    for (const std::vector<u32>* part : {&parts.before.words, &parts.places, &parts.after.words, &parts.touched}) {
+    for (const std::vector<u32>* part : {&parts.before.words, &parts.places, &parts.after.words})
       words.insert(words.end(), part->begin(), part->end());
-    }
+    for (const InteractionId changed : parts.touched) words.push_back(changed.value);
     for (u32 i = 0; i < deltas; ++i) {
       const auto [node, by] = parts.deltas[i];
       const bool last = i + 1 == deltas || parts.deltas[i + 1].first >> 6 != node >> 6;
@@ -204,7 +202,7 @@ void StepPrograms::drop() {
 }
 
 // Whose code it was is looked up by listing the program once more: faults are rare.
-bool StepPrograms::fail_program(std::int32_t status, u32 interaction, Half half, u32 index) {
+bool StepPrograms::fail_program(std::int32_t status, InteractionId interaction, Half half, u32 index) {
   Parts parts;
   (void)list_program(interaction, parts);
   const auto [is_port, row] = (half == Half::Before ? parts.before : parts.after).owners[index];
@@ -214,9 +212,9 @@ bool StepPrograms::fail_program(std::int32_t status, u32 interaction, Half half,
                                 core_.tables.transitions[core_.ports.port(row).transition].source);
 }
 
-inline bool StepPrograms::run_codes(const u32* word, u32 count, u32 interaction, Half half) {
+inline bool StepPrograms::run_codes(const u32* word, u32 count, InteractionId interaction, Half half) {
   // Locals: a call might change members, for all that the compiler knows.
-  Cell* all = core_.memory.cells.data();
+  Cell* all = core_.memory.cells.all();
   const u32* binds = core_.memory.binds.rows;
   const ProgramCode* codes = codes_.data();
   for (u32 i = 0; i < count; ++i, word += 3) {
@@ -232,7 +230,7 @@ inline bool StepPrograms::run_codes(const u32* word, u32 count, u32 interaction,
   return true;
 }
 
-bool StepPrograms::run(const u32* word, u32 interaction) {
+bool StepPrograms::run(const u32* word, InteractionId interaction) {
   BIP_ASSERT(core_.enabled.weight(interaction) != 0, "interaction {} has no candidate", interaction);
   if ((*word & kFar) != 0) word = programs_.data() + (*word & ~kFar);
   const u32 header = *word++;
@@ -285,7 +283,8 @@ bool StepPrograms::run(const u32* word, u32 interaction) {
   }
   // What is not available has nothing to evaluate; an interaction that just became unavailable was marked above.
   for (u32 left = header >> 8 & 63; left > 0; --left, ++touched) {
-    if (core_.ports.is_available(*touched)) core_.ports.mark_dirty(*touched);
+    const InteractionId changed(*touched);
+    if (core_.ports.is_available(changed)) core_.ports.mark_dirty(changed);
   }
   return core_.settle();
 }

@@ -35,12 +35,12 @@ class StepPrograms {
   explicit StepPrograms(CoreParts& core) : core_(core) {}
 
   /// Returns the interaction's program for run(), or a word kNone if it has none. Builds all programs the first time.
-  [[nodiscard]] const u32* program_of(u32 interaction) {
+  [[nodiscard]] const u32* program_of(InteractionId interaction) {
     if (rows_.empty()) build();
-    return rows_.data() + std::size_t{interaction} * row_words_;
+    return rows_.data() + std::size_t{interaction.value} * row_words_;
   }
   /// Takes the step of an interaction that has a candidate; the core is settled then. False: a fault.
-  bool run(const u32* word, u32 interaction);
+  bool run(const u32* word, InteractionId interaction);
   /// Gives the memory back; program_of builds them anew.
   void drop();
   /// Returns the row of a piece of code that first zeroes so many cells of its own; adds it if it is new.
@@ -68,7 +68,8 @@ class StepPrograms {
   enum class Half : std::uint8_t { Before, After };    // the places change
   struct Parts {
     Codes before, after;  // the places
-    std::vector<u32> places, touched, instances;
+    std::vector<u32> places, instances;
+    std::vector<InteractionId> touched;
     std::vector<std::pair<u32, std::int32_t>> deltas;
   };
   void build();
@@ -76,9 +77,9 @@ class StepPrograms {
   void list_port(u32 instance, Parts& parts);
   void list_plan(const Plan& plan, Parts& parts);
   bool list_effects(Parts& parts);
-  bool list_program(u32 interaction, Parts& parts);
-  bool run_codes(const u32* word, u32 count, u32 interaction, Half half);
-  bool fail_program(std::int32_t status, u32 interaction, Half half, u32 index);
+  bool list_program(InteractionId interaction, Parts& parts);
+  bool run_codes(const u32* word, u32 count, InteractionId interaction, Half half);
+  bool fail_program(std::int32_t status, InteractionId interaction, Half half, u32 index);
 
   CoreParts& core_;
   std::vector<u32> rows_;      // by interaction, row_words_ each: its program; kNone: it has none. Made when needed

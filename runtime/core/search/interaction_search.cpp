@@ -20,10 +20,10 @@ void InteractionSearch::link() {
   const Tables& tables = core_.tables;
   const u32 interaction_count = static_cast<u32>(tables.interactions.size());
   listing_of_.assign(tables.any_searched ? interaction_count : 0, kNone);
-  for (u32 i = 0; tables.any_searched && i < interaction_count; ++i) {
-    const InteractionInfo info = tables.interactions[i];
+  for (const InteractionId interaction : listing_of_.ids()) {
+    const InteractionInfo info = tables.interactions[interaction];
     if (!info.searched) continue;
-    listing_of_[i] = static_cast<u32>(listings_.size());
+    listing_of_[interaction] = static_cast<u32>(listings_.size());
     listings_.emplace_back();
     flat_guards_.push_back(flat_guard(info));
     is_weighted_ |= info.kind != InteractionKind::Flat;
@@ -47,8 +47,8 @@ void InteractionSearch::reset() {
 }
 
 u32 InteractionSearch::listed_count(u32 connector) const {
-  const u32 interaction = core_.tables.interaction_of(connector);
-  if (interaction == kNone) return 0;
+  const InteractionId interaction = core_.tables.interaction_of(connector);
+  if (!interaction.is_valid()) return 0;
   // Compiled steps keep the list of the enabled alone.
   return core_.priorities.tables().count == 0 ? core_.enabled.weight(interaction) : base_count(interaction);
 }
@@ -66,16 +66,16 @@ FlatGuard InteractionSearch::flat_guard(const InteractionInfo& info) {
   const Code guard = core_.tables.code(clause.guard);
   if (guard.fn == nullptr || clause.may_fault) return {};
   const Connector& row = core_.tables.image->connectors[info.row];
-  return {core_.programs.code_row(guard, core_.tables.connector_type(info.row).variables.size), row.first_cell,
+  return {core_.programs.code_row(guard, core_.tables.connector_type(info.row).variables.size), row.variable(0),
           row.binds};
 }
 
-u32 InteractionSearch::base_count(u32 interaction) const {
+u32 InteractionSearch::base_count(InteractionId interaction) const {
   if (listing_of(interaction) != kNone) return listings_[listing_of(interaction)].count;
   return core_.ports.is_available(interaction) ? 1 : 0;
 }
 
-void InteractionSearch::direct_params(u32 interaction, u32 config, std::vector<u32>& out) const {
+void InteractionSearch::direct_params(InteractionId interaction, u32 config, std::vector<u32>& out) const {
   out.clear();
   const u32 count = core_.tables.connector_type(core_.tables.connector_of(interaction)).params.size;
   // Only connectors that are searched are told apart further.
@@ -114,7 +114,7 @@ bool InteractionSearch::list_flat(const InteractionInfo& info, Listing& listing)
   const Clause& clause = core_.tables.connector_type(info.row).clauses[info.clause()];
   const Code guard = core_.tables.code(clause.guard);
   core_.firing.zero_frame(info.row);
-  Cell* const cells = core_.memory.cells.data();
+  Cell* const cells = core_.memory.cells.all();
   const std::int32_t status =
       guard.fn == nullptr ? 1
                           : guard.fn(guard.context, cells + row.first_cell, cells, core_.memory.binds.rows + row.binds);
@@ -123,7 +123,7 @@ bool InteractionSearch::list_flat(const InteractionInfo& info, Listing& listing)
   return status == 0 || !clause.may_fault || core_.firing.run_code(core_.tables.code(clause.up), info.row);
 }
 
-bool InteractionSearch::list(u32 interaction) {
+bool InteractionSearch::list(InteractionId interaction) {
   BIP_ASSERT(is_searched(interaction), "interaction {} is not searched", interaction);
   Listing& listing = listings_[listing_of(interaction)];
   listing.count = 0;
@@ -131,10 +131,10 @@ bool InteractionSearch::list(u32 interaction) {
   if (!core_.ports.is_available(interaction)) return true;
   if (const FlatGuard& guard = flat_guards_[listing_of(interaction)]; guard.code != kNone) {
     const ProgramCode& code = core_.programs.code(guard.code);
-    Cell* own = core_.memory.cells.data() + guard.own;
+    Cell* own = core_.memory.cells.from(guard.own);
     for (u32 i = 0; i < code.zeroed; ++i) own[i] = Cell{0};
     const std::int32_t status =
-        code.code.fn(code.code.context, own, core_.memory.cells.data(), core_.memory.binds.rows + guard.binds);
+        code.code.fn(code.code.context, own, core_.memory.cells.all(), core_.memory.binds.rows + guard.binds);
     if (status >= 2) return core_.faults.fail_code(status, kNone, core_.tables.connector_of(interaction), nullptr);
     listing.count = status != 0 ? 1 : 0;
     return true;
@@ -187,7 +187,7 @@ void InteractionSearch::bind_choices(const Plan& plan, const PlanUse& use) {
     if (chosen.kind == NodeKind::Leaf) {
       const u32 atom = core_.tables.port_atom[chosen.ref];
       const Port& port = core_.tables.atom_type(atom).ports[chosen.ref - core_.tables.port_base(atom)];
-      for (u32 variable : port.variables) *row++ = core_.atoms[atom].first_cell + variable;
+      for (u32 variable : port.variables) *row++ = (core_.atoms[atom].first_cell + variable).value;
     } else {
       for (u32 variable : core_.tables.connector_type(chosen.ref).export_variables)
         *row++ = image.connectors[chosen.ref].first_cell + variable;
@@ -323,8 +323,8 @@ bool InteractionSearch::evaluate(const Plan& plan, u32 root, const Bits& bits, u
     const Code guard = core_.tables.code(clause.guard);
     if (guard.fn != nullptr) {
       const Connector& connector = core_.tables.image->connectors[use.connector];
-      const std::int32_t status = guard.fn(guard.context, core_.memory.cells.data() + connector.first_cell,
-                                           core_.memory.cells.data(), core_.memory.binds.rows + connector.binds);
+      const std::int32_t status = guard.fn(guard.context, core_.memory.cells.from(connector.variable(0)),
+                                           core_.memory.cells.all(), core_.memory.binds.rows + connector.binds);
       if (status >= 2) return core_.faults.fail_code(status, kNone, use.connector, nullptr);
       if (status == 0) {
         if (remembers) evaluated_.uses[i].holds = false;
@@ -519,7 +519,7 @@ bool InteractionSearch::decide_inner_rules(const Plan& plan, u32 first_witness) 
     if (row.guard != kNone) {
       const Code guard = image.codes[row.guard];
       const std::int32_t status =
-          guard.fn(guard.context, nullptr, core_.memory.cells.data(), core_.memory.binds.rows + row.binds);
+          guard.fn(guard.context, nullptr, core_.memory.cells.all(), core_.memory.binds.rows + row.binds);
       if (status >= 2) return core_.faults.fail_code(status, kNone, kNone, nullptr);
       holds[rule] = status != 0 ? 1 : 0;
     }
@@ -649,7 +649,7 @@ bool InteractionSearch::enumerate(const Plan& plan, std::vector<Bits>& found) {
 
 // Could a configuration within one of these be enabled?
 bool InteractionSearch::may_hold(const Plan& plan, u32 root, const std::vector<Bits>& largest) {
-  RangeSearch search(core_.tables, plan, root, core_.memory.cells.data(), core_.memory.binds.rows);
+  RangeSearch search(core_.tables, plan, root, core_.memory.cells.all(), core_.memory.binds.rows);
   return std::any_of(largest.begin(), largest.end(), [&](const Bits& bits) {
     ++search_work_.range_looks;
     search.start(bits);
@@ -660,7 +660,7 @@ bool InteractionSearch::may_hold(const Plan& plan, u32 root, const std::vector<B
 // Adds enabled configurations within these, the maximal ones among them, to those that were found.
 bool InteractionSearch::search_ranges(const Plan& plan, u32 root, const std::vector<Bits>& largest, SetsBySize& enabled,
                                       std::vector<Bits>& found) {
-  RangeSearch search(core_.tables, plan, root, core_.memory.cells.data(), core_.memory.binds.rows);
+  RangeSearch search(core_.tables, plan, root, core_.memory.cells.all(), core_.memory.binds.rows);
   u64 looks = 0;
   for (const Bits& from : largest) {
     search.start(from);

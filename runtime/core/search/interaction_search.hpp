@@ -66,7 +66,8 @@ struct SearchWork {
 /// The guard of a flat rendezvous, found without a look at the image.
 struct FlatGuard {
   u32 code = kNone;  // row of the step programs' codes
-  u32 own = 0, binds = 0;
+  VariableId own;    // the connector's first
+  u32 binds = 0;
 };
 
 class InteractionSearch {
@@ -79,17 +80,17 @@ class InteractionSearch {
   // ---- candidates before priorities
   /// Has an interaction more than one candidate in some state?
   [[nodiscard]] bool is_weighted() const { return is_weighted_; }
-  [[nodiscard]] bool is_searched(u32 interaction) const { return listing_of(interaction) != kNone; }
+  [[nodiscard]] bool is_searched(InteractionId interaction) const { return listing_of(interaction) != kNone; }
   /// Finds the candidates of a searched interaction. Cost: a guard, or a search. False: a fault.
-  bool list(u32 interaction);
+  bool list(InteractionId interaction);
   /// Of a searched interaction.
-  [[nodiscard]] Listing& listing(u32 interaction) { return listings_[listing_of(interaction)]; }
-  [[nodiscard]] const Listing& listing(u32 interaction) const { return listings_[listing_of(interaction)]; }
+  [[nodiscard]] Listing& listing(InteractionId interaction) { return listings_[listing_of(interaction)]; }
+  [[nodiscard]] const Listing& listing(InteractionId interaction) const { return listings_[listing_of(interaction)]; }
   /// How many candidates the interaction has.
-  [[nodiscard]] u32 base_count(u32 interaction) const;
+  [[nodiscard]] u32 base_count(InteractionId interaction) const;
   /// Finds the parameters of the top connector that take part in a candidate: all of them unless the interaction is
   /// searched, where only `c:*` and `*:*` can match otherwise.
-  void direct_params(u32 interaction, u32 config, std::vector<u32>& out) const;
+  void direct_params(InteractionId interaction, u32 config, std::vector<u32>& out) const;
   /// Candidates of the connector; 0 also if it exports a port.
   [[nodiscard]] u32 listed_count(u32 connector) const;
   [[nodiscard]] const SearchWork& work() const { return search_work_; }
@@ -108,7 +109,9 @@ class InteractionSearch {
   [[nodiscard]] u32 clause_of_use(u32 use) const { return use_clause_[use]; }
 
  private:
-  [[nodiscard]] u32 listing_of(u32 interaction) const { return listing_of_.empty() ? kNone : listing_of_[interaction]; }
+  [[nodiscard]] u32 listing_of(InteractionId interaction) const {
+    return listing_of_.empty() ? kNone : listing_of_[interaction];
+  }
   FlatGuard flat_guard(const InteractionInfo& info);
   bool list_flat(const InteractionInfo& info, Listing& listing);
   void bind_choices(const Plan& plan, const PlanUse& use);
@@ -133,7 +136,7 @@ class InteractionSearch {
 
   CoreParts& core_;
   bool is_weighted_ = false;
-  std::vector<u32> listing_of_;  // by interaction; kNone: not searched. Empty: none is
+  IndexVector<InteractionId, u32> listing_of_;  // kNone: not searched. Empty: none is
   std::vector<Listing> listings_;
   std::vector<FlatGuard> flat_guards_;  // by listing; code == kNone: not that simple
   SearchWork search_work_;

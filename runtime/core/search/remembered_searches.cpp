@@ -104,7 +104,6 @@ void RememberedSearches::link(const CoreParts& core) {
 // thread.
 void RememberedSearches::read_inputs(const CoreParts& core, const PlanMemory& memory) {
   inputs_.clear();
-  const Cell* const cells = core.memory.cells.data();
   for (u32 first = memory.first_leaf; first < memory.end_leaf; first += 64) {
     const u32 end = std::min(memory.end_leaf, first + 64);
     const std::size_t at = inputs_.size();
@@ -114,7 +113,7 @@ void RememberedSearches::read_inputs(const CoreParts& core, const PlanMemory& me
       if (core.ports.enabled_row(leaves_[leaf].port) == kNone) continue;
       enabled |= u64{1} << (leaf - first);
       for (u32 row = leaves_[leaf - 1].end_variable; row < leaves_[leaf].end_variable; ++row)
-        inputs_.push_back(cells[variables_[row]].bits);
+        inputs_.push_back(core.memory.cells[variables_[row]].bits);
     }
     inputs_[at] = enabled;
   }

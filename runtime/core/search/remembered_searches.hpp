@@ -45,10 +45,10 @@ class RememberedSearches {
   void read_inputs(const CoreParts& core, const PlanMemory& memory);
 
   std::vector<PlanMemory> plans_;
-  std::vector<Leaf> leaves_;    // a first one without variables
-  std::vector<u32> variables_;  // cells
-  std::vector<u64> inputs_;     // that were read last
-  u64 hash_ = 0;                // of inputs_
+  std::vector<Leaf> leaves_;  // a first one without variables
+  std::vector<VariableId> variables_;
+  std::vector<u64> inputs_;  // that were read last
+  u64 hash_ = 0;             // of inputs_
 };
 
 }  // namespace bip::rt

@@ -29,13 +29,13 @@ void each_edge(const AtomPriority& rule, u32 ports, const Visit& visit) {
 bool AtomPriorities::hide_ports(u32 atom, u32* transition_of_port) {
   const AtomType& type = core_.tables.atom_type(atom);
   const u32 ports = type.ports.size;
-  Cell* self = core_.memory.cells.data() + core_.atoms[atom].first_cell;
+  Cell* self = core_.memory.cells.from(core_.atoms[atom].first_cell);
   rule_holds_.assign(type.priorities.size, 1);
   rule_in_.assign(ports, 0);
   for (u32 row = 0; row < type.priorities.size; ++row) {
     const AtomPriority& rule = type.priorities[row];
     if (const Code guard = core_.tables.code(rule.guard); guard.fn != nullptr) {
-      const std::int32_t status = guard.fn(guard.context, self, core_.memory.cells.data(), nullptr);
+      const std::int32_t status = guard.fn(guard.context, self, core_.memory.cells.all(), nullptr);
       if (status >= 2) return core_.faults.fail_code(status, atom, kNone, nullptr, rule.name);
       rule_holds_[row] = static_cast<std::uint8_t>(status);
     }

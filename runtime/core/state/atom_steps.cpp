@@ -26,8 +26,8 @@ bool AtomSteps::is_enabled_from(u32 atom, const LinkedTransition& transition, bo
     }
   }
   if (transition.guard.fn == nullptr) return true;
-  const std::int32_t status = transition.guard.fn(
-      transition.guard.context, core_.memory.cells.data() + state.first_cell, core_.memory.cells.data(), nullptr);
+  const std::int32_t status = transition.guard.fn(transition.guard.context, core_.memory.cells.from(state.first_cell),
+                                                  core_.memory.cells.all(), nullptr);
   BIP_ASSERT(status >= 0, "a guard of atom {} returns {}", atom, status);
   if (status >= 2) return core_.faults.fail_code(status, atom, kNone, transition.source);
   enabled = status != 0;
@@ -62,7 +62,7 @@ inline bool AtomSteps::move(u32 atom, const LinkedTransition& transition) {
   if (transition.action.fn != nullptr) {
     if (core_.clocks.is_timed()) core_.clocks.show_clocks(atom);
     const std::int32_t status = transition.action.fn(
-        transition.action.context, core_.memory.cells.data() + state.first_cell, core_.memory.cells.data(), nullptr);
+        transition.action.context, core_.memory.cells.from(state.first_cell), core_.memory.cells.all(), nullptr);
     if (status >= 2) return core_.faults.fail_code(status, atom, kNone, transition.source);
     if (core_.clocks.is_timed() && !core_.clocks.read_clocks(atom, transition.source)) return false;
   }
@@ -256,9 +256,8 @@ bool AtomSteps::check_invariants(u32 atom, const LinkedTransition* fired) {
     if (!is_in_scope(atom, invariant)) continue;
     const Code condition = core_.tables.code(invariant.condition);
     if (condition.fn == nullptr) continue;
-    const std::int32_t status =
-        condition.fn(condition.context, core_.memory.cells.data() + core_.atoms[atom].first_cell,
-                     core_.memory.cells.data(), nullptr);
+    const std::int32_t status = condition.fn(condition.context, core_.memory.cells.from(core_.atoms[atom].first_cell),
+                                             core_.memory.cells.all(), nullptr);
     if (status >= 2) return core_.faults.fail_code(status, atom, kNone, transition, invariant.name);
     if (status == 0) return core_.faults.fail_invariant(atom, invariant, transition);
   }

@@ -5,9 +5,12 @@
 #include <vector>
 
 #include "bip/assert.hpp"
+#include "bip/ids.hpp"
 
 namespace bip::rt {
 
+/// Row: an id, or a plain row number.
+template <class Row>
 class DirtyRows {
  public:
   /// Empties the set; rows below `size` may be marked from now on.
@@ -20,41 +23,39 @@ class DirtyRows {
   // The marked rows, in the order in which they were marked.
   [[nodiscard]] auto begin() const { return rows_.begin(); }
   [[nodiscard]] auto end() const { return rows_.end(); }
-  [[nodiscard]] bool has(std::uint32_t row) const { return is_in_[row] != 0; }
+  [[nodiscard]] bool has(Row row) const { return is_in_[number_of(row)] != 0; }
   /// Adds the row unless it is in. O(1).
-  void mark(std::uint32_t row) {
-    BIP_ASSERT(row < is_in_.size(), "row {} of {}", row, is_in_.size());
-    if (is_in_[row] != 0) return;
-    is_in_[row] = 1;
+  void mark(Row row) {
+    BIP_ASSERT(number_of(row) < is_in_.size(), "row {} of {}", row, is_in_.size());
+    if (is_in_[number_of(row)] != 0) return;
+    is_in_[number_of(row)] = 1;
     rows_.push_back(row);
   }
   void clear() {
-    BIP_ASSERT(std::all_of(rows_.begin(), rows_.end(), [this](std::uint32_t row) { return has(row); }),
+    BIP_ASSERT(std::all_of(rows_.begin(), rows_.end(), [this](Row row) { return has(row); }),
                "a row of the list is not in the set");
-    for (const std::uint32_t row : rows_) is_in_[row] = 0;
+    for (const Row row : rows_) is_in_[number_of(row)] = 0;
     rows_.clear();
   }
   /// Takes the rows for which `is_held` out of the range; they stay in the set. O(rows).
   template <class Predicate>
   void hold(const Predicate& is_held) {
     BIP_ASSERT(held_.empty(), "{} rows are held already", held_.size());
-    const auto end =
-        std::stable_partition(rows_.begin(), rows_.end(), [&](std::uint32_t row) { return !is_held(row); });
+    const auto end = std::stable_partition(rows_.begin(), rows_.end(), [&](Row row) { return !is_held(row); });
     held_.assign(end, rows_.end());
     rows_.erase(end, rows_.end());
   }
   /// Lets the held rows take the place of those that were looked at.
   void release() {
-    BIP_ASSERT(std::all_of(held_.begin(), held_.end(), [this](std::uint32_t row) { return has(row); }),
-               "a held row left");
+    BIP_ASSERT(std::all_of(held_.begin(), held_.end(), [this](Row row) { return has(row); }), "a held row left");
     rows_.swap(held_);
     held_.clear();
   }
   [[nodiscard]] std::size_t bytes() const { return is_in_.size(); }
 
  private:
-  std::vector<std::uint32_t> rows_;
-  std::vector<std::uint32_t> held_;
+  std::vector<Row> rows_;
+  std::vector<Row> held_;
   std::vector<std::uint8_t> is_in_;  // by row
 };
 

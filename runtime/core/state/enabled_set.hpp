@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "bip/assert.hpp"
+#include "bip/ids.hpp"
 #include "runtime/core/state/member_order.hpp"
 
 namespace bip::rt {
@@ -34,16 +35,17 @@ class EnabledSet {
       if (entries <= 8) break;
     }
     size_ = interactions;
-    total_ = last_in_ = 0;
+    total_ = 0;
+    last_in_ = InteractionId(0u);
     ranked_ = true;
     unlist();
   }
 
   [[nodiscard]] std::uint64_t total() const { return total_; }
-  [[nodiscard]] std::uint32_t weight(std::uint32_t interaction) const {
-    BIP_ASSERT(interaction < size_, "interaction {} of {}", interaction, size_);
+  [[nodiscard]] std::uint32_t weight(InteractionId interaction) const {
+    BIP_ASSERT(interaction.value < size_, "interaction {} of {}", interaction, size_);
     if (!weights_.empty()) return weights_[interaction];
-    if (ranked_) return static_cast<std::uint32_t>(words_[interaction >> 6] >> (interaction & 63) & 1);
+    if (ranked_) return static_cast<std::uint32_t>(words_[word_of(interaction)] >> bit_of(interaction) & 1);
     return static_cast<std::uint32_t>(position_[interaction] != kAbsent) ^ pending_[interaction];
   }
 
@@ -66,26 +68,26 @@ class EnabledSet {
     if (ordered_) order_.reset(interactions);
     for (std::size_t entry = 0; entry < words_.size(); ++entry) {
       for (std::uint64_t word = words_[entry]; word != 0; word &= word - 1) {
-        append(static_cast<std::uint32_t>(entry * 64) + static_cast<std::uint32_t>(std::countr_zero(word)));
+        append(at_bit(entry, std::countr_zero(word)));
       }
     }
     listed_ = true;
     ranked_ = !weights_.empty();
   }
   /// In the order that it had before. What that lacks came since it was up to date, what it has too much went.
-  void list(const std::vector<std::uint32_t>& order, std::uint32_t interactions) {
+  void list(const std::vector<InteractionId>& order, std::uint32_t interactions) {
     list(interactions);
-    std::vector<std::uint8_t> differs(interactions, 0);
+    IndexVector<InteractionId, std::uint8_t> differs(interactions, 0);
     for (std::uint32_t i = 0; i < listed_count_; ++i) {
-      differs[members_[i]] = 1;
-      position_[members_[i]] = kAbsent;
+      differs[listed(i)] = 1;
+      position_[listed(i)] = kAbsent;
     }
     listed_count_ = 0;
-    for (const std::uint32_t interaction : order) {
+    for (const InteractionId interaction : order) {
       append(interaction);
       differs[interaction] ^= 1;
     }
-    for (std::uint32_t interaction = 0; interaction < interactions; ++interaction) {
+    for (const InteractionId interaction : differs.ids()) {
       if (differs[interaction] != 0) note(interaction);
     }
   }
@@ -105,7 +107,7 @@ class EnabledSet {
   }
   [[nodiscard]] bool is_listed() const { return listed_; }
   [[nodiscard]] std::uint32_t listed_count() const { return listed_count_; }
-  [[nodiscard]] std::uint32_t listed(std::uint64_t position) const { return members_[position]; }
+  [[nodiscard]] InteractionId listed(std::uint64_t position) const { return InteractionId(members_[position]); }
   /// Brings the list up to date with what came and went since the last time.
   void settle_list() {
     BIP_ASSERT(listed_ || changed_.empty(), "{} changes without a list", changed_.size());
@@ -119,7 +121,7 @@ class EnabledSet {
   };
   List open_list() {
     BIP_ASSERT(listed_ && weights_.empty() && changed_.empty(), "{} unsettled changes", changed_.size());
-    return {members_.data(), position_.data(), &listed_count_};
+    return {members_.data(), position_.rows().data(), &listed_count_};
   }
   void close_list(std::uint32_t count) {
     BIP_ASSERT(count <= size_, "{} members of {}", count, size_);
@@ -129,12 +131,12 @@ class EnabledSet {
 
   // ---- changes; with a list they count from settle_list on
   /// Unweighted sets. The interaction must not be in the set.
-  void insert(std::uint32_t interaction) {
+  void insert(InteractionId interaction) {
     BIP_ASSERT(weight(interaction) == 0, "interaction {} is in the set already", interaction);
     toggle(interaction, 1);
   }
   /// Unweighted sets. The interaction must be in the set.
-  void erase(std::uint32_t interaction) {
+  void erase(InteractionId interaction) {
     BIP_ASSERT(weight(interaction) == 1, "interaction {} is not in the set", interaction);
     toggle(interaction, ~0u);
   }
@@ -144,13 +146,13 @@ class EnabledSet {
     BIP_ASSERT(weights_.empty() && changed_.empty(), "{} unsettled changes", changed_.size());
     if (ranked_) {
       words_[word] ^= flips;
-      add(word << 6, difference);
+      add(at_bit(word, 0), difference);
     }
     total_ += difference;
     if (!listed_) return;
-    for (; flips != 0; flips &= flips - 1) exchange((word << 6) + static_cast<std::uint32_t>(std::countr_zero(flips)));
+    for (; flips != 0; flips &= flips - 1) exchange(at_bit(word, std::countr_zero(flips)));
   }
-  void set(std::uint32_t interaction, std::uint32_t weight_now) {
+  void set(InteractionId interaction, std::uint32_t weight_now) {
     const std::uint32_t before = weight(interaction);
     BIP_ASSERT(!weights_.empty() || weight_now <= 1, "weight {} of interaction {}", weight_now, interaction);
     if (before == weight_now) return;
@@ -158,9 +160,9 @@ class EnabledSet {
       toggle(interaction, weight_now - before);
       return;
     }
-    const std::uint64_t bit = std::uint64_t{1} << (interaction & 63);
-    if (weight_now != 0) words_[interaction >> 6] |= bit;
-    else words_[interaction >> 6] &= ~bit;
+    const std::uint64_t bit = std::uint64_t{1} << bit_of(interaction);
+    if (weight_now != 0) words_[word_of(interaction)] |= bit;
+    else words_[word_of(interaction)] &= ~bit;
     if (listed_ && (before == 0) != (weight_now == 0)) note(interaction);
     weights_[interaction] = weight_now;
     total_ += weight_now - before;
@@ -168,36 +170,37 @@ class EnabledSet {
   }
 
   struct Position {
-    std::uint32_t interaction;
+    InteractionId interaction;
     std::uint32_t rank;  // among the interaction's candidates
   };
   /// Is there such a candidate?
-  [[nodiscard]] bool has(Position at) const { return at.interaction < size_ && at.rank < weight(at.interaction); }
+  [[nodiscard]] bool has(Position at) const { return at.interaction.value < size_ && at.rank < weight(at.interaction); }
   /// The number of a candidate in canonical order. O(log interactions).
   [[nodiscard]] std::uint64_t number(Position at) const { return rank(at.interaction) + at.rank; }
   /// The number of the first candidate in an interaction greater than `interaction`, cyclically. O(log interactions).
-  [[nodiscard]] std::uint64_t next_after(std::uint32_t interaction) const {
-    const std::uint64_t k = rank(interaction + 1);
+  [[nodiscard]] std::uint64_t next_after(InteractionId interaction) const {
+    const std::uint64_t k = rank(InteractionId(interaction.value + 1));
     return k < total_ ? k : 0;
   }
   /// The k-th candidate in the list's order while every interaction in it has one, else in canonical order; k <
   /// total(). Needs the list. O(1) while every interaction has one.
   [[nodiscard]] Position drawn(std::uint64_t k) const {
     BIP_ASSERT(listed_ && k < total_, "candidate {} of {} in the list", k, total_);
-    if (listed_count_ == total_) return {members_[k], 0};
+    if (listed_count_ == total_) return {listed(k), 0};
     return select(k);
   }
   /// The interactions of the list, in its order; none without a list.
-  [[nodiscard]] std::vector<std::uint32_t> list_order() const {
+  [[nodiscard]] std::vector<InteractionId> list_order() const {
     if (!listed_) return {};
-    return {members_.begin(), members_.begin() + static_cast<std::ptrdiff_t>(listed_count_)};
+    return std::vector<InteractionId>(members_.begin(), members_.begin() + static_cast<std::ptrdiff_t>(listed_count_));
   }
   /// The k-th candidate, k < total().
   [[nodiscard]] Position select(std::uint64_t k) const {
     BIP_ASSERT(k < total_, "candidate {} of {}", k, total_);
     ensure_ranked();
     // With clocks there often is one alone, the one that came last.
-    if (total_ == 1 && weights_.empty() && (words_[last_in_ >> 6] >> (last_in_ & 63) & 1) != 0) return {last_in_, 0};
+    if (total_ == 1 && weights_.empty() && (words_[word_of(last_in_)] >> bit_of(last_in_) & 1) != 0)
+      return {last_in_, 0};
     auto left = static_cast<std::uint32_t>(k);
     std::size_t entry = 0;
     for (std::uint32_t level = levels_; level-- > 0;) {
@@ -215,29 +218,25 @@ class EnabledSet {
     }
     std::uint64_t word = words_[entry];
     if (weights_.empty()) {
-      return {
-          static_cast<std::uint32_t>(entry * 64) + (fast_pdep_ ? select_bit_pdep(word, left) : select_bit(word, left)),
-          0};
+      return {at_bit(entry, fast_pdep_ ? select_bit_pdep(word, left) : select_bit(word, left)), 0};
     }
     for (;; word &= word - 1) {
-      const std::uint32_t interaction =
-          static_cast<std::uint32_t>(entry * 64) + static_cast<std::uint32_t>(std::countr_zero(word));
+      const InteractionId interaction = at_bit(entry, std::countr_zero(word));
       if (left < weights_[interaction]) return {interaction, left};
       left -= weights_[interaction];
     }
   }
   /// The number of candidates in interactions below `interaction`.
-  [[nodiscard]] std::uint64_t rank(std::uint32_t interaction) const {
-    BIP_ASSERT(interaction <= size_, "interaction {} of {}", interaction, size_);
+  [[nodiscard]] std::uint64_t rank(InteractionId interaction) const {
+    BIP_ASSERT(interaction.value <= size_, "interaction {} of {}", interaction, size_);
     ensure_ranked();
     std::uint64_t sum = 0;
-    std::size_t entry = interaction >> 6;
-    std::uint64_t word = words_[entry] & ((std::uint64_t{1} << (interaction & 63)) - 1);
+    std::size_t entry = word_of(interaction);
+    std::uint64_t word = words_[entry] & ((std::uint64_t{1} << bit_of(interaction)) - 1);
     if (weights_.empty()) {
       sum = count_bits(word);
     } else {
-      for (; word != 0; word &= word - 1)
-        sum += weights_[entry * 64 + static_cast<std::size_t>(std::countr_zero(word))];
+      for (; word != 0; word &= word - 1) sum += weights_[at_bit(entry, std::countr_zero(word))];
     }
     for (std::uint32_t level = 0; level < levels_; ++level) {
       for (std::size_t i = entry / 8 * 8; i < entry; ++i) sum += counts_[offset_[level] + i];
@@ -249,7 +248,7 @@ class EnabledSet {
   /// Do the ranks, the list and the total agree? O(interactions).
   [[nodiscard]] bool is_consistent() const {
     std::uint64_t sum = 0;
-    for (std::uint32_t i = 0; i < size_; ++i) sum += weight(i);
+    for (const InteractionId interaction : ids()) sum += weight(interaction);
     return sum == total_ && (!ranked_ || has_consistent_counts()) && (!listed_ || has_consistent_list());
   }
 
@@ -282,7 +281,17 @@ class EnabledSet {
     return place + static_cast<std::uint32_t>((passed >> 7) * kOnes >> 56);
   }
 
+  /// All interactions.
+  [[nodiscard]] IdRange<InteractionId> ids() const { return IdRange<InteractionId>(size_); }
+
  private:
+  // Where an interaction is in the bitset, and the other way round.
+  static std::uint32_t word_of(InteractionId interaction) { return interaction.value >> 6; }
+  static std::uint32_t bit_of(InteractionId interaction) { return interaction.value & 63; }
+  template <class Word, class Bit>
+  static InteractionId at_bit(Word word, Bit bit) {
+    return InteractionId(static_cast<std::uint32_t>(word * 64) + static_cast<std::uint32_t>(bit));
+  }
   // Is each count the sum of what is below it?
   [[nodiscard]] bool has_consistent_counts() const {
     for (std::uint32_t level = 0; level < levels_; ++level) {
@@ -290,7 +299,7 @@ class EnabledSet {
       for (std::size_t entry = 0; entry < end - offset_[level]; ++entry) {
         const std::size_t first = entry << (6 + 3 * level), last = (entry + 1) << (6 + 3 * level);
         std::uint32_t below = 0;
-        for (std::size_t i = first; i < last && i < size_; ++i) below += weight(static_cast<std::uint32_t>(i));
+        for (std::size_t i = first; i < last && i < size_; ++i) below += weight(InteractionId(i));
         if (counts_[offset_[level] + entry] != below) return false;
       }
     }
@@ -299,10 +308,10 @@ class EnabledSet {
   // Is each member where position_ says, and, with nothing pending, each interaction with candidates a member?
   [[nodiscard]] bool has_consistent_list() const {
     std::uint32_t members = 0;
-    for (std::uint32_t i = 0; i < size_; ++i) {
+    for (const InteractionId i : ids()) {
       const bool is_member = position_[i] != kAbsent;
       members += is_member ? 1 : 0;
-      if (is_member && (position_[i] >= listed_count_ || members_[position_[i]] != i)) return false;
+      if (is_member && (position_[i] >= listed_count_ || listed(position_[i]) != i)) return false;
       if (changed_.empty() && is_member != (weight(i) != 0)) return false;
     }
     return members == listed_count_;
@@ -318,43 +327,43 @@ class EnabledSet {
   static std::uint32_t passed(std::uint32_t sum, std::uint32_t left) {
     return static_cast<std::uint32_t>(static_cast<std::int32_t>(~(left - sum)) >> 31);
   }
-  void add(std::uint32_t interaction, std::uint32_t difference) const {
-    std::uint32_t entry = interaction >> 6;
+  void add(InteractionId interaction, std::uint32_t difference) const {
+    std::uint32_t entry = word_of(interaction);
     for (std::uint32_t level = 0; level < levels_; ++level, entry >>= 3) counts_[offset_[level] + entry] += difference;
   }
 
-  void toggle(std::uint32_t interaction, std::uint32_t difference) {
+  void toggle(InteractionId interaction, std::uint32_t difference) {
     total_ += difference;
     if (difference == 1) last_in_ = interaction;
     if (ranked_) {
-      words_[interaction >> 6] ^= std::uint64_t{1} << (interaction & 63);
+      words_[word_of(interaction)] ^= std::uint64_t{1} << bit_of(interaction);
       add(interaction, difference);
     }
     if (listed_) note(interaction);
   }
-  void note(std::uint32_t interaction) {
+  void note(InteractionId interaction) {
     pending_[interaction] ^= 1;
     changed_.push_back(interaction);
   }
-  void append(std::uint32_t interaction) {
+  void append(InteractionId interaction) {
     position_[interaction] = listed_count_;
-    members_[listed_count_++] = interaction;
+    members_[listed_count_++] = interaction.value;
     if (ordered_) order_.mark(interaction);
   }
-  void exchange(std::uint32_t interaction) {
+  void exchange(InteractionId interaction) {
     const std::uint32_t at = position_[interaction];
     if (at == kAbsent) {
       append(interaction);
       return;
     }
-    const std::uint32_t last = members_[--listed_count_];
-    members_[at] = last;
+    const InteractionId last = listed(--listed_count_);
+    members_[at] = last.value;
     position_[last] = at;
     position_[interaction] = kAbsent;
   }
   void apply_changes() {
     if (changed_.size() > 1) std::sort(changed_.begin(), changed_.end());
-    for (const std::uint32_t interaction : changed_) {
+    for (const InteractionId interaction : changed_) {
       if (pending_[interaction] == 0) continue;
       pending_[interaction] = 0;
       exchange(interaction);
@@ -367,16 +376,16 @@ class EnabledSet {
     ranked_ = true;
     std::fill(words_.begin(), words_.end(), std::uint64_t{0});
     std::fill(counts_.begin(), counts_.end(), 0u);
-    const auto enter = [&](std::uint32_t interaction) {
-      words_[interaction >> 6] |= std::uint64_t{1} << (interaction & 63);
+    const auto enter = [&](InteractionId interaction) {
+      words_[word_of(interaction)] |= std::uint64_t{1} << bit_of(interaction);
       add(interaction, 1);
     };
     for (std::uint32_t i = 0; i < listed_count_; ++i) {
-      if (pending_[members_[i]] == 0) enter(members_[i]);
+      if (pending_[listed(i)] == 0) enter(listed(i));
     }
-    for (const std::uint32_t interaction : changed_) {
+    for (const InteractionId interaction : changed_) {
       const bool is_new = pending_[interaction] != 0 && position_[interaction] == kAbsent;
-      if (is_new && (words_[interaction >> 6] >> (interaction & 63) & 1) == 0) enter(interaction);
+      if (is_new && (words_[word_of(interaction)] >> bit_of(interaction) & 1) == 0) enter(interaction);
     }
   }
 
@@ -386,23 +395,24 @@ class EnabledSet {
   mutable std::vector<std::uint64_t> words_;
   mutable std::vector<std::uint32_t> counts_;
   mutable bool ranked_ = true;
-  std::vector<std::uint32_t> weights_;
+  IndexVector<InteractionId, std::uint32_t> weights_;
   std::uint32_t offset_[12] = {};
   std::uint32_t levels_ = 0;
   std::uint32_t size_ = 0;  // interactions
   std::uint32_t total_ = 0;
-  std::uint32_t last_in_ = 0;
+  InteractionId last_in_{0u};
   bool fast_pdep_ = has_fast_pdep();
 
   bool listed_ = false;
   bool ordered_ = false;
   std::uint32_t listed_count_ = 0;
   std::vector<std::uint32_t>
-      members_;  // the first listed_count_; one more than interactions, for code that writes before it looks
-  std::vector<std::uint32_t> position_;  // by interaction, in members_
-  std::vector<std::uint8_t> pending_;    // by interaction: in or out, contrary to the list
-  std::vector<std::uint32_t> changed_;   // those, and others
-  MemberOrder order_;                    // if ordered_
+      members_;  // interactions as plain numbers, for compiled steps change them: the first listed_count_; one more
+                 // than interactions, for code that writes before it looks
+  IndexVector<InteractionId, std::uint32_t> position_;  // in members_
+  IndexVector<InteractionId, std::uint8_t> pending_;    // in or out, contrary to the list
+  std::vector<InteractionId> changed_;                  // those, and others
+  MemberOrder order_;                                   // if ordered_
 };
 
 }  // namespace bip::rt

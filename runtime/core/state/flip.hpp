@@ -11,16 +11,16 @@ inline void PortStates::bump(u32 node, bool on) {
   BIP_ASSERT(node < values_.size(), "node {} of {}", node, values_.size());
   if (on ? ++values_[node] != 0 : values_[node]-- != 0) return;
   if (!direct_.has(node) || core_.tables.any_searched) crossed(node, on);
-  else if (on) core_.enabled.insert(node);
-  else core_.enabled.erase(node);
+  else if (on) core_.enabled.insert(Tables::interaction_at(node));
+  else core_.enabled.erase(Tables::interaction_at(node));
 }
 
 inline void PortStates::flip(u32 instance, bool on) {
   BIP_ASSERT(instance < ports_.size(), "port {} of {}", instance, ports_.size());
   for (const u32 node : core_.tables.port_out[instance]) bump(node, on);
   if (core_.tables.any_port_watch) {
-    for (const u32 interaction : core_.tables.port_watch[instance]) {
-      if (values_[interaction] >= 0) mark_dirty(interaction);
+    for (const InteractionId interaction : core_.tables.port_watch[instance]) {
+      if (is_available(interaction)) mark_dirty(interaction);
     }
   }
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bip/assert.hpp"
+#include "bip/ids.hpp"
 #include "bip/steps.hpp"
 
 namespace bip::rt {
@@ -29,9 +30,9 @@ class MemberOrder {
     }
   }
   /// The interaction has entered the list.
-  void mark(std::uint32_t interaction) {
-    BIP_ASSERT(interaction < size_, "interaction {} of {}", interaction, size_);
-    std::size_t at = interaction;
+  void mark(InteractionId interaction) {
+    BIP_ASSERT(interaction.value < size_, "interaction {} of {}", interaction, size_);
+    std::size_t at = interaction.value;
     for (std::uint32_t level = 0; level < levels_; ++level, at >>= 6) {
       std::uint64_t& word = words_[offset_[level] + (at >> 6)];
       const bool was_empty = word == 0;
@@ -40,16 +41,16 @@ class MemberOrder {
     }
   }
   /// The first member that is `from` or greater, cyclically. Requires that there is one, and that all are marked.
-  [[nodiscard]] std::uint32_t next(std::uint32_t from, const std::uint32_t* position) {
-    BIP_ASSERT(from <= size_, "interaction {} of {}", from, size_);
-    std::size_t at = from;
+  [[nodiscard]] InteractionId next(InteractionId from, const std::uint32_t* position) {
+    BIP_ASSERT(from.value <= size_, "interaction {} of {}", from, size_);
+    std::size_t at = from.value;
     for (;;) {
       at = find(at);
       if (at == kNothing) {
         at = 0;
         continue;
       }
-      if (position[at] != kAbsentInteraction) return static_cast<std::uint32_t>(at);
+      if (position[at] != kAbsentInteraction) return InteractionId(at);
       clear(at);
     }
   }

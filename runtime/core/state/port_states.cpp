@@ -11,12 +11,13 @@ void PortStates::link() {
   const PriorityTables& rules = core_.priorities.tables();
   const u32 interaction_count = static_cast<u32>(tables.interactions.size());
   ports_.resize(tables.port_atom.size());
-  const auto is_direct = [&](u32 interaction) {
+  const auto is_direct = [&](InteractionId interaction) {
     return !tables.interactions[interaction].searched && (rules.count == 0 || rules.is_involved[interaction] == 0);
   };
-  while (direct_.below < interaction_count && is_direct(direct_.below)) ++direct_.below;
+  while (direct_.below < interaction_count && is_direct(InteractionId(direct_.below))) ++direct_.below;
   if (direct_.below == interaction_count) return;
-  for (u32 i = 0; i < interaction_count; ++i) direct_.is_direct.push_back(is_direct(i) ? 1 : 0);
+  for (const InteractionId interaction : tables.interactions.ids())
+    direct_.is_direct.push(is_direct(interaction) ? 1 : 0);
 }
 
 void PortStates::reset() {
@@ -35,8 +36,8 @@ void PortStates::reset() {
     }
   }
   values_.resize(tables.node_count());
-  for (u32 interaction = 0; interaction < interaction_count; ++interaction)
-    values_[interaction] = tables.start_of(interaction);
+  for (const InteractionId interaction : tables.interactions.ids())
+    values_[Tables::node_of(interaction)] = tables.start_of(interaction);
   BIP_ASSERT(tables.node_count() == interaction_count + tables.inner_start.size(), "{} nodes", tables.node_count());
   std::copy(tables.inner_start.begin(), tables.inner_start.end(), values_.begin() + interaction_count);
   dirty_.reset(direct_.is_direct.size());
@@ -47,7 +48,8 @@ bool PortStates::is_consistent() const {
   const Tables& tables = core_.tables;
   const u32 interaction_count = static_cast<u32>(tables.interactions.size());
   std::vector<std::int32_t> values(tables.node_count());
-  for (u32 i = 0; i < interaction_count; ++i) values[i] = tables.start_of(i);
+  for (const InteractionId interaction : tables.interactions.ids())
+    values[Tables::node_of(interaction)] = tables.start_of(interaction);
   std::copy(tables.inner_start.begin(), tables.inner_start.end(), values.begin() + interaction_count);
   std::vector<u32> todo;  // nodes that became available
   const auto raise = [&](u32 node) {
@@ -70,14 +72,15 @@ void PortStates::crossed(u32 node, bool on) {
              values_[node]);
   const u32 interaction_count = static_cast<u32>(core_.tables.interactions.size());
   if (node < interaction_count) {
+    const InteractionId interaction = Tables::interaction_at(node);
     if (!direct_.has(node)) {
-      mark_dirty(node);
+      mark_dirty(interaction);
     } else if (core_.tables.any_searched) {
-      core_.enabled.set(node, on ? 1 : 0);
+      core_.enabled.set(interaction, on ? 1 : 0);
     } else if (on) {
-      core_.enabled.insert(node);
+      core_.enabled.insert(interaction);
     } else {
-      core_.enabled.erase(node);
+      core_.enabled.erase(interaction);
     }
     return;
   }
@@ -99,16 +102,11 @@ void PortStates::crossed(u32 node, bool on) {
 }
 
 void PortStates::touch(u32 atom) {
-  const u32 interaction_count = static_cast<u32>(core_.tables.interactions.size());
-  for (u32 item : core_.tables.atom_watch[atom]) {
-    BIP_ASSERT(item < interaction_count + core_.priorities.tables().count, "watcher {} of atom {}", item, atom);
-    if (item < interaction_count) {
-      // What is not available has nothing to evaluate; becoming available marks it.
-      if (values_[item] >= 0) mark_dirty(item);
-    } else {
-      core_.priorities.dirty().mark(item - interaction_count);
-    }
+  for (const InteractionId interaction : core_.tables.atom_watch[atom]) {
+    // What is not available has nothing to evaluate; becoming available marks it.
+    if (is_available(interaction)) mark_dirty(interaction);
   }
+  for (const u32 rule : core_.tables.atom_rules[atom]) core_.priorities.dirty().mark(rule);
 }
 
 }  // namespace bip::rt

@@ -23,9 +23,12 @@ struct PortState {
 };
 /// Interactions of which all there is to know is that their value crosses zero: without guards and rules.
 struct DirectInteractions {
-  u32 below = 0;                        // all interactions below
-  std::vector<std::uint8_t> is_direct;  // by interaction; empty: all are
-  [[nodiscard]] bool has(u32 node) const { return node < below || (node < is_direct.size() && is_direct[node] != 0); }
+  u32 below = 0;                                       // all interactions below
+  IndexVector<InteractionId, std::uint8_t> is_direct;  // empty: all are
+  /// Of a node of the availability network; false: a group, or an interaction of which more must be known.
+  [[nodiscard]] bool has(u32 node) const {
+    return node < below || (node < is_direct.size() && is_direct[Tables::interaction_at(node)] != 0);
+  }
 };
 
 class PortStates {
@@ -47,7 +50,9 @@ class PortStates {
   void flip(u32 instance, bool on);
 
   // ---- the availability network
-  [[nodiscard]] bool is_available(u32 node) const { return values_[node] >= 0; }
+  [[nodiscard]] bool is_available(InteractionId interaction) const {
+    return values_[Tables::node_of(interaction)] >= 0;
+  }
   /// By node, for code that moves counters by itself: step programs and compiled steps.
   [[nodiscard]] std::int32_t* values() { return values_.data(); }
   [[nodiscard]] const DirectInteractions& direct() const { return direct_; }
@@ -55,9 +60,9 @@ class PortStates {
   void crossed(u32 node, bool on);
 
   // ---- interactions that must be settled
-  [[nodiscard]] DirtyRows& dirty() { return dirty_; }
-  [[nodiscard]] const DirtyRows& dirty() const { return dirty_; }
-  void mark_dirty(u32 interaction) { dirty_.mark(interaction); }
+  [[nodiscard]] DirtyRows<InteractionId>& dirty() { return dirty_; }
+  [[nodiscard]] const DirtyRows<InteractionId>& dirty() const { return dirty_; }
+  void mark_dirty(InteractionId interaction) { dirty_.mark(interaction); }
   /// The atom's data have changed: marks the interactions and rules that read them.
   void touch(u32 atom);
 
@@ -76,7 +81,7 @@ class PortStates {
   std::vector<PortState> ports_;
   std::vector<std::int32_t> values_;  // by node of the availability network
   DirectInteractions direct_;
-  DirtyRows dirty_;                              // by interaction; of no size if all are direct
+  DirtyRows<InteractionId> dirty_;               // of no size if all are direct
   std::vector<std::pair<u32, bool>> crossings_;  // scratch
 };
 

@@ -22,7 +22,7 @@ std::size_t PriorityState::bytes() const {
 }
 
 // How many candidates of the interaction match the high sides of its rules.
-void PriorityState::recount(u32 interaction) {
+void PriorityState::recount(InteractionId interaction) {
   const Image& image = *core_.tables.image;
   const u32 connector = core_.tables.connector_of(interaction);
   for (u32 edge : tables_.high_of_interaction[interaction]) {
@@ -53,7 +53,7 @@ bool PriorityState::evaluate_rule_guards() {
                  "rule {} reads variables that are not bound", rule);
       const Code guard = image.codes[row.guard];
       const std::int32_t status =
-          guard.fn(guard.context, nullptr, core_.memory.cells.data(), core_.memory.binds.rows + row.binds);
+          guard.fn(guard.context, nullptr, core_.memory.cells.all(), core_.memory.binds.rows + row.binds);
       if (status >= 2) return core_.faults.fail_code(status, kNone, kNone, nullptr);
       holds = status != 0;
     }
@@ -114,7 +114,7 @@ bool PriorityState::recompute_component(u32 component) {
   }
   for (u32 rule : members) {
     if (rule_states_[rule].active == rule_states_[rule].was_active) continue;
-    for (u32 interaction : tables_.interactions_of_low[rule]) {
+    for (const InteractionId interaction : tables_.interactions_of_low[rule]) {
       reweigh_.mark(interaction);
     }
   }
@@ -122,7 +122,7 @@ bool PriorityState::recompute_component(u32 component) {
 }
 
 // Hides what active rules match and puts the rest into the enabled set.
-void PriorityState::weigh(u32 interaction) {
+void PriorityState::weigh(InteractionId interaction) {
   const Image& image = *core_.tables.image;
   const u32 count = core_.search.base_count(interaction);
   Listing* listing = core_.search.is_searched(interaction) ? &core_.search.listing(interaction) : nullptr;
@@ -150,15 +150,15 @@ void PriorityState::weigh(u32 interaction) {
 }
 
 bool PriorityState::settle() {
-  for (u32 interaction : core_.ports.dirty()) recount(interaction);
+  for (const InteractionId interaction : core_.ports.dirty()) recount(interaction);
   if (!evaluate_rule_guards()) return false;
   for (u32 component : changed_components_) {
     if (!recompute_component(component)) return false;
   }
   BIP_ASSERT(dirty_rules_.empty(), "guards of rules are not known");
   changed_components_.clear();
-  for (u32 interaction : core_.ports.dirty()) weigh(interaction);
-  for (u32 interaction : reweigh_) weigh(interaction);
+  for (const InteractionId interaction : core_.ports.dirty()) weigh(interaction);
+  for (const InteractionId interaction : reweigh_) weigh(interaction);
   reweigh_.clear();
   return true;
 }

@@ -22,29 +22,31 @@ class PriorityState {
   void reset();
 
   /// Rules whose guards must be evaluated again.
-  [[nodiscard]] DirtyRows& dirty() { return dirty_rules_; }
-  [[nodiscard]] const DirtyRows& dirty() const { return dirty_rules_; }
+  [[nodiscard]] DirtyRows<u32>& dirty() { return dirty_rules_; }
+  [[nodiscard]] const DirtyRows<u32>& dirty() const { return dirty_rules_; }
   /// After the marked interactions' candidates were listed: what rules make of them, into the enabled set. False: a
   /// fault.
   bool settle();
   /// Is there a rule that can hide candidates of the interaction?
-  [[nodiscard]] bool can_hide(u32 interaction) const { return tables_.low_of_interaction[interaction].size != 0; }
+  [[nodiscard]] bool can_hide(InteractionId interaction) const {
+    return tables_.low_of_interaction[interaction].size != 0;
+  }
   /// Of all rows.
   [[nodiscard]] std::size_t bytes() const;
 
  private:
   bool evaluate_rule_guards();
   bool recompute_component(u32 component);
-  void recount(u32 interaction);
-  void weigh(u32 interaction);
+  void recount(InteractionId interaction);
+  void weigh(InteractionId interaction);
 
   CoreParts& core_;
   PriorityTables tables_;
-  DirtyRows dirty_rules_;
+  DirtyRows<u32> dirty_rules_;
   std::vector<RuleState> rule_states_;
   std::vector<u32> contributions_;  // by high edge: candidates of its interaction that match
-  DirtyRows changed_components_;
-  DirtyRows reweigh_;                    // interactions whose rules became active or inactive
+  DirtyRows<u32> changed_components_;
+  DirtyRows<InteractionId> reweigh_;     // interactions whose rules became active or inactive
   std::vector<u32> rule_todo_, params_;  // scratch
 };
 

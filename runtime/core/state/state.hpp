@@ -15,7 +15,7 @@ struct CoreOptions {
 
 /// A step that may be taken: an interaction of a connector, or an internal port of an atom (connector == kNone).
 struct Candidate {
-  u32 interaction = 0;  // canonical order: interactions, then configurations
+  InteractionId interaction{0u};  // canonical order: interactions, then configurations
   u32 connector = kNone;
   u32 atom = kNone, port = kNone;  // internal port
   u32 config = 0;                  // row among the interaction's configurations
@@ -29,11 +29,11 @@ struct Participant {
 
 /// What a stable state is: markings and the atoms' data. Everything else follows from it.
 struct State {
-  std::vector<u32> places;        // by atom; for Petri types unused (0)
-  std::vector<u64> marks;         // bitsets of the Petri types' atoms, in atom order
-  std::vector<u64> data;          // the atoms' variables, as bits; of FFI types 0
-  std::vector<FfiValue> objects;  // of the atoms' variables of FFI types, in their order
-  std::vector<i64> time;          // of images with time: Clocks::save
+  std::vector<u32> places;            // by atom; for Petri types unused (0)
+  std::vector<u64> marks;             // bitsets of the Petri types' atoms, in atom order
+  IndexVector<VariableId, u64> data;  // the atoms' variables, as bits; of FFI types 0
+  std::vector<FfiValue> objects;      // of the atoms' variables of FFI types, in their order
+  std::vector<i64> time;              // of images with time: Clocks::save
   friend bool operator==(const State&, const State&) = default;
 };
 

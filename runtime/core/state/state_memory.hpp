@@ -26,14 +26,36 @@ struct InCacheLines {
 template <class T>
 using CacheLineVector = std::vector<T, InCacheLines<T>>;
 
-struct StateMemory {
-  explicit StateMemory(const Image& image) : cells(image.cell_count, Cell{0}), ffi_data(image) {}
+/// The cell of each variable: those of atoms, then the frames of connectors.
+class Cells {
+ public:
+  explicit Cells(std::size_t count) : rows_(count, Cell{0}) {}
+  [[nodiscard]] Cell& operator[](VariableId variable) {
+    BIP_ASSERT(variable.value < rows_.size(), "variable {} of {}", variable, rows_.size());
+    return rows_[variable.value];
+  }
+  [[nodiscard]] const Cell& operator[](VariableId variable) const {
+    BIP_ASSERT(variable.value < rows_.size(), "variable {} of {}", variable, rows_.size());
+    return rows_[variable.value];
+  }
+  [[nodiscard]] std::size_t size() const { return rows_.size(); }
+  /// All of them, and those from the variable on, as code wants them.
+  [[nodiscard]] Cell* all() { return rows_.data(); }
+  [[nodiscard]] const Cell* all() const { return rows_.data(); }
+  [[nodiscard]] Cell* from(VariableId first) { return rows_.data() + first.value; }
 
-  std::vector<u32> places;      // by atom; of Petri types kNone before the initial state, then 0
-  std::vector<u64> marks;       // bitsets of the Petri types' atoms (Tables::first_mark)
-  CacheLineVector<Cell> cells;  // atoms' variables, then the frames of connectors
-  FfiData ffi_data;             // the objects behind cells of FFI types
-  Binds binds;                  // made when code that needs them may run
+ private:
+  CacheLineVector<Cell> rows_;
+};
+
+struct StateMemory {
+  explicit StateMemory(const Image& image) : cells(image.cell_count), ffi_data(image) {}
+
+  std::vector<u32> places;  // by atom; of Petri types kNone before the initial state, then 0
+  std::vector<u64> marks;   // bitsets of the Petri types' atoms (Tables::first_mark)
+  Cells cells;
+  FfiData ffi_data;  // the objects behind cells of FFI types
+  Binds binds;       // made when code that needs them may run
 };
 
 }  // namespace bip::rt

@@ -83,8 +83,8 @@ bool ClockConstraints::measured_resume(u32 atom, u32 row, MeasuredGuard& out) {
   if (!measure(atom, resume.when, out)) return false;
   const Code guard = core_.tables.code(resume.guard);
   if (guard.fn == nullptr) return true;
-  const std::int32_t status = guard.fn(guard.context, core_.memory.cells.data() + core_.atoms[atom].first_cell,
-                                       core_.memory.cells.data(), nullptr);
+  const std::int32_t status =
+      guard.fn(guard.context, core_.memory.cells.from(core_.atoms[atom].first_cell), core_.memory.cells.all(), nullptr);
   if (status >= 2) return core_.faults.fail_code(status, atom, kNone, nullptr, "what `resume` waits for");
   if (status == 0) out.can_hold = false;
   return true;

@@ -152,14 +152,14 @@ Int128 Clocks::exact_value(u32 atom, u32 clock) const {
 void Clocks::start_clocks(u32 atom) {
   const AtomTime* time = core_.tables.atom_type(atom).time;
   if (time == nullptr) return;
-  Cell* self = core_.memory.cells.data() + core_.atoms[atom].first_cell;
+  Cell* self = core_.memory.cells.from(core_.atoms[atom].first_cell);
   for (const Clock& clock : time->clocks) self[clock.variable + 2].f = 1.0;
 }
 
 void Clocks::show_clocks(u32 atom) {
   if (!types_[core_.atoms[atom].type].has_reads) return;
   const AtomTime* time = types_[core_.atoms[atom].type].time;
-  Cell* self = core_.memory.cells.data() + core_.atoms[atom].first_cell;
+  Cell* self = core_.memory.cells.from(core_.atoms[atom].first_cell);
   for (u32 row = 0; row < time->clocks.size; ++row) {
     const Clock& clock = time->clocks[row];
     if (clock.is_read)
@@ -171,7 +171,7 @@ void Clocks::show_clocks(u32 atom) {
 bool Clocks::read_clocks(u32 atom, const Transition* fired) {
   const AtomTime* time = types_[core_.atoms[atom].type].time;
   if (time == nullptr) return true;
-  Cell* self = core_.memory.cells.data() + core_.atoms[atom].first_cell;
+  Cell* self = core_.memory.cells.from(core_.atoms[atom].first_cell);
   ClockState* states = clocks_.data() + clock_base_[atom];
   for (u32 row = 0; row < time->clocks.size; ++row) {
     const Clock& clock = time->clocks[row];
@@ -208,8 +208,8 @@ bool Clocks::read_clocks(u32 atom, const Transition* fired) {
 bool Clocks::measure_limits(u32 atom, const TimeGuard& when) {
   const Code measure = core_.tables.code(when.measure);
   if (measure.fn == nullptr) return true;
-  const std::int32_t status = measure.fn(measure.context, core_.memory.cells.data() + core_.atoms[atom].first_cell,
-                                         core_.memory.cells.data(), nullptr);
+  const std::int32_t status = measure.fn(measure.context, core_.memory.cells.from(core_.atoms[atom].first_cell),
+                                         core_.memory.cells.all(), nullptr);
   return status < 2 || core_.faults.fail_code(status, atom, kNone, nullptr, "a limit of a clock");
 }
 
@@ -217,7 +217,7 @@ bool Clocks::measure_limits(u32 atom, const TimeGuard& when) {
 bool Clocks::take_limit(u32 atom, const Bound& bound, i64& limit) {
   limit = bound.ticks;
   if (bound.variable == kNone) return true;
-  Cell* self = core_.memory.cells.data() + core_.atoms[atom].first_cell;
+  Cell* self = core_.memory.cells.from(core_.atoms[atom].first_cell);
   const double value = self[bound.variable].f;
   self[bound.variable] = Cell{0};
   // What is beyond all clocks is still above or below them.
@@ -266,8 +266,8 @@ bool Clocks::resume_interval(u32 atom, const Resume& resume, Interval& out) {
   if (!interval_of(atom, resume.when, out)) return false;
   const Code guard = core_.tables.code(resume.guard);
   if (guard.fn == nullptr) return true;
-  const std::int32_t status = guard.fn(guard.context, core_.memory.cells.data() + core_.atoms[atom].first_cell,
-                                       core_.memory.cells.data(), nullptr);
+  const std::int32_t status =
+      guard.fn(guard.context, core_.memory.cells.from(core_.atoms[atom].first_cell), core_.memory.cells.all(), nullptr);
   if (status >= 2) return core_.faults.fail_code(status, atom, kNone, nullptr, "what `resume` waits for");
   if (status == 0) out = Interval::none();
   return true;
@@ -682,7 +682,7 @@ u64 Clocks::opened_eager() {
 bool Clocks::is_before_eager() {
   if (!has_open_eager_ || next_change() != now_ + 1) return false;
   const State before = core_.snapshot();
-  const std::vector<u32> order = core_.keeps_list ? core_.enabled.list_order() : std::vector<u32>{};
+  const std::vector<InteractionId> order = core_.enabled.list_order();
   const bool is_before = advance(now_ + 1) && opened_eager() != core_.enabled.total();
   [[maybe_unused]] const bool is_back = core_.restore(before);
   BIP_ASSERT(is_back, "a state that was reached cannot be restored");

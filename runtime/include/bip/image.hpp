@@ -9,6 +9,7 @@
 #include <string>
 
 #include "bip/assert.hpp"
+#include "bip/ids.hpp"
 #include "bip/rows.hpp"
 #include "bip/steps.hpp"
 
@@ -197,6 +198,7 @@ struct Atom {
   SourceLine loc;
   std::uint32_t index = kNone;
   [[nodiscard]] std::string path() const { return path_text(name, index); }  // "ROOT.phil[3]"
+  [[nodiscard]] constexpr VariableId variable(std::uint32_t k) const { return VariableId(first_cell + k); }
 
   struct Slope {
     std::uint32_t first_cell, args;
@@ -242,6 +244,7 @@ struct Connector {
   std::uint32_t parent = 0;  // row of Image::compounds: the compound that declares it
   std::uint32_t index = kNone;
   [[nodiscard]] std::string path() const { return path_text(name, index); }
+  [[nodiscard]] constexpr VariableId variable(std::uint32_t k) const { return VariableId(first_cell + k); }
 
   struct Slope {
     std::uint32_t first_cell, ports, binds, parent;
@@ -262,6 +265,7 @@ struct Connector {
 /// A bound variable: its row in `all`.
 struct Bind {
   std::uint32_t cell;
+  [[nodiscard]] constexpr VariableId variable() const { return VariableId(cell); }
 
   struct Slope {
     std::uint32_t cell;

@@ -1,5 +1,5 @@
 // Ids, index vectors, arena and Result.
-#include "compiler/base/ids.hpp"
+#include "runtime/include/bip/ids.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -48,7 +48,7 @@ inline Naive explore_naively(const Image& image, MaximalProgress progress, std::
   std::vector<std::uint32_t> depths;
   const auto add = [&](std::size_t parent, std::uint64_t candidate) {
     State state = core.snapshot();
-    const Key key{state.places, state.marks, state.data};
+    const Key key{state.places, state.marks, state.data.rows()};
     if (rows.count(key) != 0) return true;
     if (rows.size() >= limit) return false;
     rows.emplace(key, rows.size());

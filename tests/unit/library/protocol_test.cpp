@@ -101,7 +101,7 @@ class LockChain : public Follower {
   using Follower::take;
 
   void take(const rt::NodeEvent& event) {
-    const bool is_local = event.interaction != rt::kNone && event.interaction >= size_;
+    const bool is_local = event.interaction.is_valid() && event.interaction.value >= size_;
     switch (event.kind) {
       case Kind::Begun:
       case Kind::Offered:
@@ -112,14 +112,14 @@ class LockChain : public Follower {
       case Kind::Rested: return take(of_component(event.atom, event.place == 0 ? "rest" : "rest_away"));
       // The second one is locked until the step begins, which is one step of the model.
       case Kind::Locked: return is_first(event) ? take(of_first(event, "lock")) : void();
-      case Kind::Arrived: return take("arrive[" + std::to_string(event.interaction) + "]");
+      case Kind::Arrived: return take("arrive[" + std::to_string(event.interaction.value) + "]");
       case Kind::Parked: ++parked_; return take(of_second(event, "park"));
-      case Kind::GivenUp: return take("give_up[" + std::to_string(event.interaction) + "]");
+      case Kind::GivenUp: return take("give_up[" + std::to_string(event.interaction.value) + "]");
       // That is at a coordinator, where of this ring's interactions nothing is asked for.
       case Kind::Refused: return take(of_second(event, "refuse"));
       case Kind::Released: return take(of_first(event, "release"));
       case Kind::Woken: return take(of_second(event, "wake"));
-      case Kind::Heard: return take("hear_wake[" + std::to_string(event.interaction) + "]");
+      case Kind::Heard: return take("hear_wake[" + std::to_string(event.interaction.value) + "]");
     }
   }
   [[nodiscard]] std::uint64_t parked() const { return parked_; }
@@ -133,15 +133,16 @@ class LockChain : public Follower {
   // Is it about the component that the interaction locks first? That is the one with its number, but for the last
   // interaction, which takes the last component and the first one.
   [[nodiscard]] bool is_first(const rt::NodeEvent& event) const {
-    return event.atom == (event.interaction + 1 == size_ ? 0 : event.interaction);
+    return event.atom == (event.interaction.value + 1 == size_ ? 0 : event.interaction.value);
   }
   [[nodiscard]] std::string of_first(const rt::NodeEvent& event, const std::string& what) const {
-    if (event.interaction + 1 == size_) return "around_" + what;
-    return of_component(event.interaction, what);
+    if (event.interaction.value + 1 == size_) return "around_" + what;
+    return of_component(event.interaction.value, what);
   }
   [[nodiscard]] std::string of_second(const rt::NodeEvent& event, const std::string& what) const {
-    if (event.interaction + 1 == size_) return "around_" + what;
-    return event.interaction + 2 == size_ ? "last_" + what : what + "[" + std::to_string(event.interaction) + "]";
+    if (event.interaction.value + 1 == size_) return "around_" + what;
+    return event.interaction.value + 2 == size_ ? "last_" + what
+                                                : what + "[" + std::to_string(event.interaction.value) + "]";
   }
 
   u32 size_;
@@ -218,7 +219,7 @@ LockedRun follow_locks(const Ready& ring, const rt::Image& protocol, u32 size, s
   REQUIRE(distribution.sets.count == 1);
   REQUIRE(distribution.is_split[0] != 0);
   for (u32 row = 0; row < size; ++row)
-    REQUIRE(ring.image().connectors[core.tables().connector_of(row)].path() ==
+    REQUIRE(ring.image().connectors[core.tables().connector_of(rt::InteractionId(row))].path() ==
             "ROOT.both[" + std::to_string(row) + "]");
   change(distribution);
   const Result<rt::NetworkFaults> faults = rt::read_faults(text, placement.nodes);

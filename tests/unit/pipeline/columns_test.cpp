@@ -32,7 +32,7 @@ struct Prepared {
 
 struct Run {
   rt::u64 steps = 0;
-  std::vector<rt::u32> interactions;
+  std::vector<rt::InteractionId> interactions;
   rt::State state;
   rt::Prng prng;
 };

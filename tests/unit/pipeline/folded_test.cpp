@@ -53,7 +53,8 @@ std::vector<rt::u64> run(const rt::Image& image, bool looks_first) {
   }
   CHECK(step > 300);
   std::vector<rt::u64> data;
-  for (rt::u32 row = 0; row < image.cell_count; ++row) data.push_back(core.cell(row).bits);
+  for (const rt::VariableId variable : bip::IdRange<rt::VariableId>(image.cell_count))
+    data.push_back(core.cell(variable).bits);
   return data;
 }
 

@@ -94,7 +94,7 @@ bool goes_on_for_ever() { return false; }
 
 struct Ending {
   rt::u64 steps = 0;
-  std::vector<rt::u32> interactions, order;
+  std::vector<rt::InteractionId> interactions, order;
   rt::Prng prng;
   rt::State state;
 };
@@ -111,7 +111,7 @@ Ending run(const rt::Image& image, std::initializer_list<rt::u64> parts) {
     const rt::u64 done = core.steps().run(ending.prng, part, goes_on_for_ever, sound);
     REQUIRE(sound);
     ending.steps += done;
-    const std::vector<rt::u32> recent = core.history().recent(std::min<rt::u64>(done, rt::Core::kHistory));
+    const std::vector<rt::InteractionId> recent = core.history().recent(std::min<rt::u64>(done, rt::Core::kHistory));
     ending.interactions.insert(ending.interactions.end(), recent.begin(), recent.end());
   }
   ending.order = core.enabled().list_order();

@@ -63,7 +63,7 @@ bool never_stopped() { return false; }
 
 struct LoopRun {
   rt::u64 steps = 0;
-  std::vector<rt::u32> interactions;
+  std::vector<rt::InteractionId> interactions;
   rt::Prng prng;
   rt::State state;
 };
@@ -130,10 +130,10 @@ TEST_CASE("the loop over steps draws and takes what the core does") {
 namespace {
 
 // What the policies `first` and `fair` choose, found in canonical order.
-std::vector<rt::u32> run_one_by_one(const rt::Image& image, bool follows, rt::u64 limit) {
+std::vector<rt::InteractionId> run_one_by_one(const rt::Image& image, bool follows, rt::u64 limit) {
   rt::Core core(image);
   REQUIRE(core.initialize());
-  std::vector<rt::u32> interactions;
+  std::vector<rt::InteractionId> interactions;
   while (interactions.size() < limit && core.candidate_count() != 0) {
     const bool goes_on = follows && !interactions.empty();
     const rt::EnabledSet::Position at = core.position(goes_on ? core.enabled().next_after(interactions.back()) : 0);
@@ -143,18 +143,18 @@ std::vector<rt::u32> run_one_by_one(const rt::Image& image, bool follows, rt::u6
   return interactions;
 }
 
-std::vector<rt::u32> run_in_order(const rt::Image& image, bool follows, rt::u64 limit, rt::u64 part) {
+std::vector<rt::InteractionId> run_in_order(const rt::Image& image, bool follows, rt::u64 limit, rt::u64 part) {
   rt::Core core(image);
   REQUIRE(core.initialize());
   core.keep_ordered_list();
   rt::StepOrder order{0, follows};
-  std::vector<rt::u32> interactions;
+  std::vector<rt::InteractionId> interactions;
   bool sound = true;
   while (interactions.size() < limit) {
     const rt::u64 wanted = std::min<rt::u64>(part, limit - interactions.size());
     const rt::u64 done = core.steps().run(order, wanted, never_stopped, sound);
     REQUIRE(sound);
-    const std::vector<rt::u32> recent = core.history().recent(done);
+    const std::vector<rt::InteractionId> recent = core.history().recent(done);
     interactions.insert(interactions.end(), recent.begin(), recent.end());
     if (done < wanted) break;
   }

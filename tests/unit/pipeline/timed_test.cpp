@@ -252,7 +252,7 @@ TEST_CASE("a snapshot holds the time") {
   };
   (void)run(7);
   const rt::State state = core.snapshot();
-  const std::vector<rt::u32> order = core.enabled().list_order();
+  const std::vector<rt::InteractionId> order = core.enabled().list_order();
   const rt::TimedScheduler then = scheduler;
   const std::string first = run(12);
   REQUIRE(core.restore(state));

@@ -221,7 +221,7 @@ class ImageBuilder {
       port_refs_.push_back({atom_row, port_row, kNone, false});
       for (u32 variable : type.ports[port_row].variables) binds_.push_back({atoms_[atom_row].first_cell + variable});
     }
-    for (const std::string& read : reads) binds_.push_back({variable_row(read)});
+    for (const std::string& read : reads) binds_.push_back({variable(read).value});
     row.bind_count = static_cast<u32>(binds_.size()) - row.binds;
     connector_rows_[name] = static_cast<u32>(connectors_.size());
     connectors_.push_back(row);
@@ -236,7 +236,7 @@ class ImageBuilder {
     row.high = pattern(high);
     row.guard = code(guard);
     row.binds = static_cast<u32>(binds_.size());
-    for (const std::string& read : reads) binds_.push_back({variable_row(read)});
+    for (const std::string& read : reads) binds_.push_back({variable(read).value});
     row.bind_count = static_cast<u32>(binds_.size()) - row.binds;
     row.loc = {0, line_++, 3};
     priorities_.push_back(row);
@@ -271,12 +271,12 @@ class ImageBuilder {
     image_.priorities = view(priorities_);
     return image_;
   }
-  u32 variable_row(const std::string& read) const {
+  VariableId variable(const std::string& read) const {
     const std::size_t dot = read.rfind('.');
     const u32 atom_row = atom_rows_.at(read.substr(0, dot));
     const AtomType& type = atom_types_[atoms_[atom_row].type];
     for (u32 i = 0; i < type.variables.size; ++i) {
-      if (type.variables[i].name == read.substr(dot + 1)) return atoms_[atom_row].first_cell + i;
+      if (type.variables[i].name == read.substr(dot + 1)) return atoms_[atom_row].variable(i);
     }
     throw std::logic_error("variable " + read);
   }

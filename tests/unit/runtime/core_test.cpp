@@ -148,7 +148,7 @@ TEST_CASE("a guard over data is looked at again when the data moved") {
   REQUIRE(core.fire(std::uint64_t{0}));
   CHECK(candidates(core) == Strings{"eq: a.p c.p", "inc: a.inc"});
   REQUIRE(core.fire(std::uint64_t{0}));
-  CHECK(core.cell(b.variable_row("a.x")).i == 7);
+  CHECK(core.cell(b.variable("a.x")).i == 7);
   CHECK(candidates(core) == Strings{"inc: a.inc"});
 }
 
@@ -199,11 +199,11 @@ TEST_CASE("up and down through a hierarchy") {
   core.direct_participants(core.candidate(0), direct);
   REQUIRE(direct.size() == 2);
   CHECK(direct[0].connector == 0);
-  CHECK(core.cell(b.image().connectors[0].first_cell).i == 3);
+  CHECK(core.cell(b.image().connectors[0].variable(0)).i == 3);
   REQUIRE(core.fire(std::uint64_t{0}));
-  CHECK(core.cell(b.variable_row("a.x")).i == 100);
-  CHECK(core.cell(b.variable_row("c.x")).i == 100);
-  CHECK(core.cell(b.variable_row("d.x")).i == 13);
+  CHECK(core.cell(b.variable("a.x")).i == 100);
+  CHECK(core.cell(b.variable("c.x")).i == 100);
+  CHECK(core.cell(b.variable("d.x")).i == 13);
   CHECK(candidates(core).empty());
 }
 
@@ -278,7 +278,7 @@ TEST_CASE("internal transitions have absolute precedence") {
   REQUIRE(core.initialize());
   REQUIRE(core.fire(std::uint64_t{0}));
   CHECK(core.is_marked(0, 0));
-  CHECK(core.cell(b.variable_row("a.n")).i == 5);
+  CHECK(core.cell(b.variable("a.n")).i == 5);
   CHECK(candidates(core) == Strings{"k: a.go"});
 }
 

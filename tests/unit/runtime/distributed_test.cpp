@@ -262,7 +262,7 @@ TEST_CASE("frames come back as they were, and odd bytes are refused") {
   Frame frame{0, 1, 7, 3, 99, {}};
   const auto cells_of = [&](u32 atom) {
     std::vector<u64> cells;
-    for (const u32 cell : distribution.cells[atom]) cells.push_back(core.cell(cell).bits + (u64{1} << 40));
+    for (const VariableId cell : distribution.cells[atom]) cells.push_back(core.cell(cell).bits + (u64{1} << 40));
     return cells;
   };
   const auto first_of = [&](u32 atom) { return core.tables().types[core.tables().atoms[atom].type].first_transition; };
@@ -327,23 +327,23 @@ TEST_CASE("frames come back as they were, and odd bytes are refused") {
     lock_codec.write(read, copy);
     return copy == text;
   };
-  CHECK(reads(Lock{0, 1, {client}}, 0, 2));
-  CHECK_FALSE(reads(Lock{0, 1, {client}}, 0, 3));
-  CHECK_FALSE(reads(Lock{0, 1, {client}}, 1, 0));
-  CHECK_FALSE(reads(Lock{0, 0, {client}}, 0, 2));
-  CHECK_FALSE(reads(Lock{0, 2, {client}}, 0, 2));
-  CHECK_FALSE(reads(Lock{0, 2, {client, client}}, 0, 2));
-  CHECK_FALSE(reads(Lock{3, 1, {client}}, 0, 3));
+  CHECK(reads(Lock{0_i, 1, {client}}, 0, 2));
+  CHECK_FALSE(reads(Lock{0_i, 1, {client}}, 0, 3));
+  CHECK_FALSE(reads(Lock{0_i, 1, {client}}, 1, 0));
+  CHECK_FALSE(reads(Lock{0_i, 0, {client}}, 0, 2));
+  CHECK_FALSE(reads(Lock{0_i, 2, {client}}, 0, 2));
+  CHECK_FALSE(reads(Lock{0_i, 2, {client, client}}, 0, 2));
+  CHECK_FALSE(reads(Lock{3_i, 1, {client}}, 0, 3));
   // A simple atom offers each port of its place, once.
-  CHECK_FALSE(reads(Lock{0, 1, {{0, 4, {0, {}, {}, 5, 1}, {}}}}, 0, 2));
-  CHECK_FALSE(reads(Lock{0, 1, {{0, 4, {0, {}, {meets, meets}, 5, 1}, {}}}}, 0, 2));
-  CHECK(reads(Release{0, true, false, {0}}, 2, 0));
-  CHECK(reads(Release{0, false, true, {2}}, 0, 2));
-  CHECK_FALSE(reads(Release{0, true, false, {1}}, 2, 0));
-  CHECK_FALSE(reads(Release{0, true, false, {0}}, 1, 2));
-  CHECK(reads(Wake{0}, 2, 0));
-  CHECK_FALSE(reads(Wake{0}, 2, 1));
-  CHECK_FALSE(reads(Wake{4}, 2, 0));
+  CHECK_FALSE(reads(Lock{0_i, 1, {{0, 4, {0, {}, {}, 5, 1}, {}}}}, 0, 2));
+  CHECK_FALSE(reads(Lock{0_i, 1, {{0, 4, {0, {}, {meets, meets}, 5, 1}, {}}}}, 0, 2));
+  CHECK(reads(Release{0_i, true, false, {0}}, 2, 0));
+  CHECK(reads(Release{0_i, false, true, {2}}, 0, 2));
+  CHECK_FALSE(reads(Release{0_i, true, false, {1}}, 2, 0));
+  CHECK_FALSE(reads(Release{0_i, true, false, {0}}, 1, 2));
+  CHECK(reads(Wake{0_i}, 2, 0));
+  CHECK_FALSE(reads(Wake{0_i}, 2, 1));
+  CHECK_FALSE(reads(Wake{4_i}, 2, 0));
 
   // Any bytes: read without a fault, and what is read can be written.
   std::size_t taken = 0;
@@ -678,7 +678,7 @@ struct OddTalk {
   const Distribution& distribution;
   bool is_odd;
   std::vector<std::unique_ptr<Node>> nodes;
-  std::vector<u32> steps;  // interactions
+  std::vector<InteractionId> steps;
   u64 refused = 0;
 
   OddTalk(const Core& core, const Distribution& with, bool odd) : image(core.image()), distribution(with), is_odd(odd) {
@@ -695,10 +695,10 @@ struct OddTalk {
   void go_on(Node& node) {
     std::vector<u32> atoms;
     if (node.try_count() != 0) node.try_lock(0);
-    const u32 locked = node.locked_interaction();
+    const InteractionId locked = node.locked_interaction();
     for (u64 k = 0; k < node.core().candidate_count(); ++k) {
       const EnabledSet::Position at = node.core().position(k);
-      if (locked != kNone ? at.interaction != locked : !node.core().partial().is_decided(at.interaction)) continue;
+      if (locked.is_valid() ? at.interaction != locked : !node.core().partial().is_decided(at.interaction)) continue;
       node.begin(at, steps.size(), atoms);
       steps.push_back(at.interaction);
       break;
@@ -736,7 +736,7 @@ struct OddTalk {
     } else if (const auto* const release = std::get_if<Release>(&message);
                release != nullptr && !release->atoms.empty()) {
       // Of an attempt that did not take the atom.
-      for (u32 other = 0; other < distribution.coordinator_of.size(); ++other) {
+      for (const InteractionId other : distribution.coordinator_of.ids()) {
         const Span<u32> needs = distribution.needs[other];
         if (other != release->interaction && std::find(needs.begin(), needs.end(), release->atoms[0]) != needs.end())
           return say_odd(to, Release{other, true, false, {release->atoms[0]}});
@@ -794,7 +794,7 @@ struct Impatient {
   std::vector<std::unique_ptr<Node>> nodes;
   std::vector<std::deque<Message>> links;   // by from * nodes + to
   std::vector<std::pair<u32, u64>> parked;  // node, number
-  std::vector<u64> steps;                   // by interaction
+  bip::IndexVector<InteractionId, u64> steps;
   u64 step = 0, ended = 0, at_work = 0;
 
   Impatient(const Core& core, const Distribution& with, u64 seed)
@@ -857,11 +857,11 @@ struct Impatient {
   }
   void begin(Node& node) {
     std::vector<u32> atoms;
-    const u32 locked = node.locked_interaction();
+    const InteractionId locked = node.locked_interaction();
     std::vector<EnabledSet::Position> all;
     for (u64 k = 0; k < node.core().candidate_count(); ++k) {
       const EnabledSet::Position at = node.core().position(k);
-      if (locked != kNone ? at.interaction == locked : node.core().partial().is_decided(at.interaction))
+      if (locked.is_valid() ? at.interaction == locked : node.core().partial().is_decided(at.interaction))
         all.push_back(at);
     }
     if (all.empty()) return;
@@ -933,8 +933,8 @@ TEST_CASE("an attempt that gives up at a component at work is woken when that re
       },
       1);
   // Atoms a, c, d, b are at home on the nodes 0 to 3; a coordinates ab, and b is shared.
-  REQUIRE(model.distribution.coordinator_of[0] == 0);
-  REQUIRE(model.distribution.locks[0].size == 1);
+  REQUIRE(model.distribution.coordinator_of[0_i] == 0);
+  REQUIRE(model.distribution.locks[0_i].size == 1);
   Node here(model.core->image(), {}, model.distribution, 0), there(model.core->image(), {}, model.distribution, 3);
   REQUIRE(here.start(model.core->snapshot()));
   REQUIRE(there.start(model.core->snapshot()));
@@ -969,10 +969,10 @@ TEST_CASE("an attempt that gives up at a component at work is woken when that re
   REQUIRE(here.try_count() == 1);
   here.try_lock(0);
   REQUIRE(carry(here, 3, there) == 1);
-  CHECK(there.locked_interaction() == 0);
+  CHECK(there.locked_interaction() == 0_i);
   // What was said of the one before is of none.
   there.end_parking(there.new_parkings()[0].number);
-  CHECK(there.locked_interaction() == 0);
+  CHECK(there.locked_interaction() == 0_i);
   CHECK(here.counts().refused + there.counts().refused == 0);
 }
 
@@ -993,10 +993,10 @@ TEST_CASE("an attempt that gives up at a component that another has locked is wo
       },
       1);
   constexpr u32 kA = 0, kC = 1, kX = 5, kZ = 6;
-  REQUIRE(model.distribution.coordinator_of[0] == kA);
-  REQUIRE(model.distribution.coordinator_of[1] == kC);
-  REQUIRE(model.distribution.locks[0].size == 2);
-  REQUIRE(model.distribution.locks[1].size == 1);
+  REQUIRE(model.distribution.coordinator_of[0_i] == kA);
+  REQUIRE(model.distribution.coordinator_of[1_i] == kC);
+  REQUIRE(model.distribution.locks[0_i].size == 2);
+  REQUIRE(model.distribution.locks[1_i].size == 1);
   std::vector<std::unique_ptr<Node>> nodes;
   for (u32 self = 0; self < 7; ++self) {
     nodes.push_back(std::make_unique<Node>(model.core->image(), CoreOptions{}, model.distribution, self));
@@ -1080,9 +1080,9 @@ TEST_CASE("split sets: what one coordinator's interactions take is offered to it
   placement.split_above = 15;
   const Distribution parts = distribute(core.tables(), core.priorities(), placement);
   REQUIRE(parts.is_split[0] != 0);
-  for (u32 interaction = 0; interaction < 16; ++interaction) {
+  for (const InteractionId interaction : parts.coordinator_of.ids()) {
     // Clients come first: each is taken by interactions that it coordinates, and servers are shared.
-    const u32 client = interaction / 4, server = 4 + interaction % 4;
+    const u32 client = interaction.value / 4, server = 4 + interaction.value % 4;
     CHECK(parts.coordinator_of[interaction] == client);
     REQUIRE(parts.locks[interaction].size == 1);
     CHECK(parts.locks[interaction][0] == server);
@@ -1184,7 +1184,7 @@ TEST_CASE("nodes count the candidates that they coordinate, and no others") {
     Node node(model.image(), CoreOptions{.progress = MaximalProgress::Off}, model.distribution, self);
     REQUIRE(node.start(model.core->snapshot()));
     for (u64 k = 0; k < node.core().candidate_count(); ++k) {
-      const u32 interaction = node.core().position(k).interaction;
+      const InteractionId interaction = node.core().position(k).interaction;
       CHECK(model.distribution.coordinator_of[interaction] == self);
     }
     counted += node.core().candidate_count();
@@ -1319,9 +1319,9 @@ TEST_CASE("an interaction without lost nodes is whole, whatever else its conflic
     is_lost[5] = true;
     const Survivors survivors(core, distribution, is_lost);
     std::size_t whole = 0;
-    for (u32 interaction = 0; interaction < 9; ++interaction) {
+    for (const InteractionId interaction : distribution.coordinator_of.ids()) {
       const bool is_coordinator_lost = distribution.coordinator_of[interaction] == 5;
-      const bool meets_lost = interaction % 3 == 2;
+      const bool meets_lost = interaction.value % 3 == 2;
       CHECK(survivors.is_whole(interaction) == (!is_coordinator_lost && !meets_lost));
       whole += survivors.is_whole(interaction) ? 1 : 0;
     }

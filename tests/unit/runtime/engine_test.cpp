@@ -99,16 +99,16 @@ TEST_CASE("the enabled set agrees with a list") {
     for (const u32 interactions : {1u, 63u, 64u, 65u, 513u, 5000u, 40000u}) {
       EnabledSet set;
       set.reset(interactions, weighted);
-      std::vector<u32> weights(interactions, 0);
+      bip::IndexVector<InteractionId, u32> weights(interactions, 0);
       Prng prng(interactions);
       for (int i = 0; i < 400; ++i) {
-        const u32 interaction = static_cast<u32>(prng.below(interactions));
+        const InteractionId interaction(prng.below(interactions));
         weights[interaction] = static_cast<u32>(prng.below(weighted ? 4 : 2));
         set.set(interaction, weights[interaction]);
         if (i % 40 != 0) continue;
         std::uint64_t k = 0;
-        for (u32 s = 0; s < interactions; ++s) {
-          if (weights[s] != 0 || s % 97 == 0) REQUIRE(set.rank(s) == k);
+        for (const InteractionId s : weights.ids()) {
+          if (weights[s] != 0 || s.value % 97 == 0) REQUIRE(set.rank(s) == k);
           for (u32 r = 0; r < weights[s]; ++r, ++k) {
             REQUIRE(set.select(k).interaction == s);
             REQUIRE(set.select(k).rank == r);
@@ -138,21 +138,21 @@ TEST_CASE("the k-th one of a word, with and without the instruction") {
 TEST_CASE("a list that is put back knows what came and went since it was up to date") {
   EnabledSet set;
   set.reset(8, false);
-  for (const u32 interaction : {1u, 2u, 5u}) set.insert(interaction);
+  const std::vector<InteractionId> order{1_i, 2_i, 5_i};
+  for (const InteractionId interaction : order) set.insert(interaction);
   set.list(8);
-  set.erase(2);
-  set.insert(7);
-  const std::vector<u32> order{1, 2, 5};
+  set.erase(2_i);
+  set.insert(7_i);
   set.unlist();
   set.list(order, 8);
-  CHECK(set.weight(2) == 0);
-  CHECK(set.weight(7) == 1);
+  CHECK(set.weight(2_i) == 0);
+  CHECK(set.weight(7_i) == 1);
   set.settle_list();
   REQUIRE(set.listed_count() == 3);
-  CHECK(set.listed(0) == 1);
-  CHECK(set.listed(1) == 5);
-  CHECK(set.listed(2) == 7);
-  set.erase(7);
+  CHECK(set.listed(0) == 1_i);
+  CHECK(set.listed(1) == 5_i);
+  CHECK(set.listed(2) == 7_i);
+  set.erase(7_i);
   set.settle_list();
   CHECK(set.listed_count() == 2);
 }
@@ -160,43 +160,46 @@ TEST_CASE("a list that is put back knows what came and went since it was up to d
 TEST_CASE("members of a word come and go together") {
   EnabledSet set;
   set.reset(200, false);
-  set.insert(70);
-  set.insert(130);
+  set.insert(70_i);
+  set.insert(130_i);
   // 70 goes, 65 and 99 come.
   set.flip(1, std::uint64_t{1} << 6 | std::uint64_t{1} << 1 | std::uint64_t{1} << 35, 1);
   REQUIRE(set.total() == 3);
-  CHECK(set.select(0).interaction == 65);
-  CHECK(set.select(1).interaction == 99);
-  CHECK(set.select(2).interaction == 130);
-  set.erase(65);
-  set.erase(130);
+  CHECK(set.select(0).interaction == 65_i);
+  CHECK(set.select(1).interaction == 99_i);
+  CHECK(set.select(2).interaction == 130_i);
+  set.erase(65_i);
+  set.erase(130_i);
   REQUIRE(set.total() == 1);
-  CHECK(set.select(0).interaction == 99);
+  CHECK(set.select(0).interaction == 99_i);
 }
 
 // The rule as semantics.md has it: in interaction order, the last one replaces what goes, what comes goes to the end.
 TEST_CASE("the list's order follows the rule, and ranks are there when asked for") {
   for (const bool weighted : {false, true}) {
     constexpr u32 kInteractions = 300;
+    constexpr InteractionId last(kInteractions - 1);
     EnabledSet set;
     set.reset(kInteractions, weighted);
     Prng prng(weighted ? 3 : 4);
-    std::vector<u32> weights(kInteractions, 0), order;
-    for (u32 interaction = 0; interaction < kInteractions; interaction += 3) {
+    bip::IndexVector<InteractionId, u32> weights(kInteractions, 0);
+    std::vector<InteractionId> order;
+    for (const InteractionId interaction : weights.ids()) {
+      if (interaction.value % 3 != 0) continue;
       set.set(interaction, weights[interaction] = 1);
       order.push_back(interaction);
     }
     set.list(kInteractions);
     for (int step = 0; step < 500; ++step) {
-      std::vector<u32> after = weights;
+      bip::IndexVector<InteractionId, u32> after = weights;
       for (std::uint64_t changes = prng.below(6); changes > 0; --changes) {
-        const u32 interaction = static_cast<u32>(prng.below(kInteractions));
+        const InteractionId interaction(prng.below(kInteractions));
         after[interaction] = static_cast<u32>(prng.below(weighted ? 3 : 2));
         // There and back within a step counts as nothing.
         set.set(interaction, after[interaction] == 0 ? 1 : 0);
         set.set(interaction, after[interaction]);
       }
-      for (u32 interaction = 0; interaction < kInteractions; ++interaction) {
+      for (const InteractionId interaction : weights.ids()) {
         if ((weights[interaction] == 0) == (after[interaction] == 0)) continue;
         if (after[interaction] != 0) {
           order.push_back(interaction);
@@ -207,7 +210,7 @@ TEST_CASE("the list's order follows the rule, and ranks are there when asked for
         order.pop_back();
       }
       weights = after;
-      if (step % 50 == 20) CHECK(set.rank(kInteractions - 1) + weights[kInteractions - 1] == set.total());
+      if (step % 50 == 20) CHECK(set.rank(last) + weights[last] == set.total());
       set.settle_list();
       REQUIRE(set.listed_count() == order.size());
       for (u32 i = 0; i < order.size(); ++i) REQUIRE(set.listed(i) == order[i]);
@@ -215,7 +218,7 @@ TEST_CASE("the list's order follows the rule, and ranks are there when asked for
     }
     set.unlist();
     std::uint64_t k = 0;
-    for (u32 interaction = 0; interaction < kInteractions; ++interaction) {
+    for (const InteractionId interaction : weights.ids()) {
       for (u32 r = 0; r < weights[interaction]; ++r, ++k) REQUIRE(set.select(k).interaction == interaction);
     }
     CHECK(k == set.total());
@@ -309,7 +312,7 @@ TEST_CASE("fair: what stays enabled has its turn in every round") {
   Core core(b.image());
   REQUIRE(core.initialize());
   Scheduler fair(Policy::Fair, 0);
-  std::vector<int> fired(16, 0);
+  bip::IndexVector<InteractionId, int> fired(16, 0);
   for (int i = 0; i < 1600; ++i) {
     const Candidate candidate = core.candidate(fair.choose(core));
     ++fired[candidate.interaction];
@@ -318,7 +321,7 @@ TEST_CASE("fair: what stays enabled has its turn in every round") {
   }
   for (int count : fired) CHECK((count >= 99 && count <= 101));
   // Cyclic: after the last interaction comes the first again.
-  CHECK(core.enabled().next_after(15) == 0);
+  CHECK(core.enabled().next_after(15_i) == 0);
 }
 
 TEST_CASE("policies and trace formats are found by the names of their rows") {
@@ -349,10 +352,10 @@ TEST_CASE("a copy of a scheduler goes on as the original does") {
       scheduler.fired(position.interaction);
     }
     Scheduler copy = scheduler;
-    const u32 chosen = copy.choose(core).interaction;
+    const InteractionId chosen = copy.choose(core).interaction;
     CHECK(chosen == scheduler.choose(core).interaction);
     // The copy has a memory of its own.
-    copy.fired(15);
+    copy.fired(15_i);
     CHECK(scheduler.prng() == copy.prng());
     if (row.policy == Policy::Fair) CHECK(scheduler.choose(core).interaction == chosen);
   }

@@ -9,6 +9,9 @@
 
 namespace bip::rt::testing {
 
+/// An interaction by its number in canonical order: `2_i`.
+constexpr InteractionId operator""_i(unsigned long long number) { return InteractionId(std::size_t{number}); }
+
 /// "c: a.p b.q", or "a.p" for an internal port; names without ROOT.
 inline std::string text_of(Core& core, const Candidate& candidate) {
   const auto strip = [](const std::string& path) { return path.substr(5); };

@@ -36,7 +36,7 @@ std::size_t check(const std::vector<InteractionInfo>& all) {
   REQUIRE(interactions.size() == all.size());
   bool same = true;
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const InteractionInfo info = interactions[i];
+    const InteractionInfo info = interactions[InteractionId(i)];
     same = same && info.row == all[i].row && info.first == all[i].first && info.ref == all[i].ref &&
            info.count == all[i].count && info.kind == all[i].kind && info.searched == all[i].searched;
   }

@@ -14,25 +14,26 @@ TEST_CASE("the next member in interaction order") {
   MemberOrder order;
   order.reset(size);
   std::vector<std::uint32_t> position(size, kAbsentInteraction);
-  std::set<std::uint32_t> members;
+  std::set<InteractionId> members;
   Prng prng(size);
   for (int round = 0; round < 5000; ++round) {
-    const auto interaction = static_cast<std::uint32_t>(prng.below(size));
+    const InteractionId interaction(prng.below(size));
     if (prng.below(5) < 3) {
-      position[interaction] = 0;
+      position[interaction.value] = 0;
       members.insert(interaction);
       order.mark(interaction);
     } else {
-      position[interaction] = kAbsentInteraction;
+      position[interaction.value] = kAbsentInteraction;
       members.erase(interaction);
     }
     if (members.empty()) continue;
-    const auto from = static_cast<std::uint32_t>(prng.below(std::uint64_t{size} + 1));
+    const InteractionId from(prng.below(std::uint64_t{size} + 1));
     const auto at = members.lower_bound(from);
     REQUIRE(order.next(from, position.data()) == (at == members.end() ? *members.begin() : *at));
   }
   // The last one, from behind it.
-  position[size - 1] = 0;
-  order.mark(size - 1);
-  CHECK(order.next(size - 1, position.data()) == size - 1);
+  const InteractionId last(size - 1);
+  position[last.value] = 0;
+  order.mark(last);
+  CHECK(order.next(last, position.data()) == last);
 }

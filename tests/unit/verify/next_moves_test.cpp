@@ -115,7 +115,7 @@ struct Visited {
 // Each enabled port tells the set of each candidate that moves the atom.
 void check_state(rt::Core& core, const rt::ConflictSets& sets, const Visited& at) {
   const rt::Tables& tables = core.tables();
-  std::map<u32, std::vector<u32>> moves;  // by atom: interactions
+  std::map<u32, std::vector<rt::InteractionId>> moves;  // by atom
   std::vector<rt::Participant> participants;
   for (std::uint64_t k = 0; k < core.candidate_count(); ++k) {
     core.participants(core.candidate(k), participants);
@@ -123,7 +123,7 @@ void check_state(rt::Core& core, const rt::ConflictSets& sets, const Visited& at
   }
   for (const auto& [atom, interactions] : moves) {
     const u32 place = at.state.places[atom];
-    for (const u32 interaction : interactions) {
+    for (const rt::InteractionId interaction : interactions) {
       if (sets.by_situation[atom] == 0) {
         REQUIRE(sets.set_of(atom, place) == sets.of_interaction[interaction]);
         continue;
