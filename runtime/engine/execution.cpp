@@ -107,7 +107,7 @@ struct Execution::Impl {
   [[nodiscard]] bool finds_names(const rt::Candidate& candidate) {
     const bool are_all = needed.empty() || names_all.load(std::memory_order_relaxed);
     // Most interactions have no port that anybody needs: their participants are not looked for.
-    if (!are_all && !may_be_needed[candidate.interaction]) return false;
+    if (!are_all && !may_be_needed[candidate.interaction.value]) return false;
     core.participants(candidate, participants);
     return are_all || std::any_of(participants.begin(), participants.end(), [&](const rt::Participant& p) {
              return needed[core.tables().instance(p.atom, p.port)];
@@ -138,10 +138,11 @@ struct Execution::Impl {
       }
     }
     BIP_ASSERT(needed.size() == tables.port_atom.size(), "{} of {} ports", needed.size(), tables.port_atom.size());
-    for (rt::u32 row = 0; row < tables.interactions.size(); ++row) may_be_needed.push_back(has_needed_port(row));
+    for (const rt::InteractionId interaction : IdRange<rt::InteractionId>(tables.interactions.size()))
+      may_be_needed.push_back(has_needed_port(interaction));
   }
   // Among all ports that may take part.
-  [[nodiscard]] bool has_needed_port(rt::u32 interaction) const {
+  [[nodiscard]] bool has_needed_port(rt::InteractionId interaction) const {
     const rt::Tables& tables = core.tables();
     const rt::InteractionInfo info = tables.interactions[interaction];
     switch (info.kind) {
