@@ -316,13 +316,13 @@ class Server {
     });
   }
 
-  // Any thread: in the log, and to all who subscribed to anything.
+  // Any thread: in the log, and, if clients are to hear of it, to all who subscribed to anything.
   void note(const Alarm& alarm) {
     const char* const code = alarm.kind == Alarm::Kind::Late      ? "R0047"
                              : alarm.kind == Alarm::Kind::Stopped ? "R0049"
                                                                   : "R0046";
     std::fprintf(stderr, "warning[%s]: %s\n", code, alarm.text.c_str());
-    net::post(io_, [this, line = alarm_line(alarm)] { broadcast(nullptr, line); });
+    if (alarm.is_told) net::post(io_, [this, line = alarm_line(alarm)] { broadcast(nullptr, line); });
   }
 
   // To some subscribers, or (null: the end) to all and to those who wait at a breakpoint.

@@ -30,7 +30,8 @@ WatchOptions watch_options(const ServeSettings& settings, const SafeStop& safe_s
   watch.safe_stop = safe_stop.stop;
   watch.safe_stop_name = safe_stop.name;
   watch.stall = safe_stop.stall_after;
-  watch.late = settings.late_after;
+  watch.names_late = settings.late_after > 0;
+  watch.late = settings.late_after < 0 ? kLateByDefault : settings.late_after;
   if (library == nullptr) return watch;
   find(library, "bip_called_now", watch.called_now);
   find(library, "bip_set_module_hook", watch.set_module_hook);

@@ -153,7 +153,7 @@ const std::vector<ServeOption>& serve_options() {
          return std::string();
        }},
       {"--late-after", "TIME",
-       "print a warning for each instant whose steps begin more than this late (default: 0: never)",
+       "print a warning when steps begin more than this late, at most one a second (default: 100ms; 0: never)",
        [](Text text, Settings& s) { return read_duration(text, s.late_after); }},
       {"--silent-after", "TIME",
        "call the safe-stop function when clients that have posted events or asked for services send nothing for so "

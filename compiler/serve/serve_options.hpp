@@ -17,7 +17,7 @@ struct ServeSettings {
   double speed = 1;
   int real_time_priority = 0;     // 0: as usual
   std::int64_t stall_after = -1;  // ns; -1: a second if there is a safe-stop function, 0: the watchdog is off
-  std::int64_t late_after = 0;    // ns; 0: late steps are not reported
+  std::int64_t late_after = -1;   // ns; -1: kLateByDefault, in the log alone; 0: late steps are not reported
   std::int64_t silent_after = 0;  // ns; 0: clients may be silent
   std::string safe_stop;          // empty: `safe_stop` if the model's C++ has it
   std::string trace_path;         // empty: none

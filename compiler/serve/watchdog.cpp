@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdlib>
 #include <exception>
+#include <utility>
 
 #include "bip/assert.hpp"
 
@@ -33,6 +34,7 @@ std::atomic<Watchdog*> crash_watchdog{nullptr};
 std::terminate_handler before_terminate = nullptr;
 // What a safe-stop function may take while a signal ends the process.
 constexpr int kLastStopMs = 1000;
+constexpr std::int64_t kLateReportEvery = 1'000'000'000;
 
 }  // namespace
 
@@ -187,9 +189,17 @@ void Watchdog::note_step(const Step& step) {
   // All steps of an instant are late if the first one is.
   if (options_.late == 0 || late <= options_.late || last_late_ == system_.now()) return;
   last_late_ = system_.now();
-  alarm(Alarm::Kind::Late, late,
-        "step " + std::to_string(step.number) + ", `" + step.interaction + "`, begins " + milliseconds(late) +
-            " too late");
+  ++late_instants_;
+  // A machine that is too slow would fill its log.
+  const std::int64_t now = steady_ns();
+  if (late_reported_ != 0 && now - late_reported_ < kLateReportEvery) return;
+  late_reported_ = now;
+  const std::int64_t others = std::exchange(late_instants_, 0) - 1;
+  std::string text = "step " + std::to_string(step.number);
+  if (names_steps()) text += ", `" + step.interaction + "`,";
+  text += " begins " + milliseconds(late) + " too late";
+  if (others > 0) text += ", and steps of " + std::to_string(others) + " instants before it did so";
+  if (on_alarm) on_alarm({Alarm::Kind::Late, late, std::move(text), names_steps()});
 }
 
 }  // namespace bip::serve

@@ -22,10 +22,13 @@
 
 namespace bip::serve {
 
+inline constexpr std::int64_t kLateByDefault = 100'000'000;
+
 /// ns of the wall clock.
 struct WatchOptions {
-  std::int64_t stall = 0;  // 0: off
-  std::int64_t late = 0;   // steps that begin so much later than they are due are reported; 0: none
+  std::int64_t stall = 0;   // 0: off
+  std::int64_t late = 0;    // steps that begin so much later than they are due are reported; 0: none
+  bool names_late = false;  // by what they do, and to clients as well
   /// Stops the robot; runs beside whatever hangs. May be empty.
   void (*safe_stop)(const char* why) = nullptr;
   std::string safe_stop_name;
@@ -41,6 +44,7 @@ struct Alarm {
   enum class Kind : std::uint8_t { Stalled, RunsAgain, Late, Stopped } kind = Kind::Stalled;
   std::int64_t ns = 0;  // of the wall clock: how long, how late
   std::string text;
+  bool is_told = true;  // to clients; else it is for the log alone
 };
 
 class Watchdog {
@@ -65,7 +69,7 @@ class Watchdog {
   /// After a step.
   void note_step(const Step& step);
   /// Does it tell of steps by their names?
-  [[nodiscard]] bool names_steps() const { return options_.late != 0; }
+  [[nodiscard]] bool names_steps() const { return options_.late != 0 && options_.names_late; }
 
  private:
   void watch();
@@ -81,7 +85,9 @@ class Watchdog {
   std::atomic<std::int64_t> begun_{0};   // on the wall clock; 0: nothing is done
   std::atomic<std::int64_t> behind_{0};  // how late the last step began
   std::atomic<const std::atomic<const char*>*> called_{nullptr};
-  std::int64_t last_late_ = -1;     // the instant of the last late step that was reported
+  std::int64_t last_late_ = -1;     // the instant of the last late step
+  std::int64_t late_reported_ = 0;  // when the last report was, on the wall clock; 0: there was none
+  std::int64_t late_instants_ = 0;  // since then
   std::int64_t stalled_since_ = 0;  // 0: it runs
   std::mutex lock_;
   std::vector<std::string> asked_stops_;  // why
