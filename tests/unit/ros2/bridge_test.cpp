@@ -140,7 +140,8 @@ struct Scene {
                                     {.name = "input", .kind = Kind::String}},
                                    {{.name = kReport, .kind = Kind::String}, {.name = kDetail, .kind = Kind::String}},
                                    {{.name = kReport, .kind = Kind::String}, {.name = kDetail, .kind = Kind::String}});
-    interfaces.actions.push_back({"M.Go", "M/Go", kType, {"power", "how"}, true});
+    interfaces.actions.push_back(
+        {.service = "M.Go", .name = "M/Go", .type = kType, .values = {"power", "how"}, .takes_text = true});
     bridge =
         std::make_unique<Bridge>(interfaces, bus, BridgeOptions{.where = model.path, .token = "", .name_space = "r1"},
                                  [this](const std::string& text) { said.push_back(text); });

@@ -220,9 +220,7 @@ TEST_CASE("next moves: an answer that needs more time than there is, and one of 
   CHECK(late.question == verify::ConflictQuestion::OutOfTime);
   CHECK(late.moves.empty());
   auto many = *c.system;
-  many.atoms = {};
-  for (std::size_t k = 0; k <= verify::kMostAtomsOfNextMoves; ++k)
-    many.atoms.push_back(c.system->atoms[AtomId(std::size_t{0})]);
+  many.atoms.assign(verify::kMostAtomsOfNextMoves + 1, c.system->atoms[AtomId(0u)]);
   CHECK(verify::find_next_moves(many, verify::within_seconds(20)).question == verify::ConflictQuestion::TooLarge);
   CHECK(verify::find_next_moves(*c.system, verify::within_seconds(20)).question == verify::ConflictQuestion::Answered);
 }
