@@ -112,8 +112,8 @@ struct Plan {
   [[nodiscard]] bool gives_lock(const Service& s) const {
     return !by_codel && (waits_in_box() || (s.waits && s.kind == ServiceKind::Execution));
   }
-  /// Is a control cycle in which nobody asks and no instance of a service is in use one step? Where requests come from
-  /// mailboxes, which say so.
+  /// Returns whether a control cycle is a single step if no request waits and no instance of a service is in use. It is
+  /// where requests come from mailboxes, whose port `calm` is enabled while none waits.
   [[nodiscard]] bool passes() const { return executive == Executive::Served && design == Design::Ours; }
   /// May a cycle of the task pass over all of its activities in one step, while none is in use?
   [[nodiscard]] bool passes_over(std::size_t task) const {

@@ -103,7 +103,7 @@ struct Execution::Impl {
     rt::append_value(text, core.image(), type, cell);
     return text;
   }
-  // Does somebody need the names of a step of the candidate? If so, `participants` are its ports.
+  // Returns whether a callback needs the names of the candidate's step; `participants` are then its ports.
   [[nodiscard]] bool finds_names(const rt::Candidate& candidate) {
     const bool are_all = needed.empty() || names_all.load(std::memory_order_relaxed);
     // Most interactions have no port that anybody needs: their participants are not looked for.
