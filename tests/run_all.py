@@ -24,7 +24,7 @@ BUILD = pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build")
 LOGS = BUILD / "test-logs"
 SYSTEMS = re.compile(r"^differential: (\d+) systems, (\d+) failed$", re.M)
 SKIPPED = re.compile(r"^skipped: (.*)$", re.M)
-COUNTS = re.compile(r"^(?:\w+: )?(\d+) passed, (\d+) failed$", re.M)
+COUNTS = re.compile(r"^(?:[\w ]+: )?(\d+) passed, (\d+) failed$", re.M)
 
 skipped = []  # what scripts said that they left out, because a program of somebody else is not installed
 

@@ -41,7 +41,7 @@ constexpr std::chrono::nanoseconds kSweep = std::chrono::seconds(1);
 // How long the answers that are due at the end may take.
 constexpr std::chrono::seconds kLastAnswers{2};
 // Notes on their way from the engine to the clients; what comes faster is dropped.
-constexpr int kMaxNotes = 10000;
+constexpr std::size_t kMaxNotes = 10000;
 
 using ServerClock = std::chrono::steady_clock;
 /// Where a client comes from. Peers of a Unix socket are checked by the system, those of TCP by their token.
@@ -53,10 +53,10 @@ enum class Newcomer : std::uint8_t { Stranger, LowerRole, Owner };
 struct Client {
   Client(net::io_context& io, int from, int to) : in(io, from), out(io, to) {}
   Stream in, out;
+  [[nodiscard]] std::size_t waiting_bytes() const { return written.size() + waiting.size(); }
   std::string received;
-  std::deque<std::string> waiting;  // the first one is being written
-  std::size_t waiting_bytes = 0;
-  std::size_t asked = 0;  // requests without an answer so far
+  std::string written, waiting;  // lines: those that are being written, and those after them
+  std::size_t asked = 0;         // requests without an answer so far
   std::uint64_t dropped = 0;
   bool is_subscribed = false, hears_requests = false, has_breakpoint = false;
   bool reads = false, writes = false, has_finished = false, is_closing = false;
@@ -66,6 +66,17 @@ struct Client {
   bool has_spoken = false;  // a request was understood
   bool asks = false;        // for services, or posts events
   ServerClock::time_point last_request = ServerClock::now();
+};
+
+/// What clients hear of a step of the model.
+struct StepNote {
+  enum class Kind : std::uint8_t {
+    Step,  // dropped if the clients do not keep up
+    Break  // the model pauses after it
+  };
+  std::vector<std::uint64_t> receivers;
+  std::string line;
+  Kind kind;
 };
 
 // Reading from a terminal must not stay non-blocking for the shell after us.
@@ -281,21 +292,37 @@ class Server {
     }
     if (!breakers.empty()) {
       controller_.pause();
-      net::post(io_, [this, to = std::move(breakers), line = step_line(step, now, "break")] {
-        for (const std::uint64_t number : to) send(number, line);
-      });
+      hand_over({std::move(breakers), step_line(step, now, "break"), StepNote::Kind::Break});
     }
-    if (receivers.empty()) return;
-    if (notes_.fetch_add(1) >= kMaxNotes) {
-      notes_.fetch_sub(1);
+    if (!receivers.empty()) hand_over({std::move(receivers), step_line(step, now), StepNote::Kind::Step});
+  }
+
+  // From the engine's thread to ours. One handler takes all notes that have come meanwhile: with a handler a note, a
+  // fast model fills the queue of handlers, and requests and writes wait at its end.
+  void hand_over(StepNote note) {
+    const std::lock_guard<std::mutex> hold(notes_lock_);
+    if (note.kind == StepNote::Kind::Step && notes_.size() >= kMaxNotes) {
       lost_.fetch_add(1);
       return;
     }
-    net::post(io_, [this, to = std::move(receivers), line = step_line(step, now)] {
-      BIP_ASSERT(notes_.load() > 0, "a note that was not counted");
-      notes_.fetch_sub(1);
-      broadcast(&to, line);
-    });
+    notes_.push_back(std::move(note));
+    if (notes_.size() == 1) net::post(io_, [this] { take_over(); });
+  }
+  void take_over() {
+    std::vector<StepNote> notes;
+    {
+      const std::lock_guard<std::mutex> hold(notes_lock_);
+      notes.swap(notes_);
+    }
+    BIP_ASSERT(!notes.empty(), "a handler without notes");
+    for (const StepNote& note : notes) {
+      switch (note.kind) {
+        case StepNote::Kind::Step: broadcast(&note.receivers, note.line); break;
+        case StepNote::Kind::Break:
+          for (const std::uint64_t number : note.receivers) send(number, note.line);
+          break;
+      }
+    }
   }
 
   // With watched_lock_ held: steps have names while a client follows them.
@@ -310,7 +337,7 @@ class Server {
     net::post(io_, [this, client = reply.client, line = request_line(reply, now_.load())] {
       for (auto& [number, to] : clients_) {
         if (number != client && !to->hears_requests) continue;
-        if (to->waiting_bytes + line.size() > options_.max_waiting) ++to->dropped;
+        if (to->waiting_bytes() + line.size() > options_.max_waiting) ++to->dropped;
         else send(number, line);
       }
     });
@@ -332,7 +359,7 @@ class Server {
       if (!client->is_subscribed && !(to == nullptr && client->has_breakpoint)) continue;
       client->dropped += lost;
       if (to != nullptr && std::find(to->begin(), to->end(), number) == to->end()) continue;
-      if (client->waiting_bytes + line.size() > options_.max_waiting) {
+      if (client->waiting_bytes() + line.size() > options_.max_waiting) {
         ++client->dropped;
         continue;
       }
@@ -344,29 +371,26 @@ class Server {
     }
   }
 
-  void send(std::uint64_t number, std::string line) {
+  void send(std::uint64_t number, const std::string& line) {
     const auto found = clients_.find(number);
     if (found == clients_.end() || found->second->is_closing) return;
     Client& client = *found->second;
-    client.waiting_bytes += line.size();
-    client.waiting.push_back(std::move(line));
+    client.waiting += line;
     if (!client.writes) write(number, client);
   }
 
   void write(std::uint64_t number, Client& client) {
     BIP_ASSERT(!client.writes && !client.waiting.empty(), "client {} is written to already, or nothing waits", number);
     client.writes = true;
-    net::async_write(client.out, net::buffer(client.waiting.front()),
+    client.written.swap(client.waiting);
+    net::async_write(client.out, net::buffer(client.written),
                      [this, number, &client](const std::error_code& failed, std::size_t) {
                        client.writes = false;
                        // The reader of our standard output is gone, and with it the only client.
                        ends_ = ends_ || (failed && is_only_client(client));
                        if (failed != net::error::broken_pipe)
                          note_stream_failure(client, "write standard output", failed);
-                       BIP_ASSERT(client.waiting_bytes >= client.waiting.front().size(),
-                                  "{} bytes wait, {} are written", client.waiting_bytes, client.waiting.front().size());
-                       client.waiting_bytes -= client.waiting.front().size();
-                       client.waiting.pop_front();
+                       client.written.clear();
                        if (failed) return close(number, client);
                        if (!client.waiting.empty()) return write(number, client);
                        // Its answers are read: so are its lines again.
@@ -401,17 +425,17 @@ class Server {
 
   // The next line, unless the client has not read the answers to many, or many are still to be answered.
   void read_on(std::uint64_t number, const Client& client) {
-    if (!client.reads && !client.has_finished && !client.is_closing && client.waiting_bytes < options_.max_waiting &&
+    if (!client.reads && !client.has_finished && !client.is_closing && client.waiting_bytes() < options_.max_waiting &&
         client.asked < kMaxAsked)
       read(number);
   }
 
-  void answer(std::uint64_t number, std::string text) {
+  void answer(std::uint64_t number, const std::string& text) {
     const auto found = clients_.find(number);
     if (found == clients_.end()) return;
     BIP_ASSERT(found->second->asked > 0, "an answer that client {} has not asked for", number);
     --found->second->asked;
-    send(number, std::move(text));
+    send(number, text);
     read_on(number, *found->second);
     if (ends_) try_stop();
   }
@@ -546,7 +570,7 @@ class Server {
   void try_stop() {
     for (const auto& [number, client] : clients_) {
       const bool is_answered = client->asked == 0 && !client->writes;
-      if (!is_answered && client->waiting_bytes < options_.max_waiting) return;
+      if (!is_answered && client->waiting_bytes() < options_.max_waiting) return;
     }
     io_.stop();
   }
@@ -572,7 +596,8 @@ class Server {
   std::mutex watched_lock_;
   std::map<std::uint64_t, Watched> watched_;  // by client; read on the engine's thread
   std::atomic<std::int64_t> now_{0};          // of the last step
-  std::atomic<int> notes_{0};
+  std::mutex notes_lock_;
+  std::vector<StepNote> notes_;  // no more than kMaxNotes, and breaks
   std::atomic<std::uint64_t> lost_{0};
   bool ends_ = false;
   bool watches_parent_ = false;

@@ -125,4 +125,18 @@ with Served(ROOT / "tests/serve/counter.bip") as model:
     check("a running model takes no candidate", model.ask("fire", candidate=0).get("error") == "the model is not paused", model.ask("fire", candidate=0))
     check("a running model goes not back", model.ask("back").get("error") == "the model is not paused")
 
+# A model that steps as fast as it can, and a client that hears of each step: its requests are answered between the notes.
+with Served(ROOT / "models/classic/philosophers_safe.bip", "--paused", "--root", "Table(60)") as model:
+    check("each step is told", model.ask("subscribe")["ok"])
+    for k in range(3):
+        check("it runs freely", model.ask("resume")["ok"])
+        for _ in range(20_000):
+            model.note(20)
+        model.notes.clear()
+        check("it pauses when it is asked to", model.ask("pause")["ok"])
+        check("no more than those that waited are told before the answer", len(model.notes) < 30_000, len(model.notes))
+        model.notes.clear()
+        before = model.ask("state")["steps"]
+        check("and takes no step more", model.ask("state")["steps"] == before)
+
 sys.exit(finish("stepping"))
