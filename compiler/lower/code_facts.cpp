@@ -36,17 +36,18 @@ CodeFacts code_facts(const CodeTable& code, ExprId expr, StmtId body) {
     const Expr& e = code.exprs[id];
     if (e.op == Op::LoadBind) facts.binds.push_back(e.index);
     if (e.op == Op::Call) {
-      facts.may_fault = true;
+      facts.calls = true;
       const std::span<const ExprId> args = code.args_of(e);
       exprs.insert(exprs.end(), args.begin(), args.end());
       continue;
     }
     if (is_division(e.op) && e.type == Type::Int) {
       const Expr& by = code.exprs[e.b];
-      facts.may_fault |= by.op != Op::ConstInt || by.int_value == 0 || by.int_value == -1;
+      if (by.op != Op::ConstInt || by.int_value == 0 || by.int_value == -1) facts.divisors.push_back(e.b);
     }
     exprs.insert(exprs.end(), {e.a, e.b});
   }
+  facts.may_fault = facts.calls || !facts.divisors.empty();
   std::sort(facts.binds.begin(), facts.binds.end());
   facts.binds.erase(std::unique(facts.binds.begin(), facts.binds.end()), facts.binds.end());
   BIP_ASSERT(facts.writes_binds <= !facts.binds.empty(), "code writes bound variables, and names none");

@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "compiler/model/evaluate.hpp"
+#include "compiler/model/exclusive_guards.hpp"
 #include "compiler/model/ffi_declarations.hpp"
 #include "runtime/include/bip/assert.hpp"
 
@@ -46,28 +47,6 @@ BoundOp bound_op(BinaryOp op, bool is_flipped) {
   BIP_UNREACHABLE("not a bound");
 }
 
-// What a constant bound leaves of the values of its clock, or of the difference.
-struct Range {
-  std::int64_t low = -kMaxTicks - 1, high = kMaxTicks + 1;
-  void meet(const Bound& b) {
-    if (b.op == BoundOp::Eq || b.op == BoundOp::Ge) low = std::max(low, b.ticks);
-    if (b.op == BoundOp::Gt) low = std::max(low, b.ticks + 1);
-    if (b.op == BoundOp::Eq || b.op == BoundOp::Le) high = std::min(high, b.ticks);
-    if (b.op == BoundOp::Lt) high = std::min(high, b.ticks - 1);
-  }
-};
-bool has_empty_range(const std::vector<const Bound*>& bounds) {
-  for (const Bound* first : bounds) {
-    Range range;
-    for (const Bound* bound : bounds) {
-      if (bound->variable == Bound::kNone && bound->clock == first->clock && bound->minus == first->minus)
-        range.meet(*bound);
-    }
-    if (range.low > range.high) return true;
-  }
-  return false;
-}
-
 }  // namespace
 
 /// Clocks and data of one side of a comparison, each with its sign.
@@ -80,13 +59,6 @@ const char* unit_name(std::int64_t ticks) {
     if (length == ticks) return name;
   }
   return "second";
-}
-
-bool are_disjoint(const TimeGuard& a, const TimeGuard& b) {
-  std::vector<const Bound*> both;
-  for (const Bound& bound : a.bounds) both.push_back(&bound);
-  for (const Bound& bound : b.bounds) both.push_back(&bound);
-  return has_empty_range(both);
 }
 
 void TimeBuilder::add_clock(const syntax::Name& name, const syntax::Name& unit) {
@@ -295,7 +267,7 @@ void TimeBuilder::set_limit(const syntax::Expr* e, ExprId limit, std::int64_t un
 void TimeBuilder::check_satisfiable(const TimeGuard& when, const syntax::Expr* e) {
   std::vector<const Bound*> bounds;
   for (const Bound& bound : when.bounds) bounds.push_back(&bound);
-  if (has_empty_range(bounds)) builder_.diags.report(Diag::kB1607, e->range);
+  if (have_empty_range(bounds)) builder_.diags.report(Diag::kB1607, e->range);
 }
 
 // ---- clocks in code

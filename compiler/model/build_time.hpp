@@ -46,9 +46,6 @@ class TimeBuilder {
 /// What `@async` says, all ports of `atom` being there.
 [[nodiscard]] Async build_async(ModelBuilder& b, const syntax::Transition& t, const AtomType& atom);
 
-/// True if constants alone say that the two never hold together.
-[[nodiscard]] bool are_disjoint(const TimeGuard& a, const TimeGuard& b);
-
 /// "clock of milliseconds", for messages.
 [[nodiscard]] const char* unit_name(std::int64_t ticks);
 

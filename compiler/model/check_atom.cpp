@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <map>
 
-#include "compiler/model/build_time.hpp"
+#include "compiler/model/exclusive_guards.hpp"
 #include "compiler/model/model_builder.hpp"
 #include "compiler/model/clock_uses.hpp"
 #include "compiler/model/code_uses.hpp"
@@ -57,7 +57,7 @@ void check_nondeterminism(ModelBuilder& b, const AtomType& atom, const syntax::D
     if (is_new) continue;
     const bool is_internal = second.port == Transition::kInternal;
     const Transition& first = atom.transitions[known->second];
-    if (are_disjoint(first.when, second.when)) continue;
+    if (are_exclusive(first.when, second.when) || are_exclusive(b.model.code, first.guard, second.guard)) continue;
     const bool sure = !first.guard.is_valid() && !second.guard.is_valid() && first.when.empty() && second.when.empty();
     if (!sure && (is_suppressed(decl.annotations, "nondeterminism") ||
                   is_suppressed(decl.transitions[j].annotations, "nondeterminism")))

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <set>
 
-#include "compiler/model/build_time.hpp"
+#include "compiler/model/exclusive_guards.hpp"
 #include "compiler/model/model_builder.hpp"
 
 namespace bip::model {
@@ -164,7 +164,9 @@ struct NetCheck {
     for (const auto& [i, j] : together) {
       if (atom.transitions[i].from == atom.transitions[j].from || is_silent(j, "nondeterminism"))
         continue;  // check_atom tells of those
-      if (are_disjoint(atom.transitions[i].when, atom.transitions[j].when)) continue;
+      if (are_exclusive(atom.transitions[i].when, atom.transitions[j].when) ||
+          are_exclusive(b.model.code, atom.transitions[i].guard, atom.transitions[j].guard))
+        continue;
       const bool is_internal = atom.transitions[j].port == Transition::kInternal;
       const std::string what = is_internal ? fmt::format("atom type `{}` has two internal transitions", atom.name)
                                            : name(j) + " has two transitions";

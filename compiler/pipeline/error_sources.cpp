@@ -2,11 +2,12 @@
 #include "compiler/pipeline/error_sources.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
-#include <utility>
 #include <vector>
 
 #include "compiler/lower/code_facts.hpp"
+#include "compiler/model/exclusive_guards.hpp"
 #include "compiler/system/system.hpp"
 #include "runtime/core/graph_algorithms.hpp"
 
@@ -18,16 +19,104 @@ bool can_fault(const System& system, ExprId guard, StmtId body) {
   return lower::code_facts(system.code, guard, body).may_fault;
 }
 
-bool can_fault(const System& system, const AtomType& type) {
-  if (!type.is_automaton() || !type.invariants.empty() || !type.priorities.empty()) return true;
-  if (can_fault(system, {}, type.initial_action)) return true;
-  std::set<std::pair<std::uint32_t, std::uint32_t>> offers;  // place and port
-  for (const Transition& t : type.transitions) {
-    if (t.port == Transition::kInternal || !offers.emplace(t.from.front(), t.port).second) return true;
-    if (can_fault(system, t.guard, t.action)) return true;
+/// What can go wrong in the atoms of one type.
+class AtomErrors {
+ public:
+  AtomErrors(const System& system, AtomTypeId id) : system_(system), type_(system.atom_types[id]) {
+    for (const DataVariable& variable : type_.variables) is_constant_.push_back(variable.is_param);
+    // Transfers write through ports.
+    for (const Port& port : type_.ports)
+      for (const std::uint32_t variable : port.variables) is_constant_[variable] = false;
+    const auto note_stores = [this](StmtId body) {
+      for_each_store(body, [this](const Stmt& store) { is_constant_[store.index] = false; });
+    };
+    note_stores(type_.initial_action);
+    for (const Transition& t : type_.transitions) note_stores(t.action);
+    for (const Atom& atom : system.atoms)
+      if (atom.type == id) atoms_.push_back(&atom);
   }
-  return false;
-}
+
+  /// Returns false only if no atom of the type can end a run in an error.
+  [[nodiscard]] bool can_happen() const {
+    if (!type_.is_automaton() || !type_.priorities.empty()) return true;
+    if (can_fault({}, type_.initial_action) || can_set_clock_wrongly(type_.initial_action) ||
+        can_fault(type_.initial_resume))
+      return true;
+    // Where an invariant of time does not hold, time stands still: no error.
+    if (std::any_of(type_.invariants.begin(), type_.invariants.end(), [this](const Invariant& invariant) {
+          return invariant.condition.is_valid() || can_fault({}, invariant.when.measure);
+        }))
+      return true;
+    for (std::size_t row = 0; row < type_.transitions.size(); ++row) {
+      const Transition& t = type_.transitions[row];
+      if (t.port == Transition::kInternal || can_fault(t.guard, t.action) || can_fault({}, t.when.measure) ||
+          can_fault(t.resume) || can_set_clock_wrongly(t.action))
+        return true;
+      for (std::size_t before = 0; before < row; ++before)
+        if (can_both_be_taken(type_.transitions[before], t)) return true;
+    }
+    return false;
+  }
+
+ private:
+  template <class Visit>
+  void for_each_store(StmtId body, const Visit& visit) const {
+    std::vector<StmtId> waiting{body};
+    while (!waiting.empty()) {
+      const StmtId id = waiting.back();
+      waiting.pop_back();
+      if (!id.is_valid()) continue;
+      const Stmt& s = system_.code.stmts[id];
+      if (s.op == StmtOp::StoreSelf) visit(s);
+      waiting.insert(waiting.end(), {s.next, s.then_body, s.else_body});
+    }
+  }
+
+  // An error at once: which one is meant?
+  [[nodiscard]] bool can_both_be_taken(const Transition& first, const Transition& second) const {
+    return first.port == second.port && first.from == second.from && !are_exclusive(first.when, second.when) &&
+           !are_exclusive(system_.code, first.guard, second.guard);
+  }
+
+  [[nodiscard]] bool can_fault(ExprId guard, StmtId body) const {
+    const lower::CodeFacts facts = lower::code_facts(system_.code, guard, body);
+    return facts.calls || !std::all_of(facts.divisors.begin(), facts.divisors.end(),
+                                       [this](ExprId divisor) { return divides_soundly(system_.code.exprs[divisor]); });
+  }
+  [[nodiscard]] bool can_fault(const Resume& resume) const {
+    return resume.present && (can_fault(resume.guard, {}) || can_fault({}, resume.when.measure));
+  }
+
+  // A parameter that is neither 0 nor -1 in any atom.
+  [[nodiscard]] bool divides_soundly(const Expr& divisor) const {
+    return divisor.op == Op::LoadSelf && is_constant_[divisor.index] &&
+           std::all_of(atoms_.begin(), atoms_.end(), [&](const Atom* atom) {
+             const std::int32_t value = atom->args[divisor.index].int_value;
+             return value != 0 && value != -1;
+           });
+  }
+
+  // Clocks hold kMaxTicks, and no int is more than that of seconds. Speeds are not looked at.
+  [[nodiscard]] bool can_set_clock_wrongly(StmtId body) const {
+    bool found = false;
+    for_each_store(body, [&](const Stmt& store) {
+      for (const Clock& clock : type_.clocks) {
+        if (store.index == clock.variable + static_cast<std::uint32_t>(ClockVariable::Speed)) found = true;
+        if (store.index != clock.variable + static_cast<std::uint32_t>(ClockVariable::Value)) continue;
+        const Expr& value = system_.code.exprs[store.value];
+        const double most = value.op == Op::ConstFloat ? std::fabs(value.float_value) : 0x1p31;
+        const bool is_known = value.op == Op::ConstFloat || value.op == Op::IntToFloat;
+        found = found || !is_known || !(most * static_cast<double>(clock.unit) <= static_cast<double>(kMaxTicks));
+      }
+    });
+    return found;
+  }
+
+  const System& system_;
+  const AtomType& type_;
+  std::vector<bool> is_constant_;  // by variable: a parameter that nothing writes
+  std::vector<const Atom*> atoms_;
+};
 
 using Successors = std::vector<std::vector<std::uint32_t>>;
 
@@ -72,7 +161,7 @@ bool can_end_in_error(const System& system) {
   std::set<AtomTypeId> atom_types;
   for (const Atom& atom : system.atoms) atom_types.insert(atom.type);
   if (std::any_of(atom_types.begin(), atom_types.end(),
-                  [&](AtomTypeId type) { return can_fault(system, system.atom_types[type]); }))
+                  [&](AtomTypeId type) { return AtomErrors(system, type).can_happen(); }))
     return true;
   return std::any_of(system.connector_types.begin(), system.connector_types.end(), [&](const ConnectorType& type) {
     return std::any_of(type.clauses.begin(), type.clauses.end(), [&](const Clause& clause) {
