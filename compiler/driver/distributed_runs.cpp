@@ -2,15 +2,18 @@
 #include "compiler/driver/distributed_runs.hpp"
 
 #include <algorithm>
+#include <map>
 
 #include <fmt/format.h>
 
+#include "bip/assert.hpp"
 #include "compiler/base/read_file.hpp"
 #include "compiler/driver/interaction_counts.hpp"
 #include "compiler/driver/known_conflicts.hpp"
 #include "runtime/core/fire/partial.hpp"
 #include "runtime/distributed/faults.hpp"
 #include "runtime/distributed/place_free_atoms.hpp"
+#include "runtime/distributed/split_sets.hpp"
 
 namespace bip::driver {
 
@@ -122,6 +125,36 @@ std::string split_text(const rt::Distribution& distribution) {
   return text;
 }
 
+std::string_view whole_text(rt::WholeSet why) {
+  switch (why) {
+    case rt::WholeSet::Time: return "nodes do not split sets of models with time";
+    case rt::WholeSet::OneNode: return "all of its components are at home on one node";
+    case rt::WholeSet::Fault: return "a guard, an `up` or a priority may end in a run-time error between two steps";
+    case rt::WholeSet::Objects: return "its components show C++ objects, which cannot be sent";
+    case rt::WholeSet::NothingShared: return "no component would be offered to several coordinators";
+  }
+  BIP_UNREACHABLE("why a set is whole");
+}
+
+// Why sets that are larger than `split_above` have one coordinator nevertheless: of each reason the largest one.
+std::string whole_sets_text(const Linked& linked, const rt::Distribution& distribution, std::uint32_t split_above) {
+  struct Sets {
+    std::size_t count = 0, largest = 0;
+  };
+  std::map<rt::WholeSet, Sets> found;
+  for (const auto& [set, why] : rt::find_whole_sets(linked.tables, linked.rules, distribution, split_above)) {
+    Sets& sets = found[why];
+    ++sets.count;
+    sets.largest = std::max<std::size_t>(sets.largest, distribution.sets.interactions[set].size);
+  }
+  std::string text;
+  for (const auto& [why, sets] : found) {
+    text += fmt::format("a set of {} interactions is not split: {}", sets.largest, whole_text(why));
+    text += sets.count == 1 ? "\n" : fmt::format(" ({} more)\n", sets.count - 1);
+  }
+  return text;
+}
+
 }  // namespace
 
 bool prepare_distributed(Compilation& c, const RunArguments& arguments, rt::Placement& placement) {
@@ -195,6 +228,7 @@ std::string distribution_text(Compilation& c, const std::string& placement_path)
 
   const std::string split = split_text(distribution);
   text += split;
+  text += whole_sets_text(linked, distribution, placement.split_above);
   text += removed_conflicts_text(linked.tables, known);
   std::string rows;
   std::size_t border = 0, sum = 0;

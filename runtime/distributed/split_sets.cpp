@@ -2,6 +2,7 @@
 #include "runtime/distributed/split_sets.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <tuple>
 
 #include "bip/assert.hpp"
@@ -15,6 +16,22 @@ bool shows_objects(const Tables& tables, const Distribution& distribution, u32 a
   return std::any_of(distribution.cells[atom].begin(), distribution.cells[atom].end(), [&](VariableId cell) {
     return is_ffi(tables.atom_type(atom).variables[cell - tables.atoms[atom].first_cell].type);
   });
+}
+
+// Why the set cannot be split; none: it can.
+std::optional<WholeSet> obstacle(const Tables& tables, const PartialState& partial, const Distribution& distribution,
+                                 u32 set) {
+  if (has_time(*tables.image)) return WholeSet::Time;
+  const Span<u32> atoms = distribution.sets.atoms[set];
+  const auto is_elsewhere = [&](u32 atom) { return distribution.home(atom) != distribution.home(atoms[0]); };
+  if (std::none_of(atoms.begin(), atoms.end(), is_elsewhere)) return WholeSet::OneNode;
+  const Span<InteractionId> all = distribution.sets.interactions[set];
+  const auto is_evaluated_between = [&](InteractionId at) { return partial.groups_of_interaction[at].size != 0; };
+  // A fault of a guard or an `up` is one of the step before, and no attempt may come for long.
+  if (distribution.may_fault && std::any_of(all.begin(), all.end(), is_evaluated_between)) return WholeSet::Fault;
+  const auto shows = [&](u32 atom) { return shows_objects(tables, distribution, atom); };
+  if (std::any_of(atoms.begin(), atoms.end(), shows)) return WholeSet::Objects;
+  return std::nullopt;
 }
 
 class SetSplitter {
@@ -47,18 +64,8 @@ class SetSplitter {
   };
 
   [[nodiscard]] bool must_be_split(u32 set) const {
-    if (sets_.interactions[set].size <= distribution_.placement.split_above) return false;
-    const Span<u32> atoms = sets_.atoms[set];
-    const auto is_elsewhere = [&](u32 atom) { return distribution_.home(atom) != distribution_.home(atoms[0]); };
-    const Span<InteractionId> all = sets_.interactions[set];
-    // A fault of a guard or an `up` is one of the step before, and no attempt may come for long.
-    const bool is_evaluated_between =
-        distribution_.may_fault && std::any_of(all.begin(), all.end(), [&](InteractionId at) {
-          return partial_.groups_of_interaction[at].size != 0;
-        });
-    return !is_evaluated_between && std::any_of(atoms.begin(), atoms.end(), is_elsewhere) &&
-           std::none_of(atoms.begin(), atoms.end(),
-                        [&](u32 atom) { return shows_objects(tables_, distribution_, atom); });
+    return sets_.interactions[set].size > distribution_.placement.split_above &&
+           !obstacle(tables_, partial_, distribution_, set).has_value();
   }
   [[nodiscard]] bool is_of_split_set(InteractionId interaction) const {
     return distribution_.is_split[sets_.of_interaction[interaction]] != 0;
@@ -250,6 +257,20 @@ class SetSplitter {
 
 void split_sets(const Tables& tables, const PriorityTables& rules, Distribution& distribution) {
   SetSplitter(tables, rules, distribution).split();
+}
+
+std::vector<std::pair<u32, WholeSet>> find_whole_sets(const Tables& tables, const PriorityTables& rules,
+                                                      const Distribution& distribution, u32 split_above) {
+  const ConflictSets& sets = distribution.sets;
+  BIP_ASSERT(distribution.is_split.size() == sets.count, "{} of {} sets are split or not", distribution.is_split.size(),
+             sets.count);
+  const PartialState partial = link_partial(tables, rules);
+  std::vector<std::pair<u32, WholeSet>> found;
+  for (u32 set = 0; set < sets.count; ++set) {
+    if (distribution.is_split[set] != 0 || sets.interactions[set].size <= split_above) continue;
+    found.emplace_back(set, obstacle(tables, partial, distribution, set).value_or(WholeSet::NothingShared));
+  }
+  return found;
 }
 
 }  // namespace bip::rt

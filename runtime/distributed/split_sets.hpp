@@ -13,6 +13,9 @@
 // between two steps, which no attempt may evaluate for long, and sets at home on one node. Linear in the
 // ports of the split sets' interactions and in what they look at, but for the logarithms of sorting.
 #pragma once
+#include <utility>
+#include <vector>
+
 #include "runtime/distributed/distribution.hpp"
 
 namespace bip::rt {
@@ -20,5 +23,14 @@ namespace bip::rt {
 /// Of a distribution whose sets have one coordinator each: splits those of more than Placement::split_above
 /// interactions.
 void split_sets(const Tables& tables, const PriorityTables& rules, Distribution& distribution);
+
+/// Why a set that is too large keeps one coordinator: the model has time, its components are at home on one node, a
+/// guard, an `up` or a rule may end in a run-time error between two steps, its components show C++ objects, or no
+/// component of it would be offered to several coordinators.
+enum class WholeSet : std::uint8_t { Time, OneNode, Fault, Objects, NothingShared };
+/// Returns the sets of more than `split_above` interactions that were not split, in ascending order, and why. Takes the
+/// number of the placement as it was given, since models with time are distributed without it.
+[[nodiscard]] std::vector<std::pair<u32, WholeSet>> find_whole_sets(const Tables& tables, const PriorityTables& rules,
+                                                                    const Distribution& distribution, u32 split_above);
 
 }  // namespace bip::rt

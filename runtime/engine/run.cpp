@@ -72,36 +72,54 @@ std::string conflict_of(const RunOptions& options) {
   return file_conflict(files);
 }
 
-// Why such a run cannot be; empty: it can.
-std::string refusal(const Image& image, const RunOptions& options) {
+// Why such a run cannot be, and the way out, if `what` does not name it.
+struct Refusal {
+  std::string what;  // empty: the run can be
+  std::string help = {};
+};
+
+// Options and models with time that engines of several threads or nodes do not run.
+Refusal parallel_refusal(const Image& image, const RunOptions& options) {
+  const bool is_timed = has_time(image);
+  if (is_timed && !has_nodes(options.engine))
+    return {"an engine with several threads does not run models with time",
+            "`--engine=sequential`; with `@async`, its long actions have threads of their own"};
+  if (const TimeOnNodes time = time_on_nodes(image); !time.problem.empty())
+    return {"several nodes do not run " + time.problem, time.help};
+  if (is_timed && options.speed > 0)
+    return {"several nodes do not run models in real time",
+            "leave `--real-time` out for logical time, or use `--engine=sequential`"};
+  if (!options.events_path.empty()) return {"--events needs the sequential engine"};
+  if (is_timed && (!options.checkpoint_path.empty() || !options.resume_path.empty()))
+    return {"--checkpoint and --resume do not save models with time",
+            "`--engine=sequential --record FILE`, and `--replay FILE` repeats that run"};
+  if (is_weighted(image)) return {"weights (`@weight`) need the sequential engine"};
+  if (options.interactive || options.debug) return {"--interactive and --debug need the sequential engine"};
+  if (options.profile != nullptr) return {"--profile needs the sequential engine"};
+  if (!options.record_path.empty() || !options.replay_path.empty())
+    return {"--record and --replay need the sequential engine"};
+  return {};
+}
+
+Refusal refusal(const Image& image, const RunOptions& options) {
   if (options.engine != Engine::Sequential) {
-    if (has_time(image) && !has_nodes(options.engine))
-      return "an engine with several threads does not run models with time";
-    if (const TimeOnNodes time = time_on_nodes(image); !time.problem.empty())
-      return "several nodes do not run " + time.problem;
-    if (has_time(image) && options.speed > 0) return "several nodes do not run models in real time";
-    if (!options.events_path.empty()) return "--events needs the sequential engine";
-    if (has_time(image) && (!options.checkpoint_path.empty() || !options.resume_path.empty()))
-      return "--checkpoint and --resume do not save models with time";
-    if (is_weighted(image)) return "weights (`@weight`) need the sequential engine";
-    if (options.interactive || options.debug) return "--interactive and --debug need the sequential engine";
-    if (options.profile != nullptr) return "--profile needs the sequential engine";
-    if (!options.record_path.empty() || !options.replay_path.empty())
-      return "--record and --replay need the sequential engine";
+    if (Refusal parallel = parallel_refusal(image, options); !parallel.what.empty()) return parallel;
   }
   if (options.engine != Engine::Simulated && !options.network_faults.empty())
-    return "--faults needs --engine=simulated";
+    return {"--faults needs --engine=simulated"};
   if (!options.checkpoint_path.empty() || !options.resume_path.empty()) {
-    if (!has_nodes(options.engine)) return "--checkpoint and --resume need --engine=simulated or --engine=distributed";
+    if (!has_nodes(options.engine))
+      return {"--checkpoint and --resume need --engine=simulated or --engine=distributed"};
     if (const std::string object = object_without_checkpoint(image); !object.empty())
-      return "--checkpoint and --resume: the C++ object `" + object + "` cannot be saved";
+      return {"--checkpoint and --resume: the C++ object `" + object + "` cannot be saved",
+              "`--engine=sequential --seed N`: the same seed repeats a run"};
   }
   if (!has_nodes(options.engine) && options.placement != nullptr)
-    return "--placement needs --engine=simulated or --engine=distributed";
+    return {"--placement needs --engine=simulated or --engine=distributed"};
   if (options.engine == Engine::Distributed && options.fabrics == nullptr)
-    return "--engine=distributed is an engine of `bipc run`";
-  if (std::string conflict = conflict_of(options); !conflict.empty()) return conflict;
-  return format_refusal(image, options);
+    return {"--engine=distributed is an engine of `bipc run`"};
+  if (std::string conflict = conflict_of(options); !conflict.empty()) return {conflict};
+  return {format_refusal(image, options)};
 }
 
 }  // namespace
@@ -115,8 +133,9 @@ RunResult run(const Image& image, const RunOptions& given, std::FILE* out, std::
     const ExploreResult found = explore(image, options, out, err);
     return {found.complete ? End::Deadlock : End::Limit, 0, found.exit_code};
   }
-  if (const std::string why = refusal(image, options); !why.empty()) {
-    std::fprintf(err, "error: %s\n", printable(why).c_str());
+  if (const Refusal why = refusal(image, options); !why.what.empty()) {
+    std::fprintf(err, "error: %s\n", printable(why.what).c_str());
+    if (!why.help.empty()) std::fprintf(err, "  = help: %s\n", why.help.c_str());
     return kRefused;
   }
   RunFile trace_file(options.trace_path, err), record_file(options.record_path, err);
