@@ -449,16 +449,21 @@ def test_odd_bytes(folder, hosts, deployed, draws):
     """Whoever connects without a key and says anything is not heard, and nothing ends."""
     run = Run(folder, hosts, deployed, [0, 1, 2, 3], "--limit", "100000000", "--seed", "9")
     run.nodes[1].wait_for("the run begins")
+    sent = 0
     host, port = hosts.seen[1, 0].split(":") if hosts.in_namespaces else hosts.real[0].split(":")
     for _ in range(40):
         try:
             with socket.create_connection((host, int(port)), timeout=2) as odd:
                 odd.sendall(draws.choice([b"", b"\xff\0\0\0\0\0\0\0\1\x7f\3\1CURVE" + bytes(40)]) + draws.randbytes(draws.randrange(1, 3000)))
+                sent += 1
         except OSError:
             pass
     time.sleep(0.3)
     run.nodes[0].process.send_signal(signal.SIGINT)
     run.check({130}, "odd bytes")
+    refused = re.search(r"refused (\d+)", run.nodes[0].text)
+    check(refused and int(refused[1]) > 0, f"odd bytes of {sent} connections are counted", run.text())
+    print(f"odd bytes: {refused and refused[1]} refused of {sent} connections")
 
 
 def test_cpp(folder, hosts):
@@ -508,7 +513,8 @@ def main():
     draws = random.Random(options.seed)
     in_namespaces = not options.loopback and has_namespaces()
     if not in_namespaces:
-        print("over loopback: no network namespaces here")
+        # One line for whoever reads the sum: the tests below run, but on no network of their own.
+        print("skipped: runs on several hosts: in network namespaces" + (" (--loopback)" if options.loopback else ", which are not permitted here") + "; over loopback in their place")
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         hosts = Hosts(folder, options.seed, in_namespaces)
