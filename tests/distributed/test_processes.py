@@ -220,6 +220,18 @@ def test_checkpoints(folder, draws, runs):
         second.unlink()
 
 
+def test_frames(folder):
+    """A frame takes all messages that are ready together: with 100 interactions in flight between two nodes there are some 60 messages to a frame."""
+    place = folder / "two.place"
+    place.write_text("node 1\nnode 2\nping[*] on 1\n* on 2\n")
+    command = [BIPC, "run", "--silent", "--stats", "--engine=distributed", "--placement", str(place), "--seed", "1", "--limit", "20000", "--root", "Pairs(100)", str(MODELS / "bench/pingpong.bip")]
+    done = subprocess.run(command, capture_output=True, text=True)
+    said = re.search(r"messages (\d+)[^\n]*\nframes (\d+)", done.stderr)
+    check(done.returncode == 0 and said is not None, "100 in flight run to their limit", done.stdout + done.stderr)
+    messages, frames = (int(word) for word in said.groups())
+    check(messages == 40000 and frames * 5 < messages, f"frames take what is ready together: {frames} frames for {messages} messages", done.stderr)
+
+
 def test_errors(folder):
     """A network that is not there is named, with the package; other commands do not miss it."""
     moved = folder / "alone"
@@ -251,6 +263,7 @@ def main():
         test_interrupt(folder, draws)
         test_orphans(folder)
         test_checkpoints(folder, draws, options.runs)
+        test_frames(folder)
         test_errors(folder)
     check(sockets() <= before, "no socket is left")
     print(f"{passed} passed, {failed} failed")
