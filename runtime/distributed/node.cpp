@@ -34,6 +34,7 @@ bool Node::start(const State& state) {
   // The restored state had candidates of all interactions, and other nodes coordinate most of them.
   partial.drop_held();
   start_locks();
+  link_whole();
   return true;
 }
 
@@ -213,6 +214,59 @@ bool Node::begin(EnabledSet::Position at, u64 step, std::vector<u32>& atoms) {
   std::rotate(outbox_.begin() + begins, outbox_.begin() + end_of_begins, outbox_.end());
   serve();
   return is_evaluated_here;
+}
+
+// Left out, as their steps have more than atoms that act: models with time, and nodes that lock.
+void Node::link_whole() {
+  const Tables& tables = core_.tables();
+  const PartialState& partial = *core_.partial().state();
+  is_whole_.assign(static_cast<u32>(tables.interactions.size()), 0);
+  if (core_.is_timed() || has_split()) return;
+  // By atom: is it at home here, and nothing of it coordinated elsewhere or looked at by what is no part of the step?
+  std::vector<std::uint8_t> stays(core_.image().atoms.size, 0);
+  const ConflictSets& sets = distribution_.sets;
+  const auto is_here = [this](u32 node) { return node == self_ || node == kNone; };
+  for (u32 atom = 0; atom < stays.size(); ++atom) {
+    if (distribution_.home(atom) != self_ || partial.groups_of_atom[atom].size != 0) continue;
+    const auto first = distribution_.offered_at.begin();
+    const bool is_offered_here =
+        sets.by_situation[atom] != 0 ||
+        std::all_of(first + sets.first_place[atom], first + sets.first_place[atom + 1], is_here);
+    stays[atom] = is_offered_here ? 1 : 0;
+  }
+  for (std::size_t row = 0; row < sets.situations.size(); ++row) {
+    const u32 atom = sets.situations[row].atom;
+    if (sets.by_situation[atom] != 0 && !is_here(distribution_.offered_in[row])) stays[atom] = 0;
+  }
+  for (const InteractionId interaction : tables.interactions.ids()) {
+    if (distribution_.coordinator_of[interaction] != self_ || partial.own_group[interaction] != kNone ||
+        partial.groups_of_interaction[interaction].size != 0 ||
+        ports_of_whole(tables.interactions[interaction]).size == 0)
+      continue;
+    const Span<u32> atoms = partial.atoms_of_interaction[interaction];
+    const bool is_whole = std::all_of(atoms.begin(), atoms.end(), [&](u32 atom) { return stays[atom] != 0; });
+    is_whole_[interaction] = is_whole ? 1 : 0;
+  }
+}
+
+// Those of an interaction in which always the same ones take part; none of others.
+Span<u32> Node::ports_of_whole(const InteractionInfo& info) const {
+  return info.kind == InteractionKind::Port ? Span<u32>{&info.row, 1} : core_.tables().fixed_ports(info);
+}
+
+void Node::take_whole(EnabledSet::Position at, u64 step, std::vector<u32>& atoms) {
+  const InteractionId interaction = at.interaction;
+  BIP_ASSERT(is_whole(interaction), "interaction {} is not taken as a whole", interaction);
+  const Tables& tables = core_.tables();
+  for (const u32 port : ports_of_whole(tables.interactions[interaction])) {
+    const u32 atom = tables.port_atom[port];
+    BIP_ASSERT(where_[atom] == Where::Here && is_in_core_[atom] != 0, "atom {} takes part and is not here", atom);
+    atoms.push_back(atom);
+    ++participations_[atom];
+    landed_.push_back(step);
+    if (distribution_.sets.is_told_apart[port] != 0) history_[atom] = tables.connector_of(interaction);
+  }
+  if (!core_.partial().take_whole(at, step)) stop();
 }
 
 void Node::run(std::size_t k) {

@@ -5,7 +5,8 @@
 // It has a core of the whole image. Atoms at home here have their data in it. What it coordinates it begins as the core
 // allows: atoms that are elsewhere, or offered elsewhere, are away, so all that depends on them waits
 // (core/fire/partial.hpp). A step that it begins runs here for the atoms at home here, and is a BEGIN for others;
-// an atom that comes to rest is offered to the one node that coordinates what it can do next.
+// an atom that comes to rest is offered to the one node that coordinates what it can do next. A step of atoms that are
+// at home and always offered here can also be taken as a whole, as a sequential run takes it (take_whole).
 //
 // Split sets (node_locks.cpp): an atom that several coordinators can take stays offered in the core of its home. To
 // offer it in another core is to lock it: an attempt to begin an interaction takes what its coordinator has, goes from
@@ -99,6 +100,11 @@ class Node {
   /// something. Appends the atoms that take part. Returns whether the step has one part more, which lands here: when
   /// what depends on its atoms has been evaluated. A fault of that is a fault of this step.
   bool begin(EnabledSet::Position at, u64 step, std::vector<u32>& atoms);
+  /// Can steps of the interaction be taken by take_whole: all of its atoms are at home here and always offered here,
+  /// and nothing else depends on them? Of a node that is observed none: its events are those of steps in parts.
+  [[nodiscard]] bool is_whole(InteractionId interaction) const { return is_whole_[interaction] != 0 && !observer_; }
+  /// As begin, and runs all actions of the step, which is_whole, at once: when it returns the step has ended.
+  void take_whole(EnabledSet::Position at, u64 step, std::vector<u32>& atoms);
   /// The interaction of a split set that must begin next, as all that it needs is locked here: the caller chooses one
   /// of its candidates. kNone: there is none.
   [[nodiscard]] InteractionId locked_interaction() const {
@@ -165,6 +171,8 @@ class Node {
   void take(const Release& release);
   void take(const Wake& wake);
   void land_evaluated();
+  void link_whole();
+  [[nodiscard]] Span<u32> ports_of_whole(const InteractionInfo& info) const;
   void come_to_rest(u32 atom);
   void change(u32 atom);
   void receive(const Offer& offer);
@@ -231,6 +239,7 @@ class Node {
   };
   std::vector<Unevaluated> unevaluated_;
   std::vector<u32> enabled_, ports_, changed_;  // scratch
+  IndexVector<InteractionId, std::uint8_t> is_whole_;
   NodeCounts counts_;
   Moment moment_;
   NodeObserver observer_;

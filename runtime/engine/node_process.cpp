@@ -16,6 +16,9 @@ namespace {
 
 constexpr i64 kQuiet = 2000000;              // ns of rest before it is reported; with time none: each instant waits
 constexpr i64 kSendWhile = 100000;           // ns of actions after which what is ready is sent
+constexpr i64 kBeforeLook = 100000;          // ns of steps of atoms at home here before the node looks what came
+constexpr u64 kQuickSteps = 32;              // steps from one reading of the clock to the next, if actions are short
+constexpr i64 kQuick = 3000;                 // ns of a step up to which they are
 constexpr i64 kLastWords = 2000000000;       // ns to wait for the launcher to hear them
 constexpr i64 kLook = 1000000000;            // ns between looks whether the launcher is there
 constexpr int kGoodbyes = 4, kGoodbye = 50;  // ms
@@ -89,12 +92,13 @@ bool NodeProcess::run(const State& initial) {
     }
     for (const ReceivedMessage& heard : heard_) take(heard);
     end_parkings(now);
-    has_work = has_worked();
+    has_work = has_worked(now);
     release_held();
     if (wants_collection(setup_.image)) free_strings();
-    if (!has_work) report(wall_clock());
-    station_.send(wall_clock());
-    station_.tick(wall_clock());
+    now = wall_clock();
+    if (!has_work) report(now);
+    send(now);
+    station_.tick(now);
     if (is_finished_ && leave_at == 0) leave_at = wall_clock() + kLastWords;
   }
 }
@@ -143,6 +147,12 @@ i64 NodeProcess::next_due(bool has_work) const {
 
 void NodeProcess::say(Control::Kind kind, std::vector<u64> numbers, std::vector<std::string> texts) {
   station_.say(launcher_, Control{kind, std::move(numbers), std::move(texts)});
+  has_unsent_ = true;
+}
+
+void NodeProcess::send(i64 now) {
+  station_.send(now);
+  has_unsent_ = has_mail_ = false;
 }
 
 void NodeProcess::take(const ReceivedMessage& heard) {
@@ -250,23 +260,46 @@ void NodeProcess::end_parkings(i64 now) {
   }
 }
 
-// Begins what may begin, then runs what is to be run. False: there was nothing.
-bool NodeProcess::has_worked() {
+// Takes turns until nothing is left to do, another node is to get a message, or a message may have come for a while: a
+// look at the sockets costs as much as dozens of steps. The clock is read after each turn while actions are long.
+// False: nothing is left to do.
+bool NodeProcess::has_worked(i64 now) {
+  const i64 until = now + kBeforeLook;
+  u64 steps_before = steps_;
+  while (has_taken_turn()) {
+    const bool must_end = has_mail_ || wants_collection(setup_.image);
+    const u64 steps = steps_ - steps_before;
+    if (is_quick_ && steps < kQuickSteps && !must_end) continue;
+    const i64 read_before = now;
+    now = wall_clock();
+    is_quick_ = now - read_before < kQuick * static_cast<i64>(std::max<u64>(steps, 1));
+    if (must_end || now >= until) return true;
+    steps_before = steps_;
+  }
+  return false;
+}
+
+// Begins what may begin, then runs what is to be run. Where actions are short, steps of atoms at home here are taken as
+// a whole; where they are long, all that other nodes are to do begins before them. False: there was nothing.
+bool NodeProcess::has_taken_turn() {
   std::size_t begun = 0;
   while (begun < kMostBegun && (has_tried() || has_begun())) ++begun;
   post();
-  if (node_.work_count() != 0 && begun != 0) station_.send(wall_clock());
+  if (node_.work_count() != 0 && begun != 0 && has_unsent_) send(wall_clock());
   const std::size_t works = node_.work_count();
   if (works != 0) {
-    i64 sent_at = wall_clock();
+    // Since when something is to be sent.
+    i64 ready_at = 0;
     while (node_.work_count() != 0) {
       node_.run(node_.work_count() - 1);
       if (watch_) watch_->note_steps();
-      if (const i64 now = wall_clock(); now - sent_at > kSendWhile) {
-        post();
-        station_.send(now);
-        sent_at = now;
-      }
+      if (!writes_ && node_.outbox().empty()) continue;
+      const i64 now = wall_clock();
+      if (ready_at == 0) ready_at = now;
+      if (now - ready_at <= kSendWhile) continue;
+      post();
+      send(now);
+      ready_at = 0;
     }
     post();
   }
@@ -307,7 +340,13 @@ bool NodeProcess::has_begun() {
   scheduler_.fired(at.interaction);
   time_.fired(at.interaction);
   atoms_.clear();
-  const bool is_evaluated = node_.begin(at, step, atoms_);
+  bool is_evaluated = false;
+  if (is_quick_ && node_.is_whole(at.interaction)) {
+    node_.take_whole(at, step, atoms_);
+    if (watch_) watch_->note_steps();
+  } else {
+    is_evaluated = node_.begin(at, step, atoms_);
+  }
   ++steps_;
   const bool is_border = std::any_of(atoms_.begin(), atoms_.end(),
                                      [&](u32 atom) { return setup_.distribution.home(atom) != setup_.self; });
@@ -318,7 +357,7 @@ bool NodeProcess::has_begun() {
     if (is_evaluated) numbers.push_back(setup_.self);
     say(Control::Kind::Begun, std::move(numbers), {std::move(text_.out), std::move(text_.trace)});
   }
-  post();
+  if (!node_.outbox().empty()) post();
   return true;
 }
 
@@ -341,6 +380,7 @@ void NodeProcess::post() {
   const u64 frame = launcher.next_number() + (unsaid + Link::kMostMessages - 1) / Link::kMostMessages - 1;
   for (Outgoing& outgoing : node_.outbox()) {
     ++sent_[outgoing.to];
+    has_mail_ = has_unsent_ = true;
     if (holds_) held_.push_back({frame, std::move(outgoing)});
     else station_.say(outgoing.to, std::move(outgoing.message));
   }
@@ -352,6 +392,7 @@ void NodeProcess::release_held() {
   while (!held_.empty() && held_.front().frame <= confirmed) {
     station_.say(held_.front().outgoing.to, std::move(held_.front().outgoing.message));
     held_.pop_front();
+    has_unsent_ = true;
   }
 }
 

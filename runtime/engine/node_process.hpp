@@ -2,7 +2,8 @@
 // other nodes and to the launcher (launcher.hpp), over a fabric.
 //
 // One thread: what came is taken, all steps that may begin are begun, actions are run, and what is to be said goes out
-// in as few frames as that allows. With nothing to do it sleeps.
+// in as few frames as that allows. While its own steps are short it goes on with them for 0.1 ms before it looks what
+// came, unless it has something to say to another node. With nothing to do it sleeps.
 #pragma once
 #include <deque>
 #include <optional>
@@ -66,11 +67,13 @@ class NodeProcess {
   void take(const ReceivedMessage& heard);
   void take_control(const Control& control);
   void give_back();
-  [[nodiscard]] bool has_worked();
+  [[nodiscard]] bool has_worked(i64 now);
+  [[nodiscard]] bool has_taken_turn();
   [[nodiscard]] bool has_tried();
   [[nodiscard]] bool has_begun();
   void describe(EnabledSet::Position at);
   void post();
+  void send(i64 now);
   void release_held();
   void end_parkings(i64 now);
   void report(i64 now);
@@ -107,6 +110,9 @@ class NodeProcess {
   bool is_halted_ = false, is_paused_ = false, is_idle_ = false, is_finished_ = false;
   std::vector<u64> sent_, received_;  // by node: offers, begins, stops
   std::deque<Held> held_;
+  // Since the last send: is there a message to anyone, or to another node?
+  bool has_unsent_ = false, has_mail_ = false;
+  bool is_quick_ = false;  // do steps take so little time that the clock is not read after each?
   // Attempts that were parked here: until when, and their numbers (Node::Parking).
   using ParkedUntil = std::pair<i64, u64>;
   std::priority_queue<ParkedUntil, std::vector<ParkedUntil>, std::greater<>> parked_;

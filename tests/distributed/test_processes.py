@@ -175,6 +175,27 @@ def test_interrupt(folder, draws):
         run.check({128 + signal_number}, f"signal {signal_number}")
 
 
+def wake_ups(pid):
+    """How often the threads of a process have gone to sleep of their own will."""
+    return sum(int(re.search(r"^voluntary_ctxt_switches:\s+(\d+)", (task / "status").read_text(), re.M)[1]) for task in pathlib.Path(f"/proc/{pid}/task").iterdir())
+
+
+def test_idle(folder):
+    """Nodes that wait for one that stands still sleep: the launcher asks each once a second, and a node that looked on a clock of its own would wake far more often."""
+    run = Run(folder, MODELS / "bench/ring.bip", "Ring(9)", "--nodes", "3")
+    processes = run.nodes(3)
+    time.sleep(0.3)
+    os.kill(processes[0], signal.SIGSTOP)
+    time.sleep(1)
+    before = [wake_ups(pid) for pid in processes[1:]]
+    time.sleep(2)
+    woken = [now - then for now, then in zip((wake_ups(pid) for pid in processes[1:]), before)]
+    os.kill(processes[0], signal.SIGCONT)
+    check(max(woken) <= 200, "idle nodes sleep", f"wake-ups in two seconds: {woken}")
+    run.process.send_signal(signal.SIGINT)
+    run.check({130}, "a run that was idle")
+
+
 def test_orphans(folder):
     run = Run(folder, MODELS / "bench/ring.bip", "Ring(9)", "--nodes", "3")
     processes = run.nodes(3)
@@ -261,6 +282,7 @@ def main():
         test_fault(folder)
         test_kill(folder, draws, options.runs)
         test_interrupt(folder, draws)
+        test_idle(folder)
         test_orphans(folder)
         test_checkpoints(folder, draws, options.runs)
         test_frames(folder)

@@ -10,7 +10,7 @@
 namespace bip::rt {
 
 bool Firing::fire(const Candidate& candidate) {
-  if (!core_.partial.is_on()) {
+  if (!core_.partial.is_beginning()) {
     const u32* program = core_.programs.program_of(candidate.interaction);
     if (*program != kNone) return core_.programs.run(program, candidate.interaction);
   }

@@ -179,6 +179,23 @@ bool PartialSteps::begin(EnabledSet::Position at, u64 step, std::vector<Work>& w
   return sound;
 }
 
+bool PartialSteps::take_whole(EnabledSet::Position at, u64 step) {
+  PartialState& p = *state_;
+  BIP_ASSERT(core_.enabled.has(at) && p.groups_of_interaction[at.interaction].size == 0 && !is_beginning_,
+             "interaction {} is not taken as a whole", at.interaction);
+  p.step = step;
+  p.noted = false;
+  u32 order = 0;
+  for (const u32 atom : p.atoms_of_interaction[at.interaction]) {
+    p.last_step[atom] = step;
+    p.order[atom] = order++;
+  }
+  core_.fault = {};
+  const bool is_sound = core_.firing.fire(core_.candidate(at));
+  if (!is_sound && !p.noted) note_fault(step, 0);
+  return is_sound;
+}
+
 // From now on the atom offers nothing. A simple type's ports follow its place, so it is nowhere.
 void PartialSteps::withdraw(u32 atom) {
   const AtomInfo& info = core_.atoms[atom];

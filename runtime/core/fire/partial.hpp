@@ -103,6 +103,9 @@ class PartialSteps {
   [[nodiscard]] bool is_decided(InteractionId interaction) const;
   /// Begins the step. Appends what must run then, also if it returns false: a fault.
   bool begin(EnabledSet::Position at, u64 step, std::vector<Work>& works);
+  /// Takes the step as a whole: all that take part, of atoms that are at rest and have their data and actions here, are
+  /// at rest and offered here again. Requires an interaction that depends on no group, without time. False: a fault.
+  bool take_whole(EnabledSet::Position at, u64 step);
   /// Runs the work's action; returns its status.
   [[nodiscard]] std::int32_t run(const Work& work);
   /// Lets the action take effect. More: the work must run again.

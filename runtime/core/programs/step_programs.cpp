@@ -244,7 +244,7 @@ bool StepPrograms::run(const u32* word, InteractionId interaction) {
     if (!run_codes(word, before, interaction, Half::Before)) return false;
     word += std::size_t{before} * 3;
   }
-  BIP_ASSERT(!core_.partial.is_on(), "a program in a partial state");
+  BIP_ASSERT(!core_.partial.is_beginning(), "a program takes a step as a whole");
   for (; places > 0; --places, word += 2) core_.memory.places[word[0]] = word[1];
   if (after != 0) {
     if (!run_codes(word, after, interaction, Half::After)) return false;
@@ -286,7 +286,7 @@ bool StepPrograms::run(const u32* word, InteractionId interaction) {
     const InteractionId changed(*touched);
     if (core_.ports.is_available(changed)) core_.ports.mark_dirty(changed);
   }
-  return core_.settle();
+  return core_.partial.is_on() ? core_.partial.settle() : core_.settle();
 }
 
 }  // namespace bip::rt

@@ -1192,6 +1192,89 @@ TEST_CASE("nodes count the candidates that they coordinate, and no others") {
   CHECK(counted == 4);
 }
 
+namespace {
+
+// The same steps at one node, in parts and as a whole where that is possible. Returns how many were taken as a whole.
+int check_whole(const Image& image, const Placement& placement, int steps) {
+  Core core(image);
+  REQUIRE(core.initialize());
+  const Distribution distribution = distribute(core.tables(), core.priorities(), placement);
+  Node in_parts(image, {}, distribution, 0), as_whole(image, {}, distribution, 0);
+  REQUIRE(in_parts.start(core.snapshot()));
+  REQUIRE(as_whole.start(core.snapshot()));
+  std::vector<u32> atoms, same_atoms;
+  int whole = 0;
+  for (int step = 1; step <= steps && in_parts.core().candidate_count() != 0; ++step) {
+    REQUIRE(as_whole.core().candidate_count() == in_parts.core().candidate_count());
+    const u64 k = static_cast<u64>(step) * 7 % in_parts.core().candidate_count();
+    const EnabledSet::Position at = in_parts.core().position(k);
+    const auto take_in_parts = [&](Node& node, std::vector<u32>& taken) {
+      node.begin(at, static_cast<u64>(step), taken);
+      while (node.work_count() != 0) node.run(0);
+    };
+    take_in_parts(in_parts, atoms);
+    if (as_whole.is_whole(at.interaction)) {
+      as_whole.take_whole(at, static_cast<u64>(step), same_atoms);
+      CHECK(as_whole.work_count() == 0);
+      ++whole;
+    } else {
+      take_in_parts(as_whole, same_atoms);
+    }
+    CHECK(same_atoms == atoms);
+    CHECK(as_whole.landed() == in_parts.landed());
+    const PartialState& partial = *in_parts.core().partial().state();
+    const PartialState& same = *as_whole.core().partial().state();
+    CHECK(as_whole.is_stopped() == in_parts.is_stopped());
+    CHECK(same.fault.code == partial.fault.code);
+    CHECK(same.fault.atom == partial.fault.atom);
+    CHECK(same.fault_step == partial.fault_step);
+    // Behind a fault the other atoms of a step in parts still act, as those of other nodes do.
+    if (as_whole.is_stopped()) break;
+    CHECK(as_whole.outbox().size() == in_parts.outbox().size());
+    State state = core.snapshot(), same_state = core.snapshot();
+    SavedTime time, same_time;
+    in_parts.save(state, time);
+    as_whole.save(same_state, same_time);
+    CHECK((same_state == state));
+    for (u32 atom = 0; atom < image.atoms.size; ++atom) CHECK(as_whole.history(atom) == in_parts.history(atom));
+  }
+  return whole;
+}
+
+}  // namespace
+
+TEST_CASE("a step of atoms at home on one node is the same as a whole and in parts") {
+  // One pair has its halves on two nodes; its steps and only they are in parts.
+  ImageBuilder pairs;
+  build_pairs(pairs, 8);
+  Placement placement;
+  placement.nodes = {"1", "2"};
+  placement.home = {0, 0, 0, 0, 0, 1, 1, 1};
+  const int whole = check_whole(pairs.image(), placement, 200);
+  CHECK(whole > 100);
+  CHECK(whole < 200);
+  for (const bool deadlocks : {false, true}) {
+    ImageBuilder table;
+    build_philosophers(table, 5, deadlocks);
+    placement.home.assign(table.image().atoms.size, 0);
+    CHECK(check_whole(table.image(), placement, 200) > 5);
+  }
+  ImageBuilder faulty;
+  faulty.atom_type({.name = "A",
+                    .data = {"x"},
+                    .ports = {{.name = "go"}},
+                    .places = {"S"},
+                    .initial = {"S"},
+                    .transitions = {{"go", {"S"}, {"S"}, nullptr, [](Cell* self, Cell*, const u32*) {
+                                       return ++self[0].i < 3 ? 1 : 2;
+                                     }}}});
+  faulty.connector_type({.name = "Two", .params = {{"p", 0}, {"q", 0}}, .define = "p q"});
+  for (const char* name : {"a", "b"}) faulty.atom(name, "A");
+  faulty.connector("ab", "Two", {"a.go", "b.go"});
+  placement.home.assign(2, 0);
+  CHECK(check_whole(faulty.image(), placement, 10) == 3);
+}
+
 TEST_CASE("the same seed gives the same simulated run") {
   ImageBuilder b;
   build_philosophers(b, 6, false);
