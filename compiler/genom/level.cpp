@@ -328,7 +328,8 @@ class LevelWriter {
     for (const Wire& w : wires) {
       for (const std::string& value : p.values) {
         Wire next = w;
-        const std::string bare = p.type == ValueType::Text ? value.substr(1, value.size() - 2) : value;
+        std::string bare = p.type == ValueType::Text ? value.substr(1, value.size() - 2) : value;
+        if (p.type != ValueType::Text && bare.starts_with('-')) bare.replace(0, 1, "minus_");
         next.name = bip_name(fmt::format("{}_{}_{}", next.name, p.name, bare));
         next.ports.push_back(parts_.parameters[row] + ".set");
         next.action += fmt::format("{}{}.set.asked <- {}", next.action.empty() ? "" : "; ", parts_.parameters[row],

@@ -30,6 +30,10 @@ std::int64_t steps_of_age(Span span, const GenerateOptions& options, std::int64_
 }
 
 std::string ten_thousandths(const std::string& fraction) {
+  if (fraction.starts_with('-')) {
+    const std::string size = ten_thousandths(fraction.substr(1));
+    return size == "0" ? size : "-" + size;
+  }
   const std::size_t dot = std::min(fraction.find('.'), fraction.size());
   std::int64_t value = 0;
   for (std::size_t i = 0, digits = 0; digits < dot + 4; ++i) {
@@ -130,8 +134,9 @@ std::string ConditionWriter::write(const Condition& c, std::vector<std::string>*
   std::string sides[2];
   for (std::size_t i = 0; i < 2; ++i) {
     const Condition& of = c.operands[i];
-    const bool is_bare =
-        of.kind != ConditionKind::Operator && of.kind != ConditionKind::Fresh && of.kind != ConditionKind::Below;
+    const bool is_negative = of.kind == ConditionKind::Number && (of.number < 0 || of.text.starts_with('-'));
+    const bool is_bare = of.kind != ConditionKind::Operator && of.kind != ConditionKind::Fresh &&
+                         of.kind != ConditionKind::Below && !(is_negative && i == 1);
     sides[i] = is_bare ? write(of, ports) : "(" + write(of, ports) + ")";
   }
   return fmt::format("{} {} {}", sides[0], c.text, sides[1]);

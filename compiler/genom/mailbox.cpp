@@ -25,7 +25,15 @@ std::string takes(const std::string& text, const std::string& input, const std::
       text, input, number);
 }
 
-// "NDD.GoTo activity x:number;NDD.Stop control overtakes stops=NDD.GoTo"
+// As read_services() (bip/service_requests.hpp) reads it.
+std::string words_of(const RequestParameter& p) {
+  std::string out;
+  for (const std::string& word : p.words) out += (out.empty() ? "=" : "|") + word.substr(1, word.size() - 2);
+  std::replace(out.begin(), out.end(), ' ', '~');
+  return out;
+}
+
+// "NDD.GoTo activity x:number;NDD.Stop control overtakes stops=NDD.GoTo;VIAM.Acquire activity camera:word=Left|Right"
 std::string directory(const std::vector<RequestSpec>& requests) {
   std::string out;
   for (const RequestSpec& r : requests) {
@@ -33,7 +41,8 @@ std::string directory(const std::vector<RequestSpec>& requests) {
     if (r.overtakes) out += " overtakes";
     if (r.may_be_bare) out += " bare";
     for (const std::string& stopped : r.stops) out += " stops=" + stopped;
-    for (const RequestParameter& p : r.parameters) out += fmt::format(" {}:{}", p.name, p.is_text ? "word" : "number");
+    for (const RequestParameter& p : r.parameters)
+      out += fmt::format(" {}:{}{}", p.name, p.is_text ? "word" : "number", words_of(p));
   }
   return out;
 }
@@ -59,7 +68,9 @@ std::vector<RequestSpec> request_specs_of(const Plan& plan, std::size_t index, c
     if (!r.overtakes) r.stops.clear();
     if (!r.stops.empty()) r.event = "accepted_" + plan.services[i].id;
     for (const ParameterRow& p : constraints.parameters) {
-      if (p.service == ServiceRef{index, i}) r.parameters.push_back({p.name, p.type == ValueType::Text});
+      if (p.service != ServiceRef{index, i}) continue;
+      const bool is_text = p.type == ValueType::Text;
+      r.parameters.push_back({p.name, is_text, is_text ? p.values : std::vector<std::string>()});
     }
     all.push_back(std::move(r));
   }

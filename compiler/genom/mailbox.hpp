@@ -13,6 +13,7 @@ namespace bip::genom {
 struct RequestParameter {
   std::string name;
   bool is_text = false;
+  std::vector<std::string> words{};  // of a text: those that rules declare, as BIP writes them; none: any word
 };
 /// What a module may be asked for.
 struct RequestSpec {

@@ -1,8 +1,8 @@
 // Conditions, by precedence climbing; depth is limited, so that a text can't exhaust the stack.
 //
 //   condition = C's || && == != < <= > >= + - * ! ( ) over
-//               NUMBER | STRING | NAME | SERVICE.active | SERVICE.done | SERVICE.PARAMETER | request.PARAMETER |
-//               total(PARAMETER)
+//               [ '-' ] NUMBER | STRING | NAME | SERVICE.active | SERVICE.done | SERVICE.PARAMETER | request.PARAMETER
+//               | total(PARAMETER)
 //             | POSTER is fresh within TIME | POSTER.age
 //             | POSTER.VALUE | VALUE | … in '[' LEAST ',' MOST ']'
 //             | silent for TIME | MODULE is silent for TIME | SERVICE.failed | SERVICE.lost | SERVICE.late |
@@ -76,6 +76,11 @@ class ConditionParser {
       return at_.name(into.name, "a parameter");
     }
     if (token.kind == genom::TokenKind::Number) return number(into);
+    if (at_.accept("-")) {
+      if (at_.peek().kind == genom::TokenKind::Number) return negative(into);
+      at_.unexpected("a number after `-`");
+      return false;
+    }
     if (token.kind == genom::TokenKind::String) {
       into.kind = ExprKind::Text;
       into.text = at_.take().text;
@@ -144,6 +149,14 @@ class ConditionParser {
     }
     at_.unexpected("a whole number that fits 32 bits, or digits with a dot, at most four on either side");
     return false;
+  }
+
+  bool negative(Expr& into) {
+    into.range.end = at_.peek().range.end;
+    if (!number(into)) return false;
+    into.number = -into.number;
+    if (!into.text.empty()) into.text.insert(0, "-");
+    return true;
   }
 
   // S or S().

@@ -1,6 +1,7 @@
 // One row a rule; words of the language are words only where a rule expects them, so modules may use them as names.
 //
-//   file      = 'rules' NAME ';' { item }
+//   file      = 'rules' NAME ';' { item }        (a VALUE is a word, a string, or a number, of which `-` may stand
+//             before)
 //   item      = 'modules' STRING { ',' STRING } [ 'with' STRING ] ';'
 //             | 'parameter' NAME 'of' paths ':' VALUE { ',' VALUE } ';'
 //             | 'value' NAME 'of' path ':' VALUE { ',' VALUE } ';'
@@ -157,6 +158,8 @@ class RulesParser {
   // Numbers, of which one with a fraction makes fractions of all, or words.
   bool listed(genom::ValueType& all, std::vector<std::string>& values) {
     do {
+      const bool is_negative = at_.at("-") && at_.peek(1).kind == genom::TokenKind::Number;
+      if (is_negative) at_.take();
       const genom::Token& token = at_.peek();
       std::int64_t whole = 0;
       const bool is_int =
@@ -172,7 +175,7 @@ class RulesParser {
         return false;
       }
       all = values.empty() || type == genom::ValueType::Float ? type : all;
-      values.push_back(is_int ? std::to_string(whole) : std::string(token.text));
+      values.push_back((is_negative ? "-" : "") + (is_int ? std::to_string(whole) : std::string(token.text)));
       at_.take();
     } while (at_.accept(","));
     return true;

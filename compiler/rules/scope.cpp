@@ -110,8 +110,8 @@ std::vector<std::string> NameScope::written(const Name& name, genom::ValueType t
   std::vector<std::string> out;
   for (const std::string& v : values) {
     const bool is_whole = v.find('.') == std::string::npos;
-    if (type == genom::ValueType::Float && is_whole && v.size() > 4)
-      diags_.report(Diag::kB6010, name.range, "a number beside a fraction", v, 0, kMostWhole);
+    if (type == genom::ValueType::Float && is_whole && v.size() > (v.starts_with('-') ? 5U : 4U))
+      diags_.report(Diag::kB6010, name.range, "a number beside a fraction", v, -kMostWhole, kMostWhole);
     out.push_back(type == genom::ValueType::Text                ? "\"" + v + "\""
                   : type == genom::ValueType::Float && is_whole ? v + ".0"
                                                                 : v);
@@ -403,9 +403,10 @@ Type NameScope::combine(const Expr& e, Subject subject, Moment moment, Condition
   for (std::size_t i = 0; i < 2 && e.operands.size() == 2 && !is_logic; ++i) {
     Condition& of = into.operands[i];
     if (types[i] != Type::Int || types[1 - i] != Type::Float || of.kind != ConditionKind::Number) continue;
-    if (of.number > kMostWhole)
-      diags_.report(Diag::kB6010, e.operands[i].range, "a number beside a fraction", of.number, 0, kMostWhole);
-    of.text = std::to_string(std::min(of.number, kMostWhole)) + ".0";
+    if (of.number > kMostWhole || of.number < -kMostWhole)
+      diags_.report(Diag::kB6010, e.operands[i].range, "a number beside a fraction", of.number, -kMostWhole,
+                    kMostWhole);
+    of.text = std::to_string(std::clamp(of.number, -kMostWhole, kMostWhole)) + ".0";
     types[i] = Type::Float;
   }
   const bool is_fraction = types[0] == Type::Float;

@@ -27,7 +27,8 @@ exec_task Motion {{ period: 2; }};
 RULES = """rules level;
 modules "north.gen", "south.gen" with "side.yields";
 parameter speed of north.Go: 10, 20;
-north.Go requires request.speed <= 100 report "TOO-FAST";
+north.Go requires request.speed in [-50, 100] report "TOO-FAST";
+parameter gear of south.Slow: first, "far reverse";
 late: when north.Slow.late run north.Stop;
 """
 # An activity goes on until it is told to stop. Times are counted in ticks of 10 ms.
@@ -138,6 +139,7 @@ def main():
         with level.client:
             refusals(level)
             values(level)
+            words(level)
             one_value(level)
             stops_first(level)
             taken_back(level)
@@ -182,7 +184,7 @@ def over_budget(level):
 
 def values(level):
     """Parameters are data: the rule's condition judges any value."""
-    for value in ("300", "100.5", "1e3"):
+    for value in ("300", "100.5", "1e3", "-51", "-50.5"):
         check(f"TOO-FAST speaks for {value}", level.final(level.ask(f"north.Go({value})", {"id": "too fast"})) == "TOO-FAST")
     go = level.ask("north.Go(99.5)", {"id": 3})
     check("99.5 is accepted", level.accepted(go) == ("intermediate", "OK"), level.replies)
@@ -192,6 +194,15 @@ def values(level):
     go = level.ask(" north.Go\t( 98.5 )", {"speed": 98.5})
     check("blanks do not matter", level.accepted(go) == ("intermediate", "OK") and level.final(level.ask("south.Mark( )", "bare")) == "OK", level.replies)
     check("also of a stop", level.final(level.ask(" north.Stop ()")) == "OK" and level.final(go) == "ACTIVITY_INTERRUPTED", level.replies)
+
+
+def words(level):
+    """Rules are about the words that they declare: another one would pass each of them."""
+    for service, input in (("south.Slow(First)", ""), ("south.Slow(second)", ""), ("south.Slow(far~reverse)", ""), ("south.Slow(first|far reverse)", ""), ('south.Slow("first")', ""), ("south.Slow", {"gear": "second"})):
+        said = level.refusal(service=service, input=input)
+        check(f"`{service}` with {input} is refused", said and said.startswith("`gear` is one of first, far reverse, not `"), said)
+    for service, input in (("south.Slow(first)", ""), ("south.Slow( far reverse )", ""), ("south.Slow", {"gear": "far reverse"})):
+        check(f"`{service}` with {input} is accepted", level.final(level.ask(service, input)) == "OK", level.replies)
 
 
 def one_value(level):

@@ -64,9 +64,34 @@ inline bool read_request_number(std::string_view text, double& number) {
 struct ParameterText {
   std::string_view name;
   bool is_word = false;  // else it is a number
+  // Which words there are, separated by `|`, with `~` for a blank: "Left|Far~right". Empty: any.
+  std::string_view words{};
+
+  [[nodiscard]] bool has_word(std::string_view word) const {
+    if (words.empty()) return true;
+    for (std::string_view rest = words; true;) {
+      const std::size_t end = std::min(rest.find('|'), rest.size());
+      const std::string_view known = rest.substr(0, end);
+      if (known.size() == word.size() && std::equal(known.begin(), known.end(), word.begin(), [](char a, char b) {
+            return a == b ? a != '~' : a == '~' && b == ' ';
+          }))
+        return true;
+      if (end == rest.size()) return false;
+      rest.remove_prefix(end + 1);
+    }
+  }
+  /// For a reader: "Left, Far right".
+  [[nodiscard]] std::string words_told() const {
+    std::string told;
+    for (const char c : words) {
+      if (c == '|') told += ", ";
+      else told += c == '~' ? ' ' : c;
+    }
+    return told;
+  }
 };
 /// A service, as a mailbox describes it: "NDD.Stop control overtakes stops=NDD.GoTo", "Battery.Use activity
-/// power:number".
+/// power:number", "VIAM.Acquire activity camera:word=Left|Right".
 struct ServiceText {
   std::string_view name;
   bool is_control = false;   // over at once
@@ -88,6 +113,10 @@ struct ServiceText {
       if (!parameters[k].is_word && !read_request_number(request.values[k], number))
         return std::string("`").append(parameters[k].name).append("` is a number, not `").append(request.values[k]) +
                "`";
+      // No rule was written for another word: none would refuse it.
+      if (parameters[k].is_word && !parameters[k].has_word(request.values[k]))
+        return std::string("`").append(parameters[k].name).append("` is one of ") + parameters[k].words_told() +
+               ", not `" + std::string(request.values[k]) + "`";
     }
     return {};
   }
@@ -111,8 +140,12 @@ inline std::vector<ServiceText> read_services(std::string_view services) {
       else if (word == "overtakes") service.overtakes = true;
       else if (word == "bare") service.may_be_bare = true;
       else if (word.starts_with("stops=")) service.stops.push_back(word.substr(6));
-      else if (colon != std::string_view::npos)
-        service.parameters.push_back({word.substr(0, colon), word.substr(colon + 1) == "word"});
+      else if (colon != std::string_view::npos) {
+        const std::string_view type = word.substr(colon + 1);
+        const std::size_t equals = std::min(type.find('='), type.size());
+        const std::string_view words = type.substr(std::min(equals + 1, type.size()));
+        service.parameters.push_back({word.substr(0, colon), type.substr(0, equals) == "word", words});
+      }
     }
     if (!service.name.empty()) all.push_back(std::move(service));
   }
