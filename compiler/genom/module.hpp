@@ -75,8 +75,9 @@ struct Service {
   bool validate_fails = true;  // the side file may say that it never refuses
   std::vector<Codel> body;     // of a control service
   bool body_fails = true;
-  Activity activity;          // of an execution service
-  std::vector<Name> reports;  // the service's own
+  Activity activity;                // of an execution service
+  std::vector<Name> reports;        // the service's own
+  std::vector<std::string> inputs;  // GenoM 3: names of the parameters that a request brings
   bool interrupts_all = false;
   std::vector<Name> interrupts;
   std::vector<std::size_t> interrupted;  // indices, execution services only

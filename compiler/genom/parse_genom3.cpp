@@ -415,7 +415,7 @@ class Genom3Parser {
     s.kind = kind == "activity" ? ServiceKind::Execution : ServiceKind::Control;
     std::vector<DataUse> uses;
     if (!v3::parse_parameters(in_, kind == "attribute" ? v3::ParametersOf::Attribute : v3::ParametersOf::Codel,
-                              parsed.locals, uses))
+                              parsed.locals, uses, s.inputs))
       return false;
     if (kind == "attribute") s.body.push_back({{}, std::move(uses)});
     if (in_.accept("{")) {

@@ -35,10 +35,11 @@ struct ParsedCodel {
 [[nodiscard]] std::optional<std::int64_t> scaled(std::string_view number, std::int64_t unit);
 /// `id(params)`.
 [[nodiscard]] bool parse_call(Cursor& in, Codel& into);
-/// The parameters of a service, from `(` to `)`. Of an attribute the paths are ids members: they become `uses`.
+/// The parameters of a service, from `(` to `)`; `inputs` are those that a request brings. Of an attribute the paths
+/// are ids members: they become `uses`.
 enum class ParametersOf : std::uint8_t { Attribute, Codel };
 [[nodiscard]] bool parse_parameters(Cursor& in, ParametersOf owner, std::set<std::string>& locals,
-                                    std::vector<DataUse>& uses);
+                                    std::vector<DataUse>& uses, std::vector<std::string>& inputs);
 /// Names that are declared by `type declarator{,declarator}`, up to and without the `;`.
 [[nodiscard]] bool parse_declared_names(Cursor& in, std::set<std::string>& names);
 

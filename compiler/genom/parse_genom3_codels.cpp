@@ -143,7 +143,8 @@ bool parse_codel(Cursor& in, ParsedCodel& into) {
   return !in.accept("wcet") || parse_wcet(in, into.codel);
 }
 
-bool parse_parameters(Cursor& in, ParametersOf owner, std::set<std::string>& locals, std::vector<DataUse>& uses) {
+bool parse_parameters(Cursor& in, ParametersOf owner, std::set<std::string>& locals, std::vector<DataUse>& uses,
+                      std::vector<std::string>& inputs) {
   if (!in.at("(")) return in.expect("(");
   in.take();
   while (!in.at(")") && !in.at_end()) {
@@ -174,6 +175,7 @@ bool parse_parameters(Cursor& in, ParametersOf owner, std::set<std::string>& loc
       return false;
     }
     locals.insert(last);
+    if (writes) inputs.push_back(last);
     if (owner == ParametersOf::Attribute) uses.push_back({"ids:" + first, writes});
     if (!in.accept(",") && !in.at(")")) return in.expect(")");
   }

@@ -123,6 +123,16 @@ void NameScope::parameter(const ParameterDecl& decl) {
   for (const Path& path : decl.services) {
     const auto s = service(path);
     if (!s) continue;
+    // GenoM 2 does not name parameters, GenoM 3 does: the codels would never get the value of another one.
+    const std::vector<std::string>& inputs = at(*s).inputs;
+    if (modules_[s->module].generation == 3 &&
+        std::find(inputs.begin(), inputs.end(), decl.name.text) == inputs.end()) {
+      auto d = diags_.report(Diag::kB6105, decl.name.range, "`" + text(*s) + "`", decl.name.text);
+      for (const std::string& similar : similar_names(decl.name.text, inputs))
+        d.help(fmt::format("there is `{}`", similar), decl.name.range, similar);
+      d.label(path.range(), inputs.empty() ? "a request for it brings no parameter"
+                                           : fmt::format("a request for it brings {}", fmt::join(inputs, ", ")));
+    }
     for (const genom::ParameterRow& p : constraints_.parameters) {
       if (p.service == *s && p.name == decl.name.text)
         diags_.report(Diag::kB6013, decl.name.range, "parameter", decl.name.text);

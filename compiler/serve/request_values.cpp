@@ -90,9 +90,6 @@ std::string settle_values(const ServiceText& service, InputProblem input_problem
       ++given;
     } else if (!is_bare && input_problem != nullptr) {
       (*object)[name] = json_value(values[k], is_word);
-      // A parameter of the rule alone.
-      if (input_problem(std::string(service.name).c_str(), printed(*object).c_str()) == no_parameter(name))
-        object->erase(name);
     }
   }
   if (is_bare && given < service.parameters.size()) return service.problem_of(request);

@@ -226,7 +226,7 @@ def codels_of_genom3(folder):
     (work / "arm.gen").write_text("""component arm {
   task main { period 10 ms; };
   activity go(in double speed, in long count = 3) { task main; codel<start> goStart(in speed, in count) yield ether; };
-  activity turn(in double speed = 7.) { task main; codel<start> turnStart(in speed) yield ether; };
+  activity turn(in double speed = 7., in long count = 0) { task main; codel<start> turnStart(in speed) yield ether; };
 };
 """, encoding="utf-8")
     (work / "arm.rules").write_text("""rules arm;
