@@ -67,7 +67,12 @@ class AtomErrors {
       waiting.pop_back();
       if (!id.is_valid()) continue;
       const Stmt& s = system_.code.stmts[id];
-      if (s.op == StmtOp::StoreSelf) visit(s);
+      switch (s.op) {
+        case StmtOp::StoreSelf: visit(s); break;
+        case StmtOp::StoreBind:
+        case StmtOp::If:
+        case StmtOp::Call: break;
+      }
       waiting.insert(waiting.end(), {s.next, s.then_body, s.else_body});
     }
   }
