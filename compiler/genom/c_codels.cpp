@@ -502,31 +502,6 @@ class Glue {
 
 }  // namespace
 
-bool check_data(const Component& c, Diagnostics& diags) {
-  const std::size_t errors = diags.error_count();
-  const CodelArguments names(c);
-  const auto text = [](const std::vector<std::string>& steps) {
-    std::string path;
-    for (const std::string& step : steps) path += (path.empty() || step.starts_with("[") ? "" : ".") + step;
-    return path;
-  };
-  const auto check = [&](const std::vector<idl::Codel>& codels, const std::vector<idl::Member>& locals) {
-    for (const idl::Codel& codel : codels) {
-      for (const idl::Argument& a : codel.arguments) {
-        if (!names.argument(a, locals)) diags.report(Diag::kB6021, a.range, text(a.path), codel.name);
-      }
-    }
-  };
-  for (const idl::Task& t : c.tasks) check(t.codels, t.locals);
-  for (const idl::Service& s : c.services) {
-    for (const idl::Parameter& p : s.parameters) {
-      if (!names.type_of(s, p)) diags.report(Diag::kB6008, p.range, "ids member", text(p.path));
-    }
-    check(s.codels, names.locals_of(s));
-  }
-  return diags.error_count() == errors;
-}
-
 std::optional<std::size_t> type_of_parameter(const Component& component, const idl::Service& service,
                                              const idl::Parameter& parameter) {
   return CodelArguments(component).type_of(service, parameter);

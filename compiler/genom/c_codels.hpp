@@ -10,8 +10,6 @@
 
 namespace bip::genom {
 
-/// Reports data that codels and attributes name and that there is not. False if there was some.
-[[nodiscard]] bool check_data(const idl::Component& component, Diagnostics& diags);
 /// The type of a service's parameter; of an attribute, that of the IDS. Nothing: there is no such member.
 [[nodiscard]] std::optional<std::size_t> type_of_parameter(const idl::Component& component, const idl::Service& service,
                                                            const idl::Parameter& parameter);

@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <deque>
+#include <limits>
 #include <set>
 #include <utility>
 
@@ -297,12 +299,43 @@ class IdlParser {
   void constant() {
     in_.take();
     const std::size_t its = type();
+    const SourceRange range = in_.peek().range;
     const std::string name = scoped(word("a name"));
     expect("=");
     const std::string value = expression({";"});
+    if (ok_) fits(its, name, value, range);
     values_[name] = value;
     constants_.push_back({.c_name = in_c(name), .value = value, .full_name = name, .type = its});
     expect(";");
+  }
+
+  // A whole number of a type that has it.
+  void fits(std::size_t its, const std::string& name, const std::string& value, SourceRange range) {
+    constexpr std::int64_t kMost64 = std::numeric_limits<std::int64_t>::max();
+    struct Row {
+      std::string_view type;
+      std::int64_t low, high;
+    };
+    constexpr Row kRows[] = {{"uint8_t", 0, 255},         {"int16_t", -32768, 32767},
+                             {"uint16_t", 0, 65535},      {"int32_t", -2147483648LL, 2147483647},
+                             {"uint32_t", 0, 4294967295}, {"uint64_t", 0, kMost64}};
+    while (types_[its].kind == Kind::Alias) its = types_[its].element;
+    std::int64_t number = 0;
+    const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
+    if (types_[its].kind != Kind::Primitive || error != std::errc() || end != value.data() + value.size()) return;
+    for (const Row& row : kRows) {
+      if (row.type == types_[its].c_name && (number < row.low || number > row.high))
+        in_.diags().report(Diag::kB6010, range, fmt::format("constant `{}`", name), number, row.low, row.high);
+    }
+  }
+
+  // A second declaration is reported, but not that of a file that is included twice: it has the same offsets.
+  void declared_once(std::map<std::string, SourceRange>& known, const char* kind, const std::string& name,
+                     const std::string& scoped_name, SourceRange range) {
+    const auto [row, is_new] = known.try_emplace(scoped_name, range);
+    const SourceRange& first = row->second;
+    if (is_new || (first.begin == range.begin && first.end == range.end)) return;
+    in_.diags().report(Diag::kB6013, range, kind, name).label(first, "the first one");
   }
 
   void exception() {
@@ -332,10 +365,14 @@ class IdlParser {
   // TYPE declarator {, declarator} ; … up to `}`.
   std::vector<Member> members() {
     std::vector<Member> all;
+    std::map<std::string, SourceRange> known;
     while (ok_ && !in_.at("}") && !in_.at_end()) {
       const std::size_t base = type();
-      do all.push_back(declarator(base));
-      while (ok_ && in_.accept(","));
+      do {
+        const SourceRange range = in_.peek().range;
+        all.push_back(declarator(base));
+        if (ok_) declared_once(known, "member", all.back().name, all.back().name, range);
+      } while (ok_ && in_.accept(","));
       expect(";");
     }
     return all;
@@ -455,7 +492,10 @@ class IdlParser {
     t.prefix = in_c(scoped(""));
     expect("{");
     do {
+      const SourceRange range = in_.peek().range;
       t.enumerators.push_back(word("a name"));
+      if (ok_)
+        declared_once(enumerator_ranges_, "enumerator", t.enumerators.back(), scoped(t.enumerators.back()), range);
       enumerators_[scoped(t.enumerators.back())] = t.prefix + t.enumerators.back();
     } while (ok_ && in_.accept(","));
     expect("}");
@@ -747,7 +787,8 @@ class IdlParser {
   std::vector<Exception> exceptions_;
   std::map<std::string, std::size_t> names_;                 // of types
   std::map<std::string, std::string> values_, enumerators_;  // of constants, in C
-  std::deque<std::string> kept_;                             // tokens are views
+  std::map<std::string, SourceRange> enumerator_ranges_;
+  std::deque<std::string> kept_;  // tokens are views
   Unit unit_;
   std::optional<Unit> component_;
   std::map<std::string, Unit> units_;

@@ -139,6 +139,38 @@ class Genom3Parser {
     }
   }
 
+  // A second declaration is reported. A file that is included twice declares nothing twice: its second reading has the
+  // same offsets.
+  void declare(const char* kind, const Name& name) {
+    const auto [known, is_new] = declared_.try_emplace(fmt::format("{} {}{}", kind, scope_, name.text), name.range);
+    const SourceRange& first = known->second;
+    if (is_new || (first.begin == name.range.begin && first.end == name.range.end)) return;
+    diags_.report(Diag::kB6013, name.range, kind, name.text).label(first, "the first one");
+  }
+
+  // Does an interface come back to itself by what it provides and extends? Each ring is told once.
+  void no_ring() {
+    std::set<std::string> told;
+    for (const auto& [name, unit] : units_) {
+      if (told.contains(name)) continue;
+      std::set<std::string> seen;
+      std::vector<const Unit*> todo{&unit};
+      for (std::size_t i = 0; i < todo.size(); ++i) {
+        for (const Name& next : todo[i]->inherited) {
+          if (next.text == name) {
+            auto d = diags_.report(Diag::kB6029, next.range, name);
+            d.label(unit.name.range, "it is declared here");
+            told.insert(seen.begin(), seen.end());
+            todo.resize(i + 1);
+            break;
+          }
+          const auto found = units_.find(next.text);
+          if (found != units_.end() && seen.insert(next.text).second) todo.push_back(&found->second);
+        }
+      }
+    }
+  }
+
   // Linear in what is inherited; an interface that comes twice is taken once.
   void inherit(Unit& unit) {
     std::set<std::string> done{unit.name.text};
@@ -158,6 +190,7 @@ class Genom3Parser {
   }
 
   void finish_module(Unit& unit) {
+    no_ring();
     inherit(unit);
     module_.name = unit.name;
     module_.posters = std::move(unit.posters);
@@ -225,7 +258,11 @@ class Genom3Parser {
       return false;
     }
     if (in_.at("module") && in_.peek(2).is("{")) return idl_module();
-    if (in_.at("exception")) exceptions_.insert(std::string(in_.peek(1).text));
+    if (in_.at("exception")) {
+      const Name name{std::string(in_.peek(1).text), in_.peek(1).range};
+      if (in_.peek(1).kind == TokenKind::Word) declare("exception", name);
+      exceptions_.insert(name.text);
+    }
     static const std::set<std::string_view> kBegins{"typedef",   "struct",   "union",  "enum",      "native",
                                                     "exception", "sequence", "string", "interface", "component"};
     if (!kBegins.contains(in_.peek().text)) {
@@ -295,7 +332,12 @@ class Genom3Parser {
     in_.take();
     in_.take();
     while (!in_.at("}") && !in_.at_end()) {
-      if (!v3::parse_declared_names(in_, unit_.members) || !in_.expect(";")) return false;
+      std::vector<Name> names;
+      if (!v3::parse_declared_names(in_, names) || !in_.expect(";")) return false;
+      for (const Name& name : names) {
+        declare("ids member", name);
+        unit_.members.insert(name.text);
+      }
     }
     if (!in_.expect("}")) return false;
     in_.accept(";");
@@ -310,12 +352,11 @@ class Genom3Parser {
       in_.unexpected("`in` or `out`");
       return false;
     }
-    std::set<std::string> names;
-    const SourceRange range = in_.peek().range;
+    std::vector<Name> names;
     if (!v3::parse_declared_names(in_, names)) return false;
-    for (const std::string& name : names) {
-      unit_.ports.insert(name);
-      if (is_out) unit_.posters.push_back({{name, range}, {}, 0, false});
+    for (const Name& name : names) {
+      declare("port", name);
+      if (unit_.ports.insert(name.text).second && is_out) unit_.posters.push_back({name, {}, 0, false});
     }
     if (in_.at("{") && !in_.skip_group()) return false;
     return in_.expect(";");
@@ -338,8 +379,11 @@ class Genom3Parser {
   bool task_property(ParsedTask& parsed) {
     Task& task = parsed.task;
     if (in_.at("period") || in_.at("delay")) {
-      const bool is_period = in_.take().text == "period";
-      return duration(is_period ? task.period_us : task.delay_us) && in_.expect(";");
+      const bool is_period = in_.at("period");
+      const SourceRange range = in_.take().range;
+      if (!duration(is_period ? task.period_us : task.delay_us)) return false;
+      if (is_period && task.period_us == 0) diags_.report(Diag::kB6030, range, task.name.text);
+      return in_.expect(";");
     }
     if (in_.at("codel") || (in_.at("async") && in_.peek(1).is("codel"))) return codel(parsed.codels);
     if (in_.at("local")) return local(parsed.locals);
@@ -404,7 +448,10 @@ class Genom3Parser {
 
   bool local(std::set<std::string>& locals) {
     in_.take();
-    return v3::parse_declared_names(in_, locals) && in_.expect(";");
+    std::vector<Name> names;
+    if (!v3::parse_declared_names(in_, names)) return false;
+    for (const Name& name : names) locals.insert(name.text);
+    return in_.expect(";");
   }
 
   bool service(const std::string& kind) {
@@ -463,7 +510,13 @@ class Genom3Parser {
     }
     if (word.is("validate")) {
       in_.take();
-      return v3::parse_call(in_, s.validate) && in_.expect(";");
+      Codel validate;
+      if (!v3::parse_call(in_, validate)) return false;
+      if (s.validate.name.is_set())
+        diags_.report(Diag::kB6005, validate.name.range, "validate", fmt::format("{} `{}`", kind, s.name.text))
+            .label(s.validate.name.range, "the first one");
+      s.validate = std::move(validate);
+      return in_.expect(";");
     }
     if (word.is("codel") || (word.is("async") && in_.peek(1).is("codel"))) return codel(codels);
     if (word.is("local")) return local(locals);
@@ -485,8 +538,13 @@ class Genom3Parser {
     }
     if (s.task.is_set()) diags_.report(Diag::kB6020, s.task.range, owner).help("an `activity` has a task");
     for (ParsedCodel& c : codels) {
-      if (!c.states.empty())
+      if (kind == "attribute")
+        diags_.report(Diag::kB6011, c.codel.name.range, "codel", owner)
+            .help("an attribute is read or set, and has `validate` at most; a `function` has codels");
+      else if (!c.states.empty())
         diags_.report(Diag::kB6020, c.states.front().range, owner).help("an `activity` has states");
+      else if (!c.yields.empty())
+        diags_.report(Diag::kB6020, c.yields.front().name.range, owner).help("a codel of an `activity` yields states");
       if (c.codel.is_async)
         diags_.report(Diag::kB6024, c.codel.name.range, c.codel.name.text,
                       "which only codels of activities and tasks can be");
@@ -505,7 +563,8 @@ class Genom3Parser {
   std::optional<Unit> component_;
   std::map<std::string, Unit> units_;  // interfaces, and components of included files
   std::set<std::string> exceptions_;
-  std::string scope_;  // "robot::" inside of interface or module robot
+  std::map<std::string, SourceRange> declared_;  // "port robot::speed"
+  std::string scope_;                            // "robot::" inside of interface or module robot
   std::map<std::string, std::string, std::less<>> constants_;
   std::deque<std::string> values_;  // texts of constants: tokens are views
 };

@@ -41,7 +41,7 @@ enum class ParametersOf : std::uint8_t { Attribute, Codel };
 [[nodiscard]] bool parse_parameters(Cursor& in, ParametersOf owner, std::set<std::string>& locals,
                                     std::vector<DataUse>& uses, std::vector<std::string>& inputs);
 /// Names that are declared by `type declarator{,declarator}`, up to and without the `;`.
-[[nodiscard]] bool parse_declared_names(Cursor& in, std::set<std::string>& names);
+[[nodiscard]] bool parse_declared_names(Cursor& in, std::vector<Name>& names);
 
 /// States from codels: checks that every state has one codel, that those yielded exist and all are reached, that `stop`
 /// comes to `ether`. `owner` as in "activity `goto`".

@@ -182,12 +182,12 @@ bool parse_parameters(Cursor& in, ParametersOf owner, std::set<std::string>& loc
   return in.expect(")");
 }
 
-bool parse_declared_names(Cursor& in, std::set<std::string>& names) {
-  std::string last;
+bool parse_declared_names(Cursor& in, std::vector<Name>& names) {
+  Name last;
   std::size_t angles = 0;
   while (!in.at_end() && !in.at(";") && !(in.at("}") && angles == 0)) {
     // The properties of a port follow its name.
-    if (in.at("{") && !last.empty() && in.peek(1).is("doc")) break;
+    if (in.at("{") && last.is_set() && in.peek(1).is("doc")) break;
     if (in.at("{") || in.at("[") || in.at("(")) {
       if (!in.skip_group()) return false;
       continue;
@@ -196,14 +196,14 @@ bool parse_declared_names(Cursor& in, std::set<std::string>& names) {
     if (token.is("<")) ++angles;
     if (token.is(">") && angles > 0) --angles;
     if (angles > 0) continue;
-    if (token.kind == TokenKind::Word) last = token.text;
-    if (token.is(",") && !last.empty()) names.insert(last);
+    if (token.kind == TokenKind::Word) last = {std::string(token.text), token.range};
+    if (token.is(",") && last.is_set()) names.push_back(last);
   }
-  if (last.empty()) {
+  if (!last.is_set()) {
     in.unexpected("a declaration");
     return false;
   }
-  names.insert(last);
+  names.push_back(std::move(last));
   return true;
 }
 

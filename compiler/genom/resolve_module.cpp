@@ -44,7 +44,8 @@ class Resolver {
   void run(std::size_t instances) {
     check_unique(module_.services, module_.generation == 2 ? "request" : "service", diags_);
     check_unique(module_.tasks, "task", diags_);
-    check_unique(module_.posters, module_.generation == 2 ? "poster" : "port", diags_);
+    // Ports have been checked as they were read.
+    if (module_.generation == 2) check_unique(module_.posters, "poster", diags_);
     for (Service& s : module_.services) service(s);
     for (Poster& p : module_.posters) {
       if (p.task.is_set()) p.task_index = task(p.task);

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "compiler/genom/c_codels.hpp"
+#include "compiler/genom/check_data.hpp"
 #include "compiler/genom/codel_mapping.hpp"
 #include "compiler/genom/names.hpp"
 #include "compiler/genom/parse_genom.hpp"
