@@ -148,7 +148,7 @@ class Genom3Parser {
     diags_.report(Diag::kB6013, name.range, kind, name.text).label(first, "the first one");
   }
 
-  // Does an interface come back to itself by what it provides and extends? Each ring is told once.
+  // Reports interfaces that provide or extend themselves, also by way of others: one error for each cycle.
   void no_ring() {
     std::set<std::string> told;
     for (const auto& [name, unit] : units_) {

@@ -265,9 +265,7 @@ void TimeBuilder::set_limit(const syntax::Expr* e, ExprId limit, std::int64_t un
 }
 
 void TimeBuilder::check_satisfiable(const TimeGuard& when, const syntax::Expr* e) {
-  std::vector<const Bound*> bounds;
-  for (const Bound& bound : when.bounds) bounds.push_back(&bound);
-  if (have_empty_range(bounds)) builder_.diags.report(Diag::kB1607, e->range);
+  if (are_exclusive(when, {})) builder_.diags.report(Diag::kB1607, e->range);
 }
 
 // ---- clocks in code

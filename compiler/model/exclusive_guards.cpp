@@ -45,9 +45,9 @@ struct Comparison {
 using Alternative = std::vector<Comparison>;
 using Alternatives = std::vector<Alternative>;
 
-class Reader {
+class GuardReader {
  public:
-  explicit Reader(const CodeTable& code) : code_(code) {}
+  explicit GuardReader(const CodeTable& code) : code_(code) {}
 
   /// Nothing: there are too many alternatives.
   std::optional<Alternatives> read(ExprId id, bool is_negated) const {
@@ -100,9 +100,9 @@ Range range_of(unsigned relations, std::int64_t constant) {
   return out;
 }
 
-class Comparer {
+class GuardComparison {
  public:
-  explicit Comparer(const CodeTable& code) : code_(code) {}
+  explicit GuardComparison(const CodeTable& code) : code_(code) {}
 
   bool exclude(const Alternative& first, const Alternative& second) const {
     // Also what contradicts itself holds never.
@@ -183,30 +183,24 @@ struct ClockRange {
 
 }  // namespace
 
-bool have_empty_range(const std::vector<const Bound*>& bounds) {
-  return std::any_of(bounds.begin(), bounds.end(), [&](const Bound* first) {
+bool are_exclusive(const TimeGuard& first, const TimeGuard& second) {
+  std::vector<Bound> both = first.bounds;
+  both.insert(both.end(), second.bounds.begin(), second.bounds.end());
+  return std::any_of(both.begin(), both.end(), [&](const Bound& of) {
     ClockRange range;
-    for (const Bound* bound : bounds) {
-      if (bound->variable == Bound::kNone && bound->clock == first->clock && bound->minus == first->minus)
-        range.meet(*bound);
+    for (const Bound& bound : both) {
+      if (bound.variable == Bound::kNone && bound.clock == of.clock && bound.minus == of.minus) range.meet(bound);
     }
     return range.is_empty();
   });
 }
 
-bool are_exclusive(const TimeGuard& first, const TimeGuard& second) {
-  std::vector<const Bound*> both;
-  for (const Bound& bound : first.bounds) both.push_back(&bound);
-  for (const Bound& bound : second.bounds) both.push_back(&bound);
-  return have_empty_range(both);
-}
-
 bool are_exclusive(const CodeTable& code, ExprId first, ExprId second) {
   if (!first.is_valid() || !second.is_valid()) return false;
-  const Reader reader(code);
+  const GuardReader reader(code);
   const std::optional<Alternatives> a = reader.read(first, false), b = reader.read(second, false);
   if (!a || !b) return false;
-  const Comparer comparer(code);
+  const GuardComparison comparer(code);
   return std::all_of(a->begin(), a->end(), [&](const Alternative& x) {
     return std::all_of(b->begin(), b->end(), [&](const Alternative& y) { return comparer.exclude(x, y); });
   });

@@ -1,7 +1,5 @@
 // Can two guards of one component hold in the same state?
 #pragma once
-#include <vector>
-
 #include "compiler/model/code.hpp"
 #include "compiler/model/time.hpp"
 
@@ -12,10 +10,8 @@ namespace bip {
 /// owner. Cost: the product of the guards' sizes; guards with many alternatives are not looked at.
 [[nodiscard]] bool are_exclusive(const CodeTable& code, ExprId first, ExprId second);
 
-/// Returns true only if no value of some clock, or difference of clocks, satisfies the bounds that are constants. Time
-/// is dense: there is an instant between two ticks. Cost: quadratic.
-[[nodiscard]] bool have_empty_range(const std::vector<const Bound*>& bounds);
-/// Returns true only if constants alone say that the two never hold together.
+/// Returns true only if constants alone say that the two never hold together: no value of some clock, or difference of
+/// clocks, satisfies the bounds of both. Time is dense: there is an instant between two ticks. Cost: quadratic.
 [[nodiscard]] bool are_exclusive(const TimeGuard& first, const TimeGuard& second);
 
 }  // namespace bip

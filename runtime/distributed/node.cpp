@@ -222,7 +222,8 @@ void Node::link_whole() {
   const PartialState& partial = *core_.partial().state();
   is_whole_.assign(static_cast<u32>(tables.interactions.size()), 0);
   if (core_.is_timed() || has_split()) return;
-  // By atom: is it at home here, and nothing of it coordinated elsewhere or looked at by what is no part of the step?
+  // By atom: is it at home on this node, are all of its interactions coordinated here, and do no guards of other
+  // interactions read its data?
   std::vector<std::uint8_t> stays(core_.image().atoms.size, 0);
   const ConflictSets& sets = distribution_.sets;
   const auto is_here = [this](u32 node) { return node == self_ || node == kNone; };
