@@ -199,7 +199,7 @@ def main():
                 passed += 1
                 prove_with_rules(work, options.timeout)
                 passed += 1
-                keep_promises(work, 60)
+                keep_promises(work, options.timeout)
                 passed += 1
                 figures(work, options.timeout)
                 passed += 1

@@ -29,7 +29,7 @@ class TransitionSystemBuilder {
   /// Of one connector with guards, and nodes of the tree of one connector: they grow with the memory. Each two
   /// interactions are compared, which takes seconds for the most that there may be.
   [[nodiscard]] std::size_t most_interactions() const { return std::clamp<std::size_t>(megabytes_, 512, 16'384); }
-  [[nodiscard]] std::size_t most_nodes() const { return std::max<std::size_t>(50'000, megabytes_ * 1000); }
+  [[nodiscard]] std::size_t most_nodes() const { return std::max<std::size_t>(1000, megabytes_ * 1000); }
 
   /// The state of one atom.
   struct Local {
