@@ -32,13 +32,17 @@ void Station::take(const Arrival& arrival, i64 now, std::vector<ReceivedMessage>
     end.again_after = kAgainAfter;
     end.again_at = end.link.unconfirmed().empty() ? 0 : now + end.again_after;
     measure(end, frame_.number != 0, now);
+    // Nothing that followed the probe had come: it was lost, too. Otherwise its confirmation was only late.
+    const bool is_rest_lost = end.probe != 0 && end.link.confirmed() == end.probe;
+    end.probe = 0;
+    if (is_rest_lost) send_again(end, end.link.unconfirmed().size(), now);
   }
   if (end.link.owes_answer()) {
     ++end.unanswered;
     if (end.answer_at == 0) end.answer_at = now + kAnswerAfter;
   }
   // What was said before the peer was there is lost.
-  if (is_first) send_again(end, now);
+  if (is_first) send_again(end, end.link.unconfirmed().size(), now);
 }
 
 // Takes the round trip of the frame that is measured, if that was confirmed.
@@ -83,10 +87,11 @@ void Station::greet(u32 peer) {
   send_frame(ends_[peer], frame);
 }
 
-void Station::send_again(End& end, i64 now) {
-  if (end.link.unconfirmed().empty()) return;
+// The first `count` of those that are not confirmed.
+void Station::send_again(End& end, std::size_t count, i64 now) {
+  if (count == 0) return;
   end.measured = 0;
-  for (std::size_t k = 0; k < end.link.unconfirmed().size(); ++k) {
+  for (std::size_t k = 0; k < count; ++k) {
     Frame frame = end.link.again(k);
     ++counts_.again;
     send_frame(end, frame);
@@ -104,8 +109,10 @@ void Station::tick(i64 now) {
     }
     if (end.again_at != 0 && end.again_at <= now) {
       end.again_after = std::min(2 * end.again_after, kAgainAtMost);
-      send_again(end, now);
-      if (end.link.unconfirmed().empty()) end.again_at = 0;
+      // One frame tells whether the others were lost: all of them would burden a peer that is only slow.
+      end.probe = end.link.unconfirmed().empty() ? 0 : end.link.unconfirmed().front().number;
+      if (end.probe == 0) end.again_at = 0;
+      else send_again(end, 1, now);
     }
   }
 }
@@ -123,6 +130,7 @@ void Station::close(u32 peer) {
   End& end = ends_[peer];
   end.link.close();
   end.answer_at = end.again_at = 0;
+  end.probe = 0;
 }
 
 }  // namespace bip::rt

@@ -76,13 +76,14 @@ class Station {
     u64 unanswered = 0;  // frames
     i64 again_at = 0;    // 0: everything is confirmed
     i64 again_after = kAgainAfter;
+    u64 probe = 0;     // number of the frame that was sent again alone, until something is confirmed; 0: none
     u64 measured = 0;  // number of the frame whose answer is awaited; 0: none
     i64 measured_at = 0;
     i64 round_trip = 0;
   };
   static void measure(End& end, bool has_messages, i64 now);
   void send_frame(End& end, Frame& frame);
-  void send_again(End& end, i64 now);
+  void send_again(End& end, std::size_t count, i64 now);
 
   Fabric& fabric_;
   const Codec& codec_;

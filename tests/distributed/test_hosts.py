@@ -326,7 +326,7 @@ def test_loss(folder, hosts, deployed, draws):
         time.sleep(0.3 + draws.random() * 0.5)
         os.kill(run.nodes[victim].pid, signal.SIGKILL)
         killed = time.monotonic()
-        check(run.nodes[0].wait_for(f"no sign for 3 s", 8) or run.nodes[0].process.poll() is not None, "silence is told", run.text())
+        check(run.nodes[0].wait_for("gave no sign for ", 8) or run.nodes[0].process.poll() is not None, "silence is told", run.text())
         took = time.monotonic() - killed
         if how == "go-on":
             time.sleep(0.5)
@@ -334,7 +334,7 @@ def test_loss(folder, hosts, deployed, draws):
                 run.nodes[0].process.send_signal(signal.SIGINT)
         run.check({1} if how == "stop" else {1, 130}, f"a killed node, --on-loss={how}")
         check(f"R0030]: lost `{NAMES[victim]}`" in run.nodes[0].text, "who is lost is told", run.text())
-        check(took < 4.5, f"a loss is noticed after three beats, not {took:.1f} s", run.text())
+        check(took < 6, f"a loss is noticed after three beats, not {took:.1f} s", run.text())
 
 
 def test_time(folder, hosts):

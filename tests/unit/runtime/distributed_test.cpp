@@ -504,6 +504,54 @@ TEST_CASE("stations measure round trips, but not of frames that came late on pur
   CHECK(stations[0].link(1).unconfirmed().empty());
 }
 
+TEST_CASE("stations repeat one frame to learn whether the others were lost") {
+  const Scattered pairs = scattered_pairs(3);
+  const Codec codec(pairs.core->tables(), pairs.distribution, 1);
+  KeptFabric fabrics[2];
+  Station stations[] = {{fabrics[0], codec, 0, 2}, {fabrics[1], codec, 1, 2}};
+  std::vector<ReceivedMessage> heard;
+  const auto carry = [&](u32 from, i64 now) {
+    for (const std::string& bytes : std::exchange(fabrics[from].sent, {}))
+      stations[1 - from].take({from, bytes}, now, heard);
+  };
+  for (const u32 self : {0u, 1u}) stations[self].greet(1 - self);
+  for (const u32 self : {0u, 1u}) carry(self, 1);
+  i64 now = 1000000;
+  for (u64 n = 1; n <= 100; ++n, now += 1000) {
+    stations[0].say(1, Stop{n});
+    stations[0].send(now);
+  }
+  now += Station::kAgainAfter;
+  SECTION("a peer that is only slow gets one frame a second time") {
+    stations[0].tick(now);
+    CHECK(stations[0].counts().again == 1);
+    carry(0, now);
+    stations[1].tick(now + Station::kAnswerAfter);
+    carry(1, now + Station::kAnswerAfter);
+    CHECK(stations[0].counts().again == 1);
+  }
+  SECTION("what was lost is sent again as soon as the first frame is confirmed") {
+    fabrics[0].sent.clear();
+    stations[0].tick(now);
+    carry(0, now);
+    stations[1].tick(now + Station::kAnswerAfter);
+    carry(1, now + Station::kAnswerAfter);
+    CHECK(stations[0].counts().again == 100);
+    carry(0, now + 2 * Station::kAnswerAfter);
+    stations[1].tick(now + 3 * Station::kAnswerAfter);
+    carry(1, now + 3 * Station::kAnswerAfter);
+  }
+  SECTION("a peer that is gone gets one frame each time") {
+    fabrics[0].sent.clear();
+    for (int k = 0; k < 5; ++k, now += Station::kAgainAtMost) stations[0].tick(now);
+    CHECK(stations[0].counts().again == 5);
+    return;
+  }
+  CHECK(heard.size() == 100);
+  CHECK(stations[0].link(1).unconfirmed().empty());
+  CHECK(stations[0].due() == kForever);
+}
+
 TEST_CASE("faults are read, or told what is wrong with them") {
   const std::vector<std::string> nodes{"1", "lab"};
   const auto read = read_faults("cut 1-lab 3s..1min, crash lab 5s500ms,slow 1 x10, lose 5%, double 7%", nodes);
