@@ -220,7 +220,7 @@ bool Node::begin(EnabledSet::Position at, u64 step, std::vector<u32>& atoms) {
 void Node::link_whole() {
   const Tables& tables = core_.tables();
   const PartialState& partial = *core_.partial().state();
-  is_whole_.assign(static_cast<u32>(tables.interactions.size()), 0);
+  whole_steps_.assign(static_cast<u32>(tables.interactions.size()), WholeSteps::None);
   if (core_.is_timed() || has_split()) return;
   // By atom: is it at home on this node, are all of its interactions coordinated here, and do no guards of other
   // interactions read its data?
@@ -245,8 +245,11 @@ void Node::link_whole() {
         ports_of_whole(tables.interactions[interaction]).size == 0)
       continue;
     const Span<u32> atoms = partial.atoms_of_interaction[interaction];
-    const bool is_whole = std::all_of(atoms.begin(), atoms.end(), [&](u32 atom) { return stays[atom] != 0; });
-    is_whole_[interaction] = is_whole ? 1 : 0;
+    if (!std::all_of(atoms.begin(), atoms.end(), [&](u32 atom) { return stays[atom] != 0; })) continue;
+    const Span<u32> ports = ports_of_whole(tables.interactions[interaction]);
+    const bool is_told_apart =
+        std::any_of(ports.begin(), ports.end(), [&](u32 port) { return sets.is_told_apart[port] != 0; });
+    whole_steps_[interaction] = is_told_apart ? WholeSteps::WithHistory : WholeSteps::Plain;
   }
 }
 
@@ -255,19 +258,29 @@ Span<u32> Node::ports_of_whole(const InteractionInfo& info) const {
   return info.kind == InteractionKind::Port ? Span<u32>{&info.row, 1} : core_.tables().fixed_ports(info);
 }
 
-void Node::take_whole(EnabledSet::Position at, u64 step, std::vector<u32>& atoms) {
+bool Node::take_whole(EnabledSet::Position at, u64 step) {
   const InteractionId interaction = at.interaction;
   BIP_ASSERT(is_whole(interaction), "interaction {} is not taken as a whole", interaction);
+  if (whole_steps_[interaction] == WholeSteps::WithHistory) note_histories(interaction);
+  if (core_.partial().take_whole(at, step)) return true;
+  stop();
+  return false;
+}
+
+void Node::note_histories(InteractionId interaction) {
   const Tables& tables = core_.tables();
   for (const u32 port : ports_of_whole(tables.interactions[interaction])) {
-    const u32 atom = tables.port_atom[port];
-    BIP_ASSERT(where_[atom] == Where::Here && is_in_core_[atom] != 0, "atom {} takes part and is not here", atom);
-    atoms.push_back(atom);
-    ++participations_[atom];
-    landed_.push_back(step);
-    if (distribution_.sets.is_told_apart[port] != 0) history_[atom] = tables.connector_of(interaction);
+    if (distribution_.sets.is_told_apart[port] != 0)
+      history_[tables.port_atom[port]] = tables.connector_of(interaction);
   }
-  if (!core_.partial().take_whole(at, step)) stop();
+}
+
+void Node::note_landed(InteractionId interaction, u64 step, std::vector<u32>& atoms) {
+  const Tables& tables = core_.tables();
+  for (const u32 port : ports_of_whole(tables.interactions[interaction])) {
+    atoms.push_back(tables.port_atom[port]);
+    landed_.push_back(step);
+  }
 }
 
 void Node::run(std::size_t k) {

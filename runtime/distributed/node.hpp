@@ -102,9 +102,14 @@ class Node {
   bool begin(EnabledSet::Position at, u64 step, std::vector<u32>& atoms);
   /// Can steps of the interaction be taken by take_whole: all of its atoms are at home here and always offered here,
   /// and nothing else depends on them? Of a node that is observed none: its events are those of steps in parts.
-  [[nodiscard]] bool is_whole(InteractionId interaction) const { return is_whole_[interaction] != 0 && !observer_; }
-  /// As begin, and runs all actions of the step, which is_whole, at once: when it returns the step has ended.
-  void take_whole(EnabledSet::Position at, u64 step, std::vector<u32>& atoms);
+  [[nodiscard]] bool is_whole(InteractionId interaction) const {
+    return whole_steps_[interaction] != WholeSteps::None && !observer_;
+  }
+  /// As begin, and runs all actions of the step, which is_whole, at once: when it returns the step has ended. False: by
+  /// a fault. Nobody hears that it has landed, unless note_landed says so.
+  bool take_whole(EnabledSet::Position at, u64 step);
+  /// Of such a step: appends the atoms that take part, and the step to `landed`, once for each.
+  void note_landed(InteractionId interaction, u64 step, std::vector<u32>& atoms);
   /// The interaction of a split set that must begin next, as all that it needs is locked here: the caller chooses one
   /// of its candidates. kNone: there is none.
   [[nodiscard]] InteractionId locked_interaction() const {
@@ -163,6 +168,8 @@ class Node {
   }
 
  private:
+  /// WithHistory: of atoms whose next moves depend on the connector that they took part in last.
+  enum class WholeSteps : std::uint8_t { None, Plain, WithHistory };
   void take(const Offer& offer);
   void take(const Begin& begin);
   void take(const Stop&) { is_stopped_ = true; }
@@ -173,6 +180,7 @@ class Node {
   void land_evaluated();
   void link_whole();
   [[nodiscard]] Span<u32> ports_of_whole(const InteractionInfo& info) const;
+  void note_histories(InteractionId interaction);
   void come_to_rest(u32 atom);
   void change(u32 atom);
   void receive(const Offer& offer);
@@ -239,7 +247,7 @@ class Node {
   };
   std::vector<Unevaluated> unevaluated_;
   std::vector<u32> enabled_, ports_, changed_;  // scratch
-  IndexVector<InteractionId, std::uint8_t> is_whole_;
+  IndexVector<InteractionId, WholeSteps> whole_steps_;
   NodeCounts counts_;
   Moment moment_;
   NodeObserver observer_;

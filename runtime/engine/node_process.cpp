@@ -342,15 +342,16 @@ bool NodeProcess::has_begun() {
   atoms_.clear();
   bool is_evaluated = false;
   if (is_quick_ && node_.is_whole(at.interaction)) {
-    node_.take_whole(at, step, atoms_);
+    node_.take_whole(at, step);
+    if (writes_) node_.note_landed(at.interaction, step, atoms_);
     if (watch_) watch_->note_steps();
   } else {
     is_evaluated = node_.begin(at, step, atoms_);
+    const bool is_border = std::any_of(atoms_.begin(), atoms_.end(),
+                                       [&](u32 atom) { return setup_.distribution.home(atom) != setup_.self; });
+    border_steps_ += is_border ? 1 : 0;
   }
   ++steps_;
-  const bool is_border = std::any_of(atoms_.begin(), atoms_.end(),
-                                     [&](u32 atom) { return setup_.distribution.home(atom) != setup_.self; });
-  border_steps_ += is_border ? 1 : 0;
   if (writes_) {
     std::vector<u64> numbers{step, at.interaction.value, cut_number(text_.out), cut_number(text_.trace)};
     for (const u32 atom : atoms_) numbers.push_back(setup_.distribution.home(atom));

@@ -185,11 +185,7 @@ bool PartialSteps::take_whole(EnabledSet::Position at, u64 step) {
              "interaction {} is not taken as a whole", at.interaction);
   p.step = step;
   p.noted = false;
-  u32 order = 0;
-  for (const u32 atom : p.atoms_of_interaction[at.interaction]) {
-    p.last_step[atom] = step;
-    p.order[atom] = order++;
-  }
+  // Of atoms that no guard waits for and that are never offered elsewhere nobody asks for the last step.
   core_.fault = {};
   const bool is_sound = core_.firing.fire(core_.candidate(at));
   if (!is_sound && !p.noted) note_fault(step, 0);

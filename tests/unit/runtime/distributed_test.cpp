@@ -1262,7 +1262,8 @@ int check_whole(const Image& image, const Placement& placement, int steps) {
     };
     take_in_parts(in_parts, atoms);
     if (as_whole.is_whole(at.interaction)) {
-      as_whole.take_whole(at, static_cast<u64>(step), same_atoms);
+      as_whole.take_whole(at, static_cast<u64>(step));
+      as_whole.note_landed(at.interaction, static_cast<u64>(step), same_atoms);
       CHECK(as_whole.work_count() == 0);
       ++whole;
     } else {
