@@ -25,6 +25,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 BUILD = pathlib.Path(os.environ.get("BUILD") or os.environ.get("BIPC_BUILD_DIR") or ROOT / "build").resolve()
 BIPC = os.environ.get("BIPC") or str(BUILD / "bipc")
 LIMIT = 20000
+PAN_TABLE = "-w17"  # 2^17 rows for LIMIT states; the default of 128 MB is cleared at each start, which takes longer than the search
 NS = "{http://www.pnml.org/version-2009/grammar/pnml}"
 PTNET = "http://www.pnml.org/version-2009/grammar/ptnet"
 
@@ -51,7 +52,7 @@ def spin(text, work):
     built = run(["cc", "-O0", "-w", "-fwrapv", "-DSAFETY", "-DMEMLIM=1000", "-o", "pan", "pan.c"], work)
     if built.returncode != 0:
         raise RuntimeError(f"pan.c does not compile: {built.stderr[:500]}")
-    told = run(["./pan", "-m200000"], work).stdout
+    told = run(["./pan", PAN_TABLE, "-m200000"], work).stdout
     errors = re.search(r"errors: (\d+)", told)
     if not errors or "max search depth too small" in told or "Search not completed" in told and errors.group(1) == "0":
         return None
@@ -84,7 +85,7 @@ def ask_spin(path, root, asked, work):
     built = run(["cc", "-O0", "-w", "-fwrapv", "-DMEMLIM=1000", "-o", "pan", "pan.c"], work)
     if built.returncode != 0:
         raise RuntimeError(f"pan.c does not compile: {built.stderr[:500]}")
-    told = run(["./pan", "-a", "-m200000"], work).stdout
+    told = run(["./pan", PAN_TABLE, "-a", "-m200000"], work).stdout
     errors = re.search(r"errors: (\d+)", told)
     if not errors or "max search depth too small" in told or "Search not completed" in told and errors.group(1) == "0":
         return None
