@@ -5,6 +5,7 @@ tools/test calls it after a build. As many programs run at a time as there are p
 number); those that measure time run by themselves, at the end. Each group prints one line "group: N passed, N failed";
 what failed is shown, the rest is in build/test-logs/ (`seconds`: how long each program took). A program that was not built is a failure. The last line is
 "N passed, N failed" over everything. Arguments choose groups (`verify`) or programs of one (`verify:exports`).
+With --sample most programs get a part of their cases, and some do not run; a line before the last says which.
 Python's library only.
 """
 import argparse
@@ -26,14 +27,32 @@ SYSTEMS = re.compile(r"^differential: (\d+) systems, (\d+) failed$", re.M)
 SKIPPED = re.compile(r"^skipped: (.*)$", re.M)
 COUNTS = re.compile(r"^(?:[\w ]+: )?(\d+) passed, (\d+) failed$", re.M)
 
+LEFT_OUT = ["left out"]  # of a sample: the program takes long, and has no small part that says much
+UNIT_SAMPLE = 4  # of so many test cases of a long program of unit tests a sample has one
+
 skipped = []  # what scripts said that they left out, because a program of somebody else is not installed
 
 
-def run_unit(program):
-    """Counts of one Catch2 program, by test case; a crash counts as one failure."""
+def every_nth_case(program, n):
+    """A file with the names of every n-th test case, for Catch2's option -f."""
+    # Catch2 2, whose exit code is the number of cases; then Catch2 3.
+    for listing in (["--list-test-names-only"], ["--list-tests", "--verbosity", "quiet"]):
+        names = subprocess.run([str(program), *listing], capture_output=True, text=True).stdout.splitlines()
+        names = [name.strip() for name in names if name.strip()]
+        if len(names) >= n:
+            break
+    chosen = LOGS / f"{program.name}.cases"
+    # A comma would end a name, and [ begin a tag.
+    chosen.write_text("".join(re.sub(r"([][,])", r"\\\1", name) + "\n" for name in names[::n]), encoding="utf-8")
+    return chosen
+
+
+def run_unit(program, every=1):
+    """Counts of one Catch2 program, by test case (of `every` only the first); a crash counts as one failure."""
     report = LOGS / f"{program.name}.xml"
+    names = ["-f", str(every_nth_case(program, every))] if every > 1 else []
     with open(LOGS / f"{program.name}.log", "wb") as log:
-        code = subprocess.run([str(program), "-r", "xml", "-o", str(report)], stdout=log, stderr=log).returncode
+        code = subprocess.run([str(program), *names, "-r", "xml", "-o", str(report)], stdout=log, stderr=log).returncode
     try:
         cases = list(xml.parse(report).iter("TestCase"))
         bad = [c for c in cases if c.find("OverallResult") is None or c.find("OverallResult").get("success") != "true"]
@@ -41,7 +60,7 @@ def run_unit(program):
         cases, bad = [], []
     if code != 0:
         # Once more, in words, for the person who reads this.
-        text = subprocess.run([str(program)], capture_output=True).stdout.decode("utf-8", "replace")
+        text = subprocess.run([str(program), *names], capture_output=True).stdout.decode("utf-8", "replace")
         print("\n".join(text.splitlines()[-60:]))
     failed = max(len(bad), 1 if code != 0 else 0)
     return max(len(cases) - len(bad), 0), failed
@@ -63,15 +82,35 @@ def run_script(name, command):
 
 
 class Job:
-    """One program of a group. `alone`: it measures the processor or the clock, so nothing runs beside it."""
+    """One program of a group. `alone`: it measures the processor or the clock, so nothing runs beside it. `run_sample`: what
+    a sample runs in its place, `run` itself unless it is given; None: a sample leaves it out."""
 
-    def __init__(self, name, run, weight=1, alone=False):
+    def __init__(self, name, run, weight=1, alone=False, **sample):
         self.name, self.run, self.weight, self.alone = name, run, weight, alone
+        self.run_sample = sample.get("run_sample", run)
 
 
-def script(name, path, *arguments, weight=1, alone=False):
-    program = ["bash"] if path.endswith(".sh") else [sys.executable]
-    return Job(name, lambda: run_script(name, [*program, str(ROOT / path), *arguments]), weight, alone)
+def script(name, path, *arguments, weight=1, alone=False, sample=None):
+    """`sample`: the arguments of a sampled run, or LEFT_OUT; without it a sample runs the same."""
+    command = ["bash" if path.endswith(".sh") else sys.executable, str(ROOT / path)]
+
+    def run():
+        return run_script(name, [*command, *arguments])
+    if sample is None:
+        return Job(name, run, weight, alone)
+    return Job(name, run, weight, alone, run_sample=None if sample is LEFT_OUT else lambda: run_script(name, [*command, *sample]))
+
+
+def sampled(groups):
+    """The groups with what a sample runs; the programs that it leaves out; those that have fewer cases in it."""
+    kept, left_out, fewer = [], [], []
+    for name, jobs in groups:
+        left_out += [f"{name}:{job.name}" for job in jobs if job.run_sample is None]
+        fewer += [f"{name}:{job.name}" for job in jobs if job.run_sample not in (None, job.run)]
+        rest = [Job(job.name, job.run_sample, job.weight, job.alone) for job in jobs if job.run_sample is not None]
+        if rest:
+            kept.append((name, rest))
+    return kept, left_out, fewer
 
 
 def needs(binary, *jobs):
@@ -99,7 +138,8 @@ def unit_jobs():
     weights = {"runtime": 40, "verify": 60, "explore": 50, "pipeline": 30, "jit": 30}
     for folder in folders:
         program = BUILD / f"unit_{folder}"
-        yield from needs(program.name, Job(folder, lambda p=program: run_unit(p), weights.get(folder, 2), alone=folder == "pipeline"))
+        sample = {"run_sample": lambda p=program: run_unit(p, UNIT_SAMPLE)} if folder in ("emit_cpp", "explore", "pipeline", "verify") else {}
+        yield from needs(program.name, Job(folder, lambda p=program: run_unit(p), weights.get(folder, 2), alone=folder == "pipeline", **sample))
 
 
 def timed_zone_jobs():
@@ -107,8 +147,9 @@ def timed_zone_jobs():
     if not (has_library("Z3_INC") and has_library("Z3_LIB")):
         print("timed zones are left out: libz3-dev was not there when bipc was built", flush=True)
         return []
-    command = [str(BUILD / "bip-timed-certificates"), "--count", "150"]
-    return needs("bip-timed-certificates", Job("timed zones", lambda: run_script("timed zones", command), 60))
+    command = [str(BUILD / "bip-timed-certificates"), "--count"]
+    return needs("bip-timed-certificates", Job("timed zones", lambda: run_script("timed zones", [*command, "150"]), 60,
+                                               run_sample=lambda: run_script("timed zones", [*command, "25"])))
 
 
 def has_library(name):
@@ -133,46 +174,46 @@ def groups(options):
     os.environ["BUILD"] = str(BUILD)
     return [
         ("unit", list(unit_jobs())),
-        ("golden", [script("golden", "tests/golden/test_golden.py", "--every", str(options.goldens_every), weight=45)]),
-        ("snippets", [script("snippets", "tests/meta/test_snippets.py", weight=10)]),
+        ("golden", [script("golden", "tests/golden/test_golden.py", "--every", str(options.goldens_every), weight=45, sample=["--every", "10"])]),
+        ("snippets", [script("snippets", "tests/meta/test_snippets.py", weight=10, sample=["--every", "8"])]),
         ("book", [script("book", "tests/book/test_book.py", weight=8)]),
-        ("meta", [script("meta", "tests/meta/test_meta.py", weight=5), script("help_examples", "tests/meta/test_help_examples.py", weight=10)]),
-        ("odd_inputs", [script("odd_inputs", "tests/meta/test_odd_inputs.py", weight=20)]),
-        ("mistakes", [script("mistakes", "tests/mistakes/test_mistakes.py", weight=8)]),
-        ("slips", [script("slips", "tests/slips/test_slips.py", weight=5)]),
-        ("fmt", [script("fmt", "tests/fmt/test_fmt.py", weight=10)]),
-        ("models", [script("models", "tests/models/test_models.py", weight=57),
-                    script("agreement", "tests/models/test_agreement.py", "--timeout", "5", weight=25),
-                    script("strings", "tests/models/test_strings.py", weight=8)]),
-        ("day", [script("day", "tests/models/test_day.py", "--steps", "6000000", weight=14)]),
-        ("genom", [script("genom", "tests/genom/test_genom.py", weight=30), script("dala", "tests/genom/test_dala.py", weight=30),
-                   script("rules", "tests/rules/test_rules.py", weight=10), script("constructs", "tests/genom/test_constructs.py", weight=3), script("codels", "tests/genom/test_c_codels.py", weight=10), script("cxx_codels", "tests/genom/test_cxx_codels.py", weight=10), script("remote_calls", "tests/genom/test_remote_calls.py", weight=10), script("mission", "models/dala/run", alone=True), script("crash", "models/dala/run", "--processes", "--mission", "models/dala/mission/crash.txt", alone=True), script("faults", "tests/genom/test_dala_faults.py", alone=True)]),
-        ("serve", [script("serve", "tests/serve/test_serve.py", alone=True), script("stepping", "tests/serve/test_stepping.py"), script("places", "tests/serve/test_places.py"), script("requests", "tests/serve/test_requests.py"), script("watchdog", "tests/serve/test_watchdog.py", alone=True), script("built", "tests/serve/test_built.py", weight=10), script("processes", "tests/serve/test_processes.py", weight=10)]),
-        ("ros1", [script("component", "tests/ros1/test_ros1.py", alone=True)]),
-        ("ros2", [script("component", "tests/ros2/test_ros2.py", "component", alone=True), script("mission", "tests/ros2/test_ros2.py", "mission", alone=True)]),
-        ("distributed", [script("distributed", "tests/distributed/test_processes.py", alone=True), script("hosts", "tests/distributed/test_hosts.py", alone=True), script("dala_hosts", "tests/distributed/test_dala.py", alone=True)]),
+        ("meta", [script("meta", "tests/meta/test_meta.py", weight=5), script("help_examples", "tests/meta/test_help_examples.py", weight=10, sample=["check", "run", "verify"])]),
+        ("odd_inputs", [script("odd_inputs", "tests/meta/test_odd_inputs.py", weight=20, sample=["--every", "5"])]),
+        ("mistakes", [script("mistakes", "tests/mistakes/test_mistakes.py", weight=8, sample=["connectors"])]),
+        ("slips", [script("slips", "tests/slips/test_slips.py", weight=5, sample=["--count", "100"])]),
+        ("fmt", [script("fmt", "tests/fmt/test_fmt.py", weight=10, sample=["--every", "10"])]),
+        ("models", [script("models", "tests/models/test_models.py", weight=57, sample=["--every", "12"]),
+                    script("agreement", "tests/models/test_agreement.py", "--timeout", "5", weight=25, sample=LEFT_OUT),
+                    script("strings", "tests/models/test_strings.py", weight=8, sample=LEFT_OUT)]),
+        ("day", [script("day", "tests/models/test_day.py", "--steps", "6000000", weight=14, sample=["--steps", "600000"])]),
+        ("genom", [script("genom", "tests/genom/test_genom.py", weight=30, sample=["--scenarios", "50"]), script("dala", "tests/genom/test_dala.py", weight=30, sample=LEFT_OUT),
+                   script("rules", "tests/rules/test_rules.py", weight=10, sample=["--sets", "12"]), script("constructs", "tests/genom/test_constructs.py", weight=3), script("codels", "tests/genom/test_c_codels.py", weight=10), script("cxx_codels", "tests/genom/test_cxx_codels.py", weight=10, sample=LEFT_OUT), script("remote_calls", "tests/genom/test_remote_calls.py", weight=10, sample=LEFT_OUT), script("mission", "models/dala/run", alone=True, sample=LEFT_OUT), script("crash", "models/dala/run", "--processes", "--mission", "models/dala/mission/crash.txt", alone=True, sample=LEFT_OUT), script("faults", "tests/genom/test_dala_faults.py", alone=True, sample=LEFT_OUT)]),
+        ("serve", [script("serve", "tests/serve/test_serve.py", alone=True), script("stepping", "tests/serve/test_stepping.py"), script("places", "tests/serve/test_places.py"), script("requests", "tests/serve/test_requests.py"), script("watchdog", "tests/serve/test_watchdog.py", alone=True, sample=LEFT_OUT), script("built", "tests/serve/test_built.py", weight=10, sample=LEFT_OUT), script("processes", "tests/serve/test_processes.py", weight=10, sample=LEFT_OUT)]),
+        ("ros1", [script("component", "tests/ros1/test_ros1.py", alone=True, sample=LEFT_OUT)]),
+        ("ros2", [script("component", "tests/ros2/test_ros2.py", "component", alone=True), script("mission", "tests/ros2/test_ros2.py", "mission", alone=True, sample=LEFT_OUT)]),
+        ("distributed", [script("distributed", "tests/distributed/test_processes.py", alone=True), script("hosts", "tests/distributed/test_hosts.py", alone=True, sample=LEFT_OUT), script("dala_hosts", "tests/distributed/test_dala.py", alone=True, sample=LEFT_OUT)]),
         # Sanitizers make system calls and allocate by themselves, need much address space, and trace the process to find leaks.
-        ("faults", [script("faults", "tests/faults/test_faults.py", *(["output", "input", "threads", "kill"] if is_sanitized() else []), alone=True)]),
+        ("faults", [script("faults", "tests/faults/test_faults.py", *(["output", "input", "threads", "kill"] if is_sanitized() else []), alone=True, sample=["output", "input"])]),
         ("traces", [script("traces", "tests/traces/test_traces.py", weight=3), script("record", "tests/traces/test_record.py", alone=True)]),
-        ("debuggers", [script("debuggers", "tests/debuggers/test_debuggers.py", alone=True)]),
+        ("debuggers", [script("debuggers", "tests/debuggers/test_debuggers.py", alone=True, sample=LEFT_OUT)]),
         # A sanitized build cannot be installed.
-        *([("package", [script("package", "tests/package/test_package.py", weight=25), *needs("bipc-runner", script("runner", "tests/package/test_runner.py", weight=5))])] if not is_sanitized() else []),
-        ("python", [script("python", "tests/python/test_python.py", alone=True), script("notebooks", "tests/python/test_notebooks.py", alone=True)]),
-        ("fuzz", needs("bip-fuzz", script("fuzz", "tests/fuzz/test_fuzz.py", weight=140))),
+        *([("package", [script("package", "tests/package/test_package.py", weight=25, sample=LEFT_OUT), *needs("bipc-runner", script("runner", "tests/package/test_runner.py", weight=5))])] if not is_sanitized() else []),
+        ("python", [script("python", "tests/python/test_python.py", alone=True), script("notebooks", "tests/python/test_notebooks.py", alone=True, sample=LEFT_OUT)]),
+        ("fuzz", needs("bip-fuzz", script("fuzz", "tests/fuzz/test_fuzz.py", weight=140, sample=["--edits", "5000"]))),
         ("graph", [script("graph", "tests/graph/test_pictures.py", weight=5)]),
-        ("view", [script("view", "tests/view/test_page.py", alone=True), script("live", "tests/view/test_live.py"), script("attach", "tests/view/test_attach.py")]),
+        ("view", [script("view", "tests/view/test_page.py", alone=True, sample=LEFT_OUT), script("live", "tests/view/test_live.py"), script("attach", "tests/view/test_attach.py")]),
         ("dap", [script("dap", "tests/dap/test_dap.py", weight=20)]),
-        ("lsp", needs("bipc-lsp", script("lsp", "tests/lsp/test_lsp.py", weight=145))),
-        ("verify", needs("bip-verify-check", script("verify", "tests/verify/test_verify.sh", str(options.nets), str(options.first), weight=180),
-                         script("terminal", "tests/verify/test_terminal.py", alone=True), script("exports", "tests/verify/test_exports.py", weight=20),
-                         script("aiger", "tests/verify/test_aiger.py", weight=10), script("timed", "tests/verify/test_timed.py", weight=10),
-                         *needs("bip-prove-runs", script("liveness", "tests/verify/test_liveness.py", weight=10)),
-                         script("timed certificates", "tests/verify/test_timed_certificates.py", weight=15),
+        ("lsp", needs("bipc-lsp", script("lsp", "tests/lsp/test_lsp.py", weight=145, sample=["--edits", "150"]))),
+        ("verify", needs("bip-verify-check", script("verify", "tests/verify/test_verify.sh", str(options.nets), str(options.first), weight=180, sample=["30", "2001"]),
+                         script("terminal", "tests/verify/test_terminal.py", alone=True), script("exports", "tests/verify/test_exports.py", weight=20, sample=["2"]),
+                         script("aiger", "tests/verify/test_aiger.py", weight=10, sample=["2"]), script("timed", "tests/verify/test_timed.py", weight=10, sample=["20"]),
+                         *needs("bip-prove-runs", script("liveness", "tests/verify/test_liveness.py", weight=10, sample=["20"])),
+                         script("timed certificates", "tests/verify/test_timed_certificates.py", weight=15, sample=["5"]),
                          *timed_zone_jobs(),
                          script("certificate table", "tests/verify/test_certificate_table.py", weight=5),
-                         script("sizes", "tests/verify/test_sizes.py", weight=10))),
-        ("differential", needs("bip-gen", script("differential", "tests/differential/test_differential.sh", str(options.systems), str(options.first), *(["--without-emitted"] if options.without_emitted else []), weight=150),
-                               script("engines", "tests/differential/test_engines.sh", "100", weight=40))),
+                         script("sizes", "tests/verify/test_sizes.py", weight=10, sample=["--count", "12"]))),
+        ("differential", needs("bip-gen", script("differential", "tests/differential/test_differential.sh", str(options.systems), str(options.first), *(["--without-emitted"] if options.without_emitted else []), weight=150, sample=["40", "2001"]),
+                               script("engines", "tests/differential/test_engines.sh", "100", weight=40, sample=["20"]))),
     ]
 
 
@@ -186,6 +227,7 @@ def main():
     arguments.add_argument("--goldens-every", type=int, default=1, metavar="N", help="of N golden files only one")
     arguments.add_argument("--first", type=int, default=2001, help="seed of the first random system")
     arguments.add_argument("--without-emitted", action="store_true", help="random systems are not also run as emitted C++")
+    arguments.add_argument("--sample", action="store_true", help="some cases of each group; says what it leaves out")
     arguments.add_argument("groups", nargs="*")
     options = arguments.parse_args()
     wanted = set(options.groups)
@@ -205,6 +247,9 @@ def main():
         sys.exit(f"test: no group {', '.join(sorted(unknown))}")
     chosen = [(name, [job for job in jobs if not wanted or name in wanted or f"{name}:{job.name}" in wanted]) for name, jobs in everything]
     chosen = [(name, jobs) for name, jobs in chosen if jobs]
+    left_out, fewer = [], []
+    if options.sample:
+        chosen, left_out, fewer = sampled(chosen)
     results, seconds = {}, {}
 
     def execute(job):
@@ -239,6 +284,9 @@ def main():
         if job.alone:
             execute(job)
     (LOGS / "seconds").write_text("".join(f"{seconds[job]:8.1f}  {name}:{job.name}\n" for name, group in chosen for job in group))
+    if options.sample:
+        print(f"a sample: {len(fewer)} programs had fewer cases; left out: {', '.join(left_out) or 'nothing'} "
+              "(tools/test --all runs everything, tools/test GROUP… these groups whole)", flush=True)
     print(f"{total[0]} passed, {total[1]} failed" + (f", {len(skipped)} skipped" if skipped else ""), flush=True)
     return 1 if total[1] else 0
 

@@ -16,6 +16,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 import threading
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -209,6 +210,34 @@ def check_ctest_knows_all_groups():
     groups = re.findall(r'^ +(?:\*\(\[)?\("(\w+)", (?:\[|needs|list)', (ROOT / "tests/run_all.py").read_text(encoding="utf-8"), re.M)
     known = re.search(r"^foreach\(group ([\w ]+)\)$", (ROOT / "tests/CMakeLists.txt").read_text(encoding="utf-8"), re.M)[1].split()
     return [f"tests/CMakeLists.txt: {name}: not in both lists of groups" for name in sorted((set(groups) - {"unit"}) ^ set(known))]
+
+
+def check_samples():
+    """A sampled run says what it leaves out and runs the rest smaller; options that are none end tools/test before it builds."""
+    spec = importlib.util.spec_from_file_location("run_all", ROOT / "tests/run_all.py")
+    run_all = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(run_all)
+    problems = []
+    whole = [("a", [run_all.script("same", "x.py"), run_all.script("less", "x.py", sample=["1"]), run_all.script("long", "x.py", sample=run_all.LEFT_OUT)]),
+             ("b", [run_all.script("longer", "y.py", sample=run_all.LEFT_OUT)])]
+    kept, left_out, fewer = run_all.sampled(whole)
+    found = [(name, [job.name for job in jobs]) for name, jobs in kept], left_out, fewer
+    if found != ([("a", ["same", "less"])], ["a:long", "b:longer"], ["a:less"]):
+        problems.append(f"tests/run_all.py: the sample is {found}")
+    with tempfile.TemporaryDirectory() as folder:
+        build = pathlib.Path(folder)
+        (build / "CMakeCache.txt").write_text("BIPC_JIT:BOOL=OFF\n")
+        environment = {**os.environ, "BIPC_BUILD_DIR": folder}
+        for arguments, code, wanted in ((["--sample", "view:view", "dap"], None, "left out: view:view (tools/test --all"),
+                                        (["--samples"], 2, "unrecognized arguments: --samples"), (["no-group"], 1, "no group no-group")):
+            done = subprocess.run([sys.executable, str(ROOT / "tests/run_all.py"), *arguments], capture_output=True, text=True, env={**environment, "BIPC": "/bin/false"})
+            if wanted not in done.stdout + done.stderr or code not in (None, done.returncode):
+                problems.append(f"tests/run_all.py {' '.join(arguments)}: exit code {done.returncode}\n{(done.stdout + done.stderr)[-600:]}")
+    for arguments in (["--every"], ["--all", "golden"]):
+        done = subprocess.run([str(ROOT / "tools/test"), *arguments], capture_output=True, text=True)
+        if done.returncode != 2 or "tools/test" not in done.stderr:
+            problems.append(f"tools/test {' '.join(arguments)}: exit code {done.returncode}, {done.stderr!r}")
+    return problems
 
 
 def kinds():

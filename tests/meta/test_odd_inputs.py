@@ -2,13 +2,14 @@
 """Odd inputs: whatever a file holds, bipc answers with a diagnostic and the documented exit code, within twenty seconds of the
 processor's time (a busy machine is no finding, and takes twice as long by that, too; the clock may show four minutes).
 
-    tests/meta/test_odd_inputs.py [part of a case's name ...]
+    tests/meta/test_odd_inputs.py [--every N] [part of a case's name ...]
 
 Each case is made here, at run time, because most are large: nesting, long names, long chains, loops without end, files
 that are no text. Expected is an exit code and, for errors, the code of the first diagnostic. Needs python3 and a built
 bipc ($BIPC, or bipc in $BIPC_BUILD_DIR, or build/bipc). BIPC_TEST_PATIENCE=20 is for sanitized builds: twenty times as
 long, and no limit of the address space, which their shadow memory needs.
 """
+import itertools
 import os
 import pathlib
 import re
@@ -19,6 +20,8 @@ import tempfile
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+sys.path.insert(0, str(ROOT / "tests"))
+from sample import take_every  # noqa: E402
 PATIENCE = float(os.environ.get("BIPC_TEST_PATIENCE", "1"))
 SECONDS = int(20 * PATIENCE)
 ADDRESS_SPACE_KB = 6_000_000 if PATIENCE == 1 else "unlimited"
@@ -175,14 +178,14 @@ def run(bipc, folder, content, arguments):
 
 
 def main():
-    words = sys.argv[1:]
+    every, words = take_every(sys.argv[1:])
     bipc = os.environ.get("BIPC") or str(pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build") / "bipc")
     if not os.access(bipc, os.X_OK):
         sys.exit(f"odd_inputs: no program at {bipc} (build it with tools/build, or set BIPC)")
     bipc = os.path.abspath(bipc)
     passed = failed = 0
     with tempfile.TemporaryDirectory(prefix="odd-") as folder:
-        for name, content, arguments, exit_code, code in cases():
+        for name, content, arguments, exit_code, code in itertools.islice(cases(), 0, None, every):
             if words and not any(w in name for w in words):
                 continue
             start = time.monotonic()

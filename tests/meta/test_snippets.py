@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Executes what the documents show.
 
-    tests/meta/test_snippets.py [--update-pictures] [part of a file's name ...]
+    tests/meta/test_snippets.py [--update-pictures] [--every N] [part of a file's name ...]
 
 - ```console and ```sh fences with `$ command` lines: each command runs, what stands below it is the expected output
   (standard output and error); a line `...` stands for any lines. `bipc` is the built program. One directory a document,
@@ -27,6 +27,7 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(ROOT / "tests"))
 import certificates  # noqa: E402
+from sample import take_every  # noqa: E402
 BUILD = pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build").resolve()
 BIPC = os.path.abspath(os.environ.get("BIPC") or BUILD / "bipc")
 CERTCHECK = BUILD / "certcheck"  # not built without Z3
@@ -251,9 +252,11 @@ def main():
         sys.exit(f"snippets: no program at {BIPC}")
     jobs = [(check_document, p) for p in documents()]
     jobs += [(check_page, p) for p in sorted((ROOT / "compiler/diag/explain").glob("[BRV]*.md"))]
-    wanted = [word for word in sys.argv[1:] if word != "--update-pictures"]
+    every, words = take_every(sys.argv[1:])
+    wanted = [word for word in words if word != "--update-pictures"]
     if wanted:
         jobs = [j for j in jobs if any(w in str(j[1].relative_to(ROOT)) for w in wanted)]
+    jobs = jobs[::every]
     passed = failed = 0
     with concurrent.futures.ThreadPoolExecutor(max_workers=2) as pool:
         for checked, problems in pool.map(lambda j: j[0](j[1]), jobs):
