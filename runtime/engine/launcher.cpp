@@ -38,6 +38,7 @@ struct Member {
   bool is_idle = false, wants = false, has_counted = false, owes_credit = false, has_told = false;
   bool has_answered = false;  // of time
   u64 sent = 0, received = 0, steps = 0;
+  u64 cpu = 0;      // microseconds, as last heard
   u64 granted = 0;  // credit, but for what it gave back
 };
 
@@ -56,9 +57,7 @@ class Launcher {
         merge_(core, distribution, output),
         plans_(plans_instants(core, options)),
         members_(distribution.placement.nodes.size()),
-        checkpoints_(options, resumed) {
-    result_.cpu.assign(members_.size(), 0);
-  }
+        checkpoints_(options, resumed) {}
 
   DistributedResult run() {
     const State initial = core_.snapshot();
@@ -292,6 +291,7 @@ class Launcher {
       case Control::Kind::Beat:
         merge_.raise_bound(heard.from, bound_of(number(0)));
         member.steps = number(1);
+        member.cpu = number(2);
         return;
       case Control::Kind::Counted:
         if (number(0) != round_) return;
@@ -331,7 +331,7 @@ class Launcher {
         result_.network.again += number(5);
         result_.bytes += number(6);
         result_.refused += number(7);
-        result_.cpu[heard.from] = number(8);
+        member.cpu = number(8);
         result_.locks += number(9);
         result_.releases += number(10);
         result_.wakes += number(11);
@@ -673,6 +673,7 @@ class Launcher {
 
   void end(const State& initial) {
     add_own_counts();
+    for (const Member& member : members_) result_.use.push_back({member.steps, member.cpu, member.is_lost});
     result_.checkpoints = checkpoints_.count();
     result_.checkpoint = checkpoints_.steps();
     if (has_fault_) {

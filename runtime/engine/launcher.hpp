@@ -17,10 +17,17 @@
 
 namespace bip::rt {
 
+// What the launcher knows of a node at the end; of a lost one, as of its last beat.
+struct NodeUse {
+  u64 steps = 0;  // that it began
+  u64 cpu = 0;    // microseconds, user and system, of all its threads
+  bool is_lost = false;
+};
+
 struct DistributedResult : SimulatedResult {
   std::string error;           // why the run could not begin; empty: it could
   u64 bytes = 0, refused = 0;  // of frames; frames and connections
-  std::vector<u64> cpu;        // by node: microseconds
+  std::vector<NodeUse> use;    // by node
   i64 started = 0;             // ns until all nodes were there
 };
 

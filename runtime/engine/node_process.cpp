@@ -48,7 +48,8 @@ u64 cpu_microseconds() {
 }  // namespace
 
 NodeProcess::NodeProcess(const NodeSetup& setup, Fabric& fabric)
-    : setup_(setup),
+    : cpu_before_(cpu_microseconds()),
+      setup_(setup),
       fabric_(fabric),
       launcher_(static_cast<u32>(setup.distribution.placement.nodes.size())),
       writes_(setup.output.writes_steps()),
@@ -215,7 +216,7 @@ void NodeProcess::take_control(const Control& control) {
       if (!is_finished_) return say_last_state();
       if (control.numbers.size() == 2) told_end_ = control.numbers[0], told_steps_ = control.numbers[1];
       return;
-    case Control::Kind::Beat: return say(Control::Kind::Beat, {station_.clock(), steps_});
+    case Control::Kind::Beat: return say(Control::Kind::Beat, {station_.clock(), steps_, cpu_spent()});
     case Control::Kind::Ready:
     case Control::Kind::Idle:
     case Control::Kind::Want:
@@ -489,13 +490,16 @@ void NodeProcess::append_clocks(ByteWriter& writer, u32 atom, const SavedTime& t
   }
 }
 
+// Without what `bipc node` did before the run: loading, compiling, waiting for the others.
+u64 NodeProcess::cpu_spent() const { return cpu_microseconds() - cpu_before_; }
+
 void NodeProcess::say_last_state() {
   say_state();
   const NodeCounts& counts = node_.counts();
   const StationCounts& station = station_.counts();
   say(Control::Kind::Finished, {steps_, border_steps_, counts.offers, counts.begins, station.frames, station.again,
-                                station.bytes, station.refused + counts.refused + fabric_.counts().refused,
-                                cpu_microseconds(), counts.locks, counts.releases, counts.wakes});
+                                station.bytes, station.refused + counts.refused + fabric_.counts().refused, cpu_spent(),
+                                counts.locks, counts.releases, counts.wakes});
   is_finished_ = true;
 }
 

@@ -81,12 +81,14 @@ class NodeProcess {
   void count(u64 round);
   void say_state();
   static void append_clocks(ByteWriter& writer, u32 atom, const SavedTime& time);
+  [[nodiscard]] u64 cpu_spent() const;
   void say_last_state();
   void free_strings();
   [[nodiscard]] i64 next_due(bool has_work) const;
   [[nodiscard]] u64 sum_of_open(const std::vector<u64>& counts);
   void say(Control::Kind kind, std::vector<u64> numbers, std::vector<std::string> texts = {});
 
+  u64 cpu_before_;  // microseconds of this process before the run
   const NodeSetup& setup_;
   Fabric& fabric_;
   u32 launcher_;

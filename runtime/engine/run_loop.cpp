@@ -185,7 +185,7 @@ void RunLoop::finish() {
   BIP_ASSERT(phase_ == Phase::Ended, "phase {}", static_cast<int>(phase_));
   seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
   if (options_.profile != nullptr) options_.profile->finish(seconds_);
-  cpu_seconds_ = static_cast<double>(std::clock() - cpu_started_) / CLOCKS_PER_SEC;
+  own_cpu_seconds_ = static_cast<double>(std::clock() - cpu_started_) / CLOCKS_PER_SEC;
   if (options_.before_end) options_.before_end();
   report_end();
   end_record();
@@ -429,7 +429,9 @@ void RunLoop::print_statistics() {
     if (core_.actions().any()) text += "budgets overrun: " + std::to_string(feed_.overruns()) + '\n';
     write_text(files_.err, text);
   }
-  print_run_statistics(files_.err, core_, enabled_sizes_, result_.steps, seconds_, cpu_seconds_);
+  double cpu_seconds = own_cpu_seconds_;
+  for (const NodeUse& node : distributed_.use) cpu_seconds += static_cast<double>(node.cpu) / 1e6;
+  print_run_statistics(files_.err, core_, enabled_sizes_, result_.steps, seconds_, cpu_seconds);
   if (batch_ && batch_->is_on()) {
     std::fprintf(files_.err, "parts %u, shared interactions %zu, steps beside each other %llu\n", batch_->parts(),
                  batch_->shared(), static_cast<unsigned long long>(batch_->beside()));
@@ -461,14 +463,28 @@ void RunLoop::print_node_statistics() {
     std::fprintf(files_.err, "frames %llu, sent again %llu, bytes %llu, refused %llu; nodes there after %.3f s\n",
                  number(network.frames), number(network.again), number(distributed_.bytes),
                  number(distributed_.refused), static_cast<double>(distributed_.started) / 1e9);
-    std::fprintf(files_.err, "CPU seconds of the nodes:");
-    for (const u64 cpu : distributed_.cpu) std::fprintf(files_.err, " %.3f", static_cast<double>(cpu) / 1e6);
-    std::fprintf(files_.err, "\n");
+    print_processor_use();
     return;
   }
   std::fprintf(files_.err, "frames %llu, sent again %llu, lost %llu, doubled %llu; simulated time %.3f s\n",
                number(network.frames), number(network.again), number(network.lost), number(network.doubled),
                static_cast<double>(distributed_.time) / 1e9);
+}
+
+// Of each node in the order of the placement.
+void RunLoop::print_processor_use() {
+  std::fprintf(files_.err, "CPU seconds of the nodes:");
+  bool is_any_lost = false;
+  for (const NodeUse& node : distributed_.use) {
+    std::fprintf(files_.err, " %.3f", static_cast<double>(node.cpu) / 1e6);
+    is_any_lost = is_any_lost || node.is_lost;
+  }
+  std::fprintf(files_.err, "; of the launcher: %.3f\nCPU ns/step of the nodes:", own_cpu_seconds_);
+  for (const NodeUse& node : distributed_.use) {
+    if (node.steps == 0) std::fprintf(files_.err, " -");
+    else std::fprintf(files_.err, " %.1f", static_cast<double>(node.cpu) * 1e3 / static_cast<double>(node.steps));
+  }
+  std::fprintf(files_.err, "%s\n", is_any_lost ? "; of lost nodes: up to their last sign" : "");
 }
 
 bool RunLoop::can_be_quiet() const {

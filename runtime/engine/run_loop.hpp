@@ -89,6 +89,7 @@ class RunLoop {
   void compare_with_recorded_end();
   void print_statistics();
   void print_node_statistics();
+  void print_processor_use();
 
   [[nodiscard]] bool can_be_compiled() const;
   [[nodiscard]] bool can_be_quiet() const;
@@ -127,7 +128,7 @@ class RunLoop {
   EnabledSizes enabled_sizes_;
   std::chrono::steady_clock::time_point started_;
   std::clock_t cpu_started_ = 0;
-  double seconds_ = 0, cpu_seconds_ = 0;
+  double seconds_ = 0, own_cpu_seconds_ = 0;  // of this process
 };
 
 }  // namespace bip::rt

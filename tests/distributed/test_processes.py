@@ -63,6 +63,7 @@ def check(is_right, what, details=""):
     if not is_right:
         failed += 1
         print(f"FAILED: {what}\n{details}", flush=True)
+    return is_right
 
 
 def sockets():
@@ -251,6 +252,20 @@ def test_frames(folder):
     check(done.returncode == 0 and said is not None, "100 in flight run to their limit", done.stdout + done.stderr)
     messages, frames = (int(word) for word in said.groups())
     check(messages == 40000 and frames * 5 < messages, f"frames take what is ready together: {frames} frames for {messages} messages", done.stderr)
+    check_processor_use(done.stderr, 20000)
+
+
+def check_processor_use(said, steps):
+    """CPU ns/step is that of all processes; nodes take most of it, and one that begins no step has none."""
+    a_step = re.search(r"CPU ns/step ([\d.]+)\n", said)
+    used = re.search(r"CPU seconds of the nodes: ([\d.]+) ([\d.]+); of the launcher: ([\d.]+)\nCPU ns/step of the nodes: ([\d.-]+) ([\d.-]+)\n", said)
+    if not check(a_step is not None and used is not None, "--stats tells the CPU of each node", said):
+        return
+    nodes, launcher = [float(used[1]), float(used[2])], float(used[3])
+    check(min(nodes) > 0, "each node takes CPU", said)
+    # Three rounded terms.
+    check(abs(float(a_step[1]) * steps / 1e9 - sum(nodes) - launcher) < 0.002, "CPU ns/step is that of the nodes and the launcher", said)
+    check(used[5] == "-" and abs(float(used[4]) * steps / 1e9 - nodes[0]) < 0.001, "CPU ns/step of a node is of the steps that it began", said)
 
 
 def test_errors(folder):
