@@ -2,6 +2,8 @@
 #include "runtime/engine/launcher.hpp"
 
 #include <algorithm>
+#include <cstdio>
+#include <optional>
 #include <random>
 
 #include "bip/assert.hpp"
@@ -15,6 +17,7 @@
 #include "runtime/engine/node_process.hpp"
 #include "runtime/engine/node_time.hpp"
 #include "runtime/engine/node_team.hpp"
+#include "runtime/engine/silence_watch.hpp"
 #include "runtime/engine/step_merge.hpp"
 #include "runtime/engine/waker.hpp"
 
@@ -22,8 +25,6 @@ namespace bip::rt {
 
 namespace {
 
-constexpr i64 kBeat = 1000000000;      // ns between beats
-constexpr i64 kMostMissed = 3;         // missed beats until silence is reported
 constexpr i64 kStale = 20000000;       // ns that a step may wait for nodes to say that they have no earlier one
 constexpr i64 kAskAgain = 5000000;     // ns until credit is asked for again
 constexpr i64 kPatience = 3000000000;  // ns for nodes to end their actions after Ctrl-C
@@ -34,7 +35,6 @@ enum class RunPhase : std::uint8_t { Running, Counting, Telling, Limiting, Plann
 // What the launcher knows of a node.
 struct Member {
   bool is_there = false, is_lost = false, has_finished = false;
-  bool is_silent = false;  // and that was reported
   bool is_idle = false, wants = false, has_counted = false, owes_credit = false, has_told = false;
   bool has_answered = false;  // of time
   u64 sent = 0, received = 0, steps = 0;
@@ -70,6 +70,7 @@ class Launcher {
     share_out();
     beat_at_ = began + kBeat;
     began_ = began;
+    silences_.emplace(static_cast<u32>(members_.size()), wall_clock());
     history_.assign(core_.image().atoms.size, kNone);
     locked_.assign(core_.image().atoms.size, false);
     time_.clocks.resize(core_.image().atoms.size);
@@ -160,7 +161,6 @@ class Launcher {
       if (is_interrupted()) return false;
     }
     gathering_->welcome(wall_clock());
-    gathered_at_ = wall_clock();
     return true;
   }
 
@@ -183,23 +183,33 @@ class Launcher {
     if (!gone.empty() && !members_[arrival.from].has_finished) lose(arrival.from, gone);
   }
 
-  // Nodes on other hosts are heard at every beat, or are lost.
+  // Of a node on another host long silence is a loss; the end of a process of this machine is seen.
+  [[nodiscard]] bool is_remote(u32 node) const { return options_.deployment != nullptr && node != 0; }
+
   void look_for_silence(i64 now) {
-    for (u32 node = 1; node < members_.size(); ++node) {
-      Member& member = members_[node];
-      if (member.is_lost || member.has_finished) continue;
-      const i64 silence = now - std::max(gathered_at_, station_->last_heard(node));
-      const std::string seconds = std::to_string(silence / kBeat) + " s";
-      if (silence >= options_.lost_after) {
-        lose(node, "gave no sign for " + seconds);
-      } else if (silence >= kMostMissed * kBeat && !member.is_silent) {
-        member.is_silent = true;
-        gathering_->tell("node `" + distribution_.placement.nodes[node] + "` gives no sign for " + seconds);
-      } else if (silence < 2 * kBeat && member.is_silent) {
-        member.is_silent = false;
-        gathering_->tell("node `" + distribution_.placement.nodes[node] + "` is heard again");
+    silences_->begin_look(now);
+    for (u32 node = 0; node < members_.size(); ++node) {
+      if (members_[node].is_lost || members_[node].has_finished) continue;
+      const i64 heard = station_->last_heard(node);
+      const std::string seconds = std::to_string(silences_->silence(heard) / kBeat) + " s";
+      switch (silences_->sign(node, heard, is_remote(node) ? options_.lost_after : kForever)) {
+        case Sign::Same: break;
+        case Sign::Silent: tell_silence(node, seconds); break;
+        case Sign::Heard: tell("node `" + distribution_.placement.nodes[node] + "` is heard again"); break;
+        case Sign::Lost: lose(node, "gave no sign for " + seconds); break;
       }
     }
+  }
+
+  void tell_silence(u32 node, const std::string& seconds) const {
+    std::string text = "node `" + distribution_.placement.nodes[node] + "` gives no sign for " + seconds;
+    if (!is_remote(node)) text += ": " + team_.state_of(node);
+    tell(text + '\n' + silence_story(core_, distribution_, node));
+  }
+
+  static void tell(const std::string& text) {
+    std::fprintf(stderr, "bipc: %s%s", text.c_str(), text.back() == '\n' ? "" : "\n");
+    std::fflush(stderr);
   }
 
   void wait_for_confirmations() {
@@ -436,7 +446,7 @@ class Launcher {
     if (member.is_lost) return;
     if (!has_lost_) lost_after_ = writes_ ? merge_.written() : steps();
     has_lost_ = true;
-    if (gathering_) gathering_->tell("node `" + distribution_.placement.nodes[node] + "` is lost: " + how);
+    if (gathering_) tell("node `" + distribution_.placement.nodes[node] + "` is lost: " + how);
     how_ += (how_.empty() ? ": " : "; ") + ('`' + distribution_.placement.nodes[node] + "` " + how);
     member.is_lost = true;
     station_->close(node);
@@ -503,10 +513,8 @@ class Launcher {
         if (!members_[node].has_finished) lose(node, "was at work for too long");
       }
     }
-    if (gathering_) {
-      gathering_->tick(now);
-      look_for_silence(now);
-    }
+    if (gathering_) gathering_->tick(now);
+    look_for_silence(now);
     if (phase_ == RunPhase::Running && !is_pausing_ && !is_halted_ && !has_lost_ && !has_fault_ &&
         checkpoints_.take_due(now - began_))
       pause();
@@ -748,7 +756,7 @@ class Launcher {
   std::unique_ptr<Fabric> fabric_;
   std::unique_ptr<Station> station_;
   std::unique_ptr<Gathering> gathering_;  // of nodes on several hosts
-  i64 gathered_at_ = 0;
+  std::optional<SilenceWatch> silences_;
 
   RunPhase phase_ = RunPhase::Running;
   State last_;

@@ -41,6 +41,12 @@ Survivors::Survivors(const Core& core, const Distribution& distribution, std::ve
   interactions_of_atom_ = partial.atoms_of_interaction.transposed(core.image().atoms.size);
 }
 
+bool Survivors::may_wait(u32 atom) const {
+  const Span<InteractionId> interactions = interactions_of_atom_[atom];
+  return std::any_of(interactions.begin(), interactions.end(),
+                     [&](InteractionId interaction) { return !is_whole(interaction); });
+}
+
 bool Survivors::waits(u32 atom, u32 place) const {
   const Tables& tables = core_.tables();
   const LinkedType& type = tables.types[tables.atoms[atom].type];
@@ -82,6 +88,22 @@ std::string loss_story(const Core& core, const Distribution& distribution, const
   std::string text = "lost " + names + " after " + std::to_string(steps) + " steps" + why + "\n  at home there: ";
   name_atoms(text, core, gone);
   text += "  waiting for it: ";
+  name_atoms(text, core, waiting);
+  return text;
+}
+
+std::string silence_story(const Core& core, const Distribution& distribution, u32 node) {
+  std::vector<bool> is_silent(distribution.placement.nodes.size(), false);
+  is_silent[node] = true;
+  const Survivors others(core, distribution, std::move(is_silent));
+  std::vector<u32> there, waiting;
+  for (u32 atom = 0; atom < core.image().atoms.size; ++atom) {
+    if (distribution.home(atom) == node) there.push_back(atom);
+    else if (others.may_wait(atom)) waiting.push_back(atom);
+  }
+  std::string text = "  at home there: ";
+  name_atoms(text, core, there);
+  text += "  may wait for it: ";
   name_atoms(text, core, waiting);
   return text;
 }

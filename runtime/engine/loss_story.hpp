@@ -18,6 +18,8 @@ class Survivors {
   [[nodiscard]] bool is_lost(u32 node) const { return is_lost_[node]; }
   /// Are its coordinator there, and the homes of all that take part in it or that it looks at?
   [[nodiscard]] bool is_whole(InteractionId interaction) const { return is_whole_[interaction]; }
+  /// Is there an interaction that can take the atom, from any place, and that is not whole?
+  [[nodiscard]] bool may_wait(u32 atom) const;
   /// Can interactions take the atom from this place (of Petri types: at all), and is none of them whole?
   [[nodiscard]] bool waits(u32 atom, u32 place) const;
 
@@ -32,5 +34,9 @@ class Survivors {
 /// nowhere holds it; empty: none. `why`: how the nodes ended; may be empty.
 [[nodiscard]] std::string loss_story(const Core& core, const Distribution& distribution, const Survivors& survivors,
                                      const std::vector<bool>& locked, u64 steps, const std::string& why);
+
+/// Two lines: which components are at home on the node, and which of other nodes take part in interactions that need
+/// it.
+[[nodiscard]] std::string silence_story(const Core& core, const Distribution& distribution, u32 node);
 
 }  // namespace bip::rt

@@ -13,6 +13,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
+#include <iterator>
 
 #include "runtime/engine/interrupt.hpp"
 
@@ -116,6 +118,24 @@ std::vector<EndedNode> NodeTeam::take_ended() {
                                                : "exit code " + std::to_string(WEXITSTATUS(status))});
   }
   return ended;
+}
+
+// The letter after the name of the program, which may hold blanks and parentheses (proc(5), /proc/PID/stat).
+std::string NodeTeam::state_of(u32 node) const {
+  const pid_t process = node < children_.size() ? children_[node].process : 0;
+  if (process == 0) return "its process has ended";
+  const std::string name = "its process " + std::to_string(process);
+  std::ifstream file("/proc/" + std::to_string(process) + "/stat");
+  const std::string line{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  const std::size_t end = line.rfind(") ");
+  switch (end == std::string::npos || end + 2 >= line.size() ? '?' : line[end + 2]) {
+    case 'T': return name + " is stopped";
+    case 't': return name + " is stopped by a debugger";
+    case 'R': return name + " is running: an action, or a busy machine";
+    case 'S': return name + " sleeps: an action that waits";
+    case 'D': return name + " waits for a device";
+    default: return name + " is there";
+  }
 }
 
 void NodeTeam::wait_for_all(int ms) {

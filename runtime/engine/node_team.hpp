@@ -38,6 +38,8 @@ class NodeTeam {
   [[nodiscard]] const std::vector<int>& files() const { return files_; }
   /// Those that ended since.
   [[nodiscard]] std::vector<EndedNode> take_ended();
+  /// What the node's process does, for a person: "its process 4711 is stopped".
+  [[nodiscard]] std::string state_of(u32 node) const;
   /// Waits until all have ended, or so many ms.
   void wait_for_all(int ms);
 

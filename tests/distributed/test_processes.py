@@ -197,6 +197,63 @@ def test_idle(folder):
     run.check({130}, "a run that was idle")
 
 
+def test_silence(folder):
+    """A node that is stopped is named after three seconds, with what may wait for it; the run goes on with it."""
+    run = Run(folder, MODELS / "bench/philosophers.bip", "Table(8)", "--nodes", "4", "--seed", "5", "--limit", "100000000")
+    processes = run.nodes(4)
+    time.sleep(0.3)
+    os.kill(processes[1], signal.SIGSTOP)
+    time.sleep(4.5)
+    check(run.process.poll() is None, "silence ends no run")
+    os.kill(processes[1], signal.SIGCONT)
+    time.sleep(1.5)
+    size = run.trace.stat().st_size
+    time.sleep(1)
+    check(run.trace.stat().st_size > size, "the run goes on", f"{size} bytes of the trace before, and after")
+    run.process.send_signal(signal.SIGINT)
+    run.check({130}, "a node that is stopped for a while")
+    told = re.findall(r"bipc: node `(\d)` (gives no sign|is heard again)", run.err)
+    check(told == [("2", "gives no sign"), ("2", "is heard again")], "silence is told once, and its end", run.err)
+    check(f"gives no sign for 3 s: its process {processes[1]} is stopped\n  at home there: ROOT." in run.err, "why it is silent is told", run.err)
+    waiting = re.search(r"  may wait for it: (.*)", run.err)
+    check(waiting is not None and "ROOT." in waiting[1], "what may wait is told", run.err)
+
+
+LONG = """@cpp(include="long.hpp")
+package long_actions
+  extern function int work_for(const int milliseconds)
+  port type P()
+  connector type Two(P p, P q)
+    define p q
+  end
+  atom type A(int milliseconds)
+    data int n = 0
+    export port P go()
+    place S
+    initial to S
+    on go from S to S do { n = n + work_for(milliseconds); }
+  end
+  compound type Root(int milliseconds)
+    component A a(milliseconds), b(0)
+    connector Two k(a.go, b.go)
+  end
+end
+"""
+
+
+def test_long_actions(folder):
+    """An action that ends before the limit is no silence; a longer one is named, ends, and the run goes on to its limit."""
+    (folder / "long_actions.bip").write_text(LONG)
+    (folder / "long.hpp").write_text("#pragma once\n#include <chrono>\ninline int work_for(int milliseconds) {\n  const auto until = std::chrono::steady_clock::now() + std::chrono::milliseconds(milliseconds);\n"
+                                     "  while (std::chrono::steady_clock::now() < until) {\n  }\n  return 1;\n}\n")
+    for milliseconds, steps in ((2000, 2), (3800, 1)):
+        run = Run(folder, folder / "long_actions.bip", f"Root({milliseconds})", "--nodes", "2", "--seed", "1", "--limit", str(steps))
+        run.check({0}, f"an action of {milliseconds} ms")
+        check(("gives no sign" in run.err) == (milliseconds > 3000), f"an action of {milliseconds} ms", run.err)
+        if milliseconds > 3000:
+            check("is running: an action" in run.err and "ROOT.b" in run.err, "a long action is told", run.err)
+
+
 def test_orphans(folder):
     run = Run(folder, MODELS / "bench/ring.bip", "Ring(9)", "--nodes", "3")
     processes = run.nodes(3)
@@ -298,6 +355,8 @@ def main():
         test_kill(folder, draws, options.runs)
         test_interrupt(folder, draws)
         test_idle(folder)
+        test_silence(folder)
+        test_long_actions(folder)
         test_orphans(folder)
         test_checkpoints(folder, draws, options.runs)
         test_frames(folder)

@@ -1465,3 +1465,17 @@ TEST_CASE("an interaction without lost nodes is whole, whatever else its conflic
     CHECK(Survivors(core, distribution, is_lost).waits(0, 0));
   }
 }
+
+TEST_CASE("the report of a silent node names what is at home there and the partners of that") {
+  const Scattered match([](ImageBuilder& b) { build_match(b, 3); }, kSplitNone);
+  const Core& core = *match.core;
+  const u32 coordinator = match.distribution.coordinator_of[InteractionId(0u)];
+  // A server that coordinates nothing: its three clients may wait, the other servers do not.
+  REQUIRE(coordinator != 5);
+  const auto path = [&core](u32 atom) { return core.image().atoms[atom].path(); };
+  CHECK(silence_story(core, match.distribution, 5) ==
+        "  at home there: " + path(5) + "\n  may wait for it: " + path(0) + ", " + path(1) + ", " + path(2) + "\n");
+  // The coordinator of all.
+  const std::string all = silence_story(core, match.distribution, coordinator);
+  for (u32 atom = 0; atom < 6; ++atom) CHECK(all.find(path(atom)) != std::string::npos);
+}
