@@ -206,7 +206,7 @@ def groups(options):
         ("lsp", needs("bipc-lsp", script("lsp", "tests/lsp/test_lsp.py", weight=145, sample=["--edits", "150"]))),
         ("verify", needs("bip-verify-check", script("verify", "tests/verify/test_verify.sh", str(options.nets), str(options.first), weight=180, sample=["30", "2001"]),
                          script("terminal", "tests/verify/test_terminal.py", alone=True), script("exports", "tests/verify/test_exports.py", weight=20, sample=["2"]),
-                         script("aiger", "tests/verify/test_aiger.py", weight=10, sample=["2"]), script("timed", "tests/verify/test_timed.py", weight=10, sample=["20"]),
+                         script("aiger", "tests/verify/test_aiger.py", weight=10, sample=LEFT_OUT), script("timed", "tests/verify/test_timed.py", weight=10, sample=["20"]),
                          *needs("bip-prove-runs", script("liveness", "tests/verify/test_liveness.py", weight=10, sample=["20"])),
                          script("timed certificates", "tests/verify/test_timed_certificates.py", weight=15, sample=["5"]),
                          *timed_zone_jobs(),
