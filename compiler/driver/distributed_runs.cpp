@@ -20,6 +20,7 @@ namespace bip::driver {
 namespace {
 
 constexpr std::size_t kMostListed = 20;
+constexpr std::size_t kMostConnectors = 3;  // of a reason
 
 // What is linked without code.
 struct Linked {
@@ -36,22 +37,53 @@ bool is_distributable(Compilation& c) {
   return false;
 }
 
+std::string place_text(const rt::Image& image, const rt::SourceLine& loc) {
+  return loc.line == 0 ? std::string() : fmt::format(" ({}:{}:{})", image.files[loc.file], loc.line, loc.column);
+}
+
+std::string connector_text(const rt::Image& image, const rt::Connector& connector) {
+  return fmt::format("`{}`{}", connector.path(), place_text(image, connector.loc));
+}
+
+// Of a place of the image, if its text was read: one byte. A .bsys file has none.
+SourceRange range_of(const Compilation& c, const rt::SourceLine& loc) {
+  const FileId file(loc.file);
+  if (loc.line == 0 || loc.file >= c.sources.size() || c.sources.name(file) != c.lowered->image.files[loc.file])
+    return {};
+  const std::string_view text = c.sources.text(file), line = c.sources.line(file, loc.line);
+  if (loc.column == 0 || loc.column > line.size()) return {};
+  const auto begin = static_cast<std::uint32_t>(line.data() - text.data()) + loc.column - 1;
+  return {file, begin, begin + 1};
+}
+
 bool crosses_nothing(Compilation& c, const Linked& linked, const rt::Distribution& distribution) {
   const rt::Image& image = c.lowered->image;
   for (const rt::CrossingObject& object : distribution.crossing) {
     const auto node = [&](std::uint32_t atom) { return distribution.placement.nodes[distribution.home(atom)]; };
     const std::string path = image.atoms[object.atom].path(), other = image.atoms[object.other].path();
+    const rt::Connector connector = image.connectors[linked.tables.connector_of(object.meeting)];
     c.diags
-        .report(Diag::kB5072, {}, linked.tables.atom_type(object.atom).variables[object.variable].name, path,
-                node(object.atom), other, node(object.other))
-        .note("what C++ keeps in an object cannot be sent")
+        .report(Diag::kB5072, range_of(c, connector.loc),
+                linked.tables.atom_type(object.atom).variables[object.variable].name, path, node(object.atom), other,
+                node(object.other))
+        .note(fmt::format("what C++ keeps in an object cannot be sent over {}", connector_text(image, connector)))
         .help(fmt::format("put `{}` and `{}` on one node", path, other));
   }
   return distribution.crossing.empty();
 }
 
-std::string place_text(const rt::Image& image, const rt::SourceLine& loc) {
-  return loc.line == 0 ? std::string() : fmt::format(" ({}:{})", image.files[loc.file], loc.line);
+// The first connectors of interactions, in the order of the model.
+std::string connectors_text(const rt::Tables& tables, const std::vector<rt::InteractionId>& interactions) {
+  std::vector<std::uint32_t> rows;
+  for (const rt::InteractionId interaction : interactions) rows.push_back(tables.connector_of(interaction));
+  std::sort(rows.begin(), rows.end());
+  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+  std::string text;
+  for (std::size_t i = 0; i < std::min(rows.size(), kMostConnectors); ++i) {
+    text += (i == 0 ? "" : ", ") + connector_text(*tables.image, tables.image->connectors[rows[i]]);
+  }
+  if (rows.size() > kMostConnectors) text += fmt::format(" and {} more connectors", rows.size() - kMostConnectors);
+  return text;
 }
 
 std::string reason_text(const rt::Tables& tables, const rt::JoinReason& reason) {
@@ -59,20 +91,21 @@ std::string reason_text(const rt::Tables& tables, const rt::JoinReason& reason) 
   switch (reason.kind) {
     case rt::JoinReason::Kind::Connector: {
       const rt::Connector row = image.connectors[tables.connector_of(rt::InteractionId(reason.row))];
-      return fmt::format("`{}`{} is no plain rendezvous, and waits for whatever moves its components: {} interactions",
-                         row.path(), place_text(image, row.loc), reason.joined);
+      return fmt::format("{} is no plain rendezvous, and waits for whatever moves its components: {} interactions",
+                         connector_text(image, row), reason.joined.size());
     }
     case rt::JoinReason::Kind::Rule: {
       const rt::Priority& row = image.priorities[reason.row];
       return fmt::format("priority `{}`{} looks at what moves the components of its high side: {} interactions",
-                         row.name, place_text(image, row.loc), reason.joined);
+                         row.name, place_text(image, row.loc), reason.joined.size());
     }
     case rt::JoinReason::Kind::Place: break;
   }
   const std::string place = reason.place == rt::kNone
                                 ? std::string()
                                 : fmt::format(" at {}", tables.atom_type(reason.row).places[reason.place]);
-  return fmt::format("`{}`{} offers ports of {} interactions", image.atoms[reason.row].path(), place, reason.joined);
+  return fmt::format("`{}`{} offers ports of {} interactions, of {}", image.atoms[reason.row].path(), place,
+                     reason.joined.size(), connectors_text(tables, reason.joined));
 }
 
 // Of a rendezvous; of others if all take part. Of split sets: if no attempt is refused.

@@ -278,8 +278,10 @@ JoinReason why_joined(const Tables& tables, const PriorityTables& rules, const C
   std::vector<InteractionId> joined;
   const auto consider = [&](JoinReason reason) {
     std::sort(joined.begin(), joined.end());
-    reason.joined = static_cast<u32>(std::unique(joined.begin(), joined.end()) - joined.begin());
-    if (reason.joined > best.joined) best = reason;
+    joined.erase(std::unique(joined.begin(), joined.end()), joined.end());
+    if (joined.size() <= best.joined.size()) return;
+    reason.joined = joined;
+    best = std::move(reason);
   };
   for (u32 group = 0; group < group_count; ++group) {
     if (dependents[group].size == 0 || sets.of_interaction[dependents[group][0]] != set) continue;
@@ -287,12 +289,13 @@ JoinReason why_joined(const Tables& tables, const PriorityTables& rules, const C
     for (const u32 atom : atoms_of_group[group]) joined.insert(joined.end(), movers[atom].begin(), movers[atom].end());
     JoinReason reason;
     for (const InteractionId interaction : tables.interactions.ids()) {
-      if (partial.own_group[interaction] == group) reason = {JoinReason::Kind::Connector, interaction.value, kNone, 0};
+      if (partial.own_group[interaction] == group) reason = {JoinReason::Kind::Connector, interaction.value, kNone, {}};
     }
     for (u32 rule = 0; rule < rules.count && reason.row == kNone; ++rule) {
-      if (partial.group_of_component[rules.component[rule]] == group) reason = {JoinReason::Kind::Rule, rule, kNone, 0};
+      if (partial.group_of_component[rules.component[rule]] == group)
+        reason = {JoinReason::Kind::Rule, rule, kNone, {}};
     }
-    consider(reason);
+    consider(std::move(reason));
   }
   if (best.row != kNone) return best;
   std::vector<u32> ports;
@@ -308,7 +311,7 @@ JoinReason why_joined(const Tables& tables, const PriorityTables& rules, const C
         });
         if (leaves && sets.of_interaction[interaction] == set) joined.push_back(interaction);
       }
-      consider({JoinReason::Kind::Place, atom, type.mark_words == 0 ? place : kNone, 0});
+      consider({JoinReason::Kind::Place, atom, type.mark_words == 0 ? place : kNone, {}});
     }
   }
   return best;
@@ -330,6 +333,27 @@ TimeOnNodes time_on_nodes(const Image& image) {
             std::string("bound it with `>=`, or ") + kOne};
   return {};
 }
+
+namespace {
+
+// An interaction of both atoms, or else one of the second. Requires: there is one.
+InteractionId meeting_of(const Tables& tables, Span<InteractionId> interactions, u32 atom, u32 other) {
+  InteractionId found;
+  std::vector<u32> ports;
+  for (const InteractionId interaction : interactions) {
+    ports_of_interaction(tables, tables.interactions[interaction], ports);
+    const auto takes = [&](u32 one) {
+      return std::any_of(ports.begin(), ports.end(), [&](u32 port) { return tables.port_atom[port] == one; });
+    };
+    if (!takes(other)) continue;
+    if (takes(atom)) return interaction;
+    if (!found.is_valid()) found = interaction;
+  }
+  BIP_ASSERT(found.is_valid(), "atom {} is in no interaction of its set", other);
+  return found;
+}
+
+}  // namespace
 
 Distribution distribute(const Tables& tables, const PriorityTables& rules, Placement placement) {
   Distribution result;
@@ -353,10 +377,11 @@ Distribution distribute(const Tables& tables, const PriorityTables& rules, Place
       for (const VariableId cell : result.cells[atom]) {
         if (!has_object(tables, atom, cell)) continue;
         if (object.atom == kNone) {
-          object = {atom, cell - tables.atoms[atom].first_cell, kNone};
+          object = {atom, cell - tables.atoms[atom].first_cell, kNone, {}};
           chosen = result.home(atom);
         } else if (result.home(atom) != chosen && object.other == kNone) {
           object.other = atom;
+          object.meeting = meeting_of(tables, result.sets.interactions[set], object.atom, atom);
           result.crossing.push_back(object);
         }
       }

@@ -91,8 +91,9 @@ struct ConflictSets {
 /// A variable that holds a C++ object, is seen by an interaction, and would have to cross from one node to another.
 struct CrossingObject {
   u32 atom = kNone;
-  u32 variable = kNone;  // of the atom's type
-  u32 other = kNone;     // an atom at home elsewhere that ends up in one interaction with it
+  u32 variable = kNone;   // of the atom's type
+  u32 other = kNone;      // an atom at home elsewhere that ends up in one interaction with it
+  InteractionId meeting;  // of both; or, where a chain of interactions joins them, of the other one
 };
 
 struct Distribution {
@@ -125,9 +126,9 @@ struct Distribution {
 struct JoinReason {
   enum class Kind : std::uint8_t { Place, Connector, Rule };
   Kind kind = Kind::Place;
-  u32 row = kNone;    // Place: the atom; Connector: an interaction; Rule: a priority
-  u32 place = kNone;  // Place: of the atom's type
-  u32 joined = 0;     // interactions
+  u32 row = kNone;                    // Place: the atom; Connector: an interaction; Rule: a priority
+  u32 place = kNone;                  // Place: of the atom's type
+  std::vector<InteractionId> joined;  // ascending
 };
 /// The reason that joins the most interactions of the set.
 [[nodiscard]] JoinReason why_joined(const Tables& tables, const PriorityTables& rules, const ConflictSets& sets,
