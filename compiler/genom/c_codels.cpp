@@ -253,7 +253,8 @@ class Glue {
     for (const idl::Parameter& p : s.parameters) {
       if (p.direction != Direction::Out) {
         names += fmt::format("\"{}\", ", p.name);
-        out_ += fmt::format("  g3::read_parameter(json, \"{0}\", R\"json({1})json\", data.{0});\n", p.name, p.initial);
+        out_ += fmt::format("  g3::read_parameter(json, \"{0}\", R\"json({1})json\", data.{0});\n", p.name,
+                            idl::json_of(p.initial));
       } else {
         cleared += fmt::format("  g3::release(data.{0}), g3::clear(data.{0});\n", p.name);
       }
@@ -446,7 +447,7 @@ class Glue {
           if (m.services[s].kind != ServiceKind::Control) continue;
           ends += fmt::format("    case {}: {{\n", owner);
           for (const idl::Parameter& p : row.parameters) {
-            if (!row.is_attribute) continue;
+            if (row.kind != idl::ServiceKind::Attribute) continue;
             std::string path;
             for (const std::string& step : p.path) path += step.starts_with("[") ? step : "." + step;
             if (p.direction != Direction::Out)

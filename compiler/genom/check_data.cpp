@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "compiler/genom/check_scalar.hpp"
 #include "compiler/genom/codel_arguments.hpp"
 
 namespace bip::genom {
@@ -16,73 +17,63 @@ namespace bip::genom {
 using idl::Component;
 using idl::Direction;
 using idl::Kind;
+using idl::Value;
+using idl::ValueKind;
 
 namespace {
 
-/// Follows an initial value (idl::Parameter::initial, JSON) along its type, and reports names that the type has not.
-/// What is no JSON, an expression that is not known here, is passed over.
+/// Follows an initial value along its type: reports names that the type has not, and values of other types.
 class InitialValue {
  public:
   InitialValue(const Component& c, const idl::Parameter& p, Diagnostics& diags)
-      : component_(c), text_(p.initial), range_(p.range), diags_(diags) {}
+      : component_(c), range_(p.range), what_(fmt::format("the initial value of `{}`", p.name)), diags_(diags) {}
 
-  void check(std::optional<std::size_t> type) {
+  void check(std::optional<std::size_t> type, const Value& value) const {
     while (type && component_.plain(*type).kind == Kind::Optional) type = component_.plain(*type).element;
     const idl::Type* const t = type ? &component_.plain(*type) : nullptr;
-    if (accept('{')) {
-      while (at_ < text_.size() && text_[at_] == '"') {
-        const std::string name = quoted();
-        const bool is_struct = t != nullptr && t->kind == Kind::Struct;
-        const idl::Member* const member = is_struct ? find_row(t->members, name) : nullptr;
-        if (is_struct && member == nullptr) report("member", name, *t);
-        if (!accept(':')) return;
-        check(member != nullptr ? std::optional(member->type) : std::nullopt);
-        if (!accept(',')) break;
-      }
-      accept('}');
-    } else if (accept('[')) {
+    if (value.kind == ValueKind::Object) return check_members(t, value);
+    if (value.kind == ValueKind::List) {
       const bool has_elements = t != nullptr && (t->kind == Kind::Array || t->kind == Kind::Sequence);
-      while (at_ < text_.size() && text_[at_] != ']') {
-        check(has_elements ? std::optional(t->element) : std::nullopt);
-        if (!accept(',')) break;
-      }
-      accept(']');
-    } else if (at_ < text_.size() && text_[at_] == '"') {
-      const std::string name = quoted();
-      if (t != nullptr && t->kind == Kind::Enum &&
-          std::find(t->enumerators.begin(), t->enumerators.end(), name) == t->enumerators.end())
-        report("enumerator", name, *t);
-    } else {
-      at_ = std::min(text_.find_first_of(",]}", at_), text_.size());
+      if (t != nullptr && !has_elements && t->kind != Kind::Struct && t->kind != Kind::Union)
+        return mismatch(*t, value);
+      for (const Value& part : value.parts) check(has_elements ? std::optional(t->element) : std::nullopt, part);
+      return;
+    }
+    const bool is_name = value.kind == ValueKind::Enumerator || value.kind == ValueKind::Name;
+    if (t != nullptr && is_name && t->kind == Kind::Enum) {
+      if (std::find(t->enumerators.begin(), t->enumerators.end(), value.text) == t->enumerators.end())
+        unknown("enumerator", value.text, *t);
+    } else if (t != nullptr && value.kind == ValueKind::Name) {
+      diags_.report(Diag::kB6008, value.range, "constant", value.text);
+    } else if (t != nullptr) {
+      idl::check_scalar(*t, value, what_, value.range, diags_);
     }
   }
 
  private:
-  bool accept(char sign) {
-    if (at_ >= text_.size() || text_[at_] != sign) return false;
-    ++at_;
-    return true;
+  void check_members(const idl::Type* t, const Value& value) const {
+    const bool is_struct = t != nullptr && t->kind == Kind::Struct;
+    if (t != nullptr && !is_struct && t->kind != Kind::Union) return mismatch(*t, value);
+    for (std::size_t k = 0; k < value.parts.size(); ++k) {
+      const idl::Member* const member = is_struct ? find_row(t->members, value.names[k]) : nullptr;
+      if (is_struct && member == nullptr) unknown("member", value.names[k], *t);
+      check(member != nullptr ? std::optional(member->type) : std::nullopt, value.parts[k]);
+    }
   }
-  std::string quoted() {
-    const std::size_t begin = ++at_;
-    while (at_ < text_.size() && text_[at_] != '"') at_ += text_[at_] == '\\' ? 2 : 1;
-    at_ = std::min(at_, text_.size());
-    std::string name(text_.substr(begin, at_ - begin));
-    accept('"');
-    return name;
-  }
-  void report(const char* kind, const std::string& name, const idl::Type& t) {
+  void unknown(const char* kind, const std::string& name, const idl::Type& t) const {
     std::vector<std::string> known = t.enumerators;
     for (const idl::Member& m : t.members) known.push_back(m.name);
     auto d = diags_.report(Diag::kB6008, range_, kind, name);
     d.help(fmt::format("`{}` has {}", t.full_name, fmt::join(known, ", ")));
   }
+  void mismatch(const idl::Type& t, const Value& value) const {
+    diags_.report(Diag::kB6032, value.range, what_, idl::name_of(value.kind), idl::type_text(t));
+  }
 
   const Component& component_;
-  std::string_view text_;
   SourceRange range_;
+  std::string what_;
   Diagnostics& diags_;
-  std::size_t at_ = 0;
 };
 
 // What is read is `in`, what is written `out`; an `out` port may be `inout`: what was written last is changed.
@@ -94,6 +85,23 @@ void check_direction(const Component& c, const idl::Codel& codel, const idl::Arg
   const idl::Port* const port = find_row(c.ports, name);
   if (port == nullptr || (port->is_out ? a.direction != Direction::In : a.direction == Direction::In)) return;
   diags.report(Diag::kB6028, a.range, codel.name, port->is_out ? "reads" : "writes", name, port->is_out ? "out" : "in");
+}
+
+// Functions, and `validate` of attributes, run in the control task, which has no ports in genom3.
+void check_no_ports(const Component& c, const idl::Service& s, const std::vector<idl::Member>& locals,
+                    Diagnostics& diags) {
+  if (s.kind == idl::ServiceKind::Activity) return;
+  for (const idl::Codel& codel : s.codels) {
+    for (const idl::Argument& a : codel.arguments) {
+      if (a.path.empty() || find_row(c.ports, a.path.front()) == nullptr) continue;
+      const std::string& name = a.path.front();
+      const bool is_other = find_row(locals, name) != nullptr || find_row(c.ids, name) != nullptr;
+      if (a.place != idl::Place::Port && (a.place != idl::Place::Any || is_other)) continue;
+      auto d = diags.report(Diag::kB6033, a.range, codel.name, name,
+                            s.kind == idl::ServiceKind::Function ? "functions" : "attributes");
+      d.help("an `activity` whose codels are in a task has ports");
+    }
+  }
 }
 
 }  // namespace
@@ -119,9 +127,10 @@ bool check_data(const Component& c, Diagnostics& diags) {
     for (const idl::Parameter& p : s.parameters) {
       const std::optional<std::size_t> type = names.type_of(s, p);
       if (!type) diags.report(Diag::kB6008, p.range, "ids member", text(p.path));
-      InitialValue(c, p, diags).check(type);
+      InitialValue(c, p, diags).check(type, p.initial);
     }
     check(s.codels, names.locals_of(s));
+    check_no_ports(c, s, names.locals_of(s), diags);
   }
   return diags.error_count() == errors;
 }

@@ -48,7 +48,7 @@ std::vector<idl::Member> CodelArguments::locals_of(const idl::Service& s) const 
 }
 std::optional<std::size_t> CodelArguments::type_of(const idl::Service& s, const idl::Parameter& p) const {
   std::string ignored;
-  return s.is_attribute ? follow(component_.ids, p.path, ignored) : std::optional(p.type);
+  return s.kind == idl::ServiceKind::Attribute ? follow(component_.ids, p.path, ignored) : std::optional(p.type);
 }
 
 std::optional<CodelArgument> CodelArguments::argument(const idl::Argument& a,

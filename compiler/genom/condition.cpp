@@ -10,8 +10,9 @@ struct Operator {
   std::string_view text;
   int level;
 };
-constexpr Operator kOperators[] = {{"||", 1}, {"&&", 2}, {"|", 3},  {"^", 4}, {"&", 5}, {"==", 6}, {"!=", 6}, {"<", 7},
-                                   {">", 7},  {"<=", 7}, {">=", 7}, {"+", 8}, {"-", 8}, {"*", 9},  {"/", 9},  {"%", 9}};
+constexpr Operator kOperators[] = {{"||", 1}, {"&&", 2}, {"|", 3}, {"^", 4},  {"&", 5},  {"==", 6},
+                                   {"!=", 6}, {"<", 7},  {">", 7}, {"<=", 7}, {">=", 7}, {"<<", 8},
+                                   {">>", 8}, {"+", 9},  {"-", 9}, {"*", 10}, {"/", 10}, {"%", 10}};
 constexpr int kMaxConditionDepth = 100;
 
 std::int64_t wrap(std::uint64_t value) { return static_cast<std::int64_t>(value); }
@@ -31,17 +32,28 @@ class Evaluator {
     return at_ < tokens_.size() && tokens_[at_].kind == TokenKind::Sign && tokens_[at_].text == text;
   }
 
-  [[nodiscard]] int level() const {
+  // The operator that is next; empty: there is none. `<<` and `>>` are two tokens, since types end with `>>`.
+  [[nodiscard]] std::string_view next() const {
+    if (at_ >= tokens_.size() || tokens_[at_].kind != TokenKind::Sign) return {};
+    const Token& token = tokens_[at_];
+    if (at_ + 1 >= tokens_.size() || !tokens_[at_ + 1].is(token.text) ||
+        tokens_[at_ + 1].range.begin != token.range.end)
+      return token.text;
+    return token.text == "<" ? "<<" : token.text == ">" ? ">>" : token.text;
+  }
+
+  static int level_of(std::string_view op) {
     for (const Operator& o : kOperators) {
-      if (at(o.text)) return o.level;
+      if (o.text == op) return o.level;
     }
     return 0;
   }
 
   std::int64_t binary(int lowest, int depth) {
     std::int64_t left = unary(depth);
-    for (int rank = level(); !failed_ && rank >= lowest && rank > 0; rank = level()) {
-      const std::string_view op = tokens_[at_++].text;
+    for (int rank = level_of(next()); !failed_ && rank >= lowest && rank > 0; rank = level_of(next())) {
+      const std::string_view op = next();
+      at_ += op == "<<" || op == ">>" ? 2 : 1;
       left = apply(op, left, binary(rank + 1, depth + 1));
     }
     return left;
@@ -61,6 +73,11 @@ class Evaluator {
     if (op == ">") return a > b;
     if (op == "<=") return a <= b;
     if (op == ">=") return a >= b;
+    if (op == "<<" || op == ">>") {
+      failed_ = failed_ || b < 0 || b > 63;
+      if (failed_) return 0;
+      return op == "<<" ? wrap(ua << ub) : a >> b;
+    }
     if (op == "+") return wrap(ua + ub);
     if (op == "-") return wrap(ua - ub);
     if (op == "*") return wrap(ua * ub);

@@ -4,14 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
-#include <deque>
-#include <limits>
 #include <set>
 #include <utility>
 
 #include "compiler/genom/codel_arguments.hpp"
-#include "compiler/genom/condition.hpp"
+#include "compiler/genom/check_scalar.hpp"
+#include "compiler/genom/constant_expression.hpp"
 #include "compiler/genom/cursor.hpp"
 #include "compiler/genom/names.hpp"
 
@@ -50,21 +48,9 @@ class IdlParser {
  public:
   IdlParser(const std::vector<Token>& tokens, FileId file, Purpose purpose, Diagnostics& diags)
       : in_(tokens, diags), file_(file), purpose_(purpose) {
-    for (const auto& [idl_name, c_name] : {std::pair("boolean", "bool"),
-                                           {"octet", "uint8_t"},
-                                           {"char", "char"},
-                                           {"short", "int16_t"},
-                                           {"unsigned short", "uint16_t"},
-                                           {"long", "int32_t"},
-                                           {"unsigned long", "uint32_t"},
-                                           {"long long", "int64_t"},
-                                           {"unsigned long long", "uint64_t"},
-                                           {"float", "float"},
-                                           {"double", "double"}})
-      names_[idl_name] = add({.kind = Kind::Primitive, .c_name = c_name});
-    if (purpose == Purpose::Check) {
-      for (const char* name : {"any", "wchar", "wstring", "long double"})
-        names_[name] = add({.kind = Kind::Primitive, .c_name = name});
+    for (const PrimitiveType& row : kPrimitiveTypes) {
+      if (row.is_checked_only && purpose != Purpose::Check) continue;
+      names_[std::string(row.idl_name)] = add({.kind = Kind::Primitive, .c_name = std::string(row.c_name)});
     }
     for (const StandardException& e : kStandardExceptions) {
       Exception exception{fmt::format("genom_{}", e.name), fmt::format("::genom::{}", e.name), {}};
@@ -302,31 +288,23 @@ class IdlParser {
     const SourceRange range = in_.peek().range;
     const std::string name = scoped(word("a name"));
     expect("=");
-    const std::string value = expression({";"});
-    if (ok_) fits(its, name, value, range);
-    values_[name] = value;
-    constants_.push_back({.c_name = in_c(name), .value = value, .full_name = name, .type = its});
+    Value value = expression({.unsigned_bits = unsigned_bits(its)});
+    if (!ok_) return;
+    check_scalar(plain(its), value, fmt::format("constant `{}`", name), range, in_.diags());
+    value = as_type(plain(its), std::move(value));
+    constants_.push_back({.c_name = in_c(name), .value = c_expression(value), .full_name = name, .type = its});
+    values_[name] = std::move(value);
     expect(";");
   }
 
-  // A whole number of a type that has it.
-  void fits(std::size_t its, const std::string& name, const std::string& value, SourceRange range) {
-    constexpr std::int64_t kMost64 = std::numeric_limits<std::int64_t>::max();
-    struct Row {
-      std::string_view type;
-      std::int64_t low, high;
-    };
-    constexpr Row kRows[] = {{"uint8_t", 0, 255},         {"int16_t", -32768, 32767},
-                             {"uint16_t", 0, 65535},      {"int32_t", -2147483648LL, 2147483647},
-                             {"uint32_t", 0, 4294967295}, {"uint64_t", 0, kMost64}};
+  [[nodiscard]] const Type& plain(std::size_t its) const {
     while (types_[its].kind == Kind::Alias) its = types_[its].element;
-    std::int64_t number = 0;
-    const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
-    if (types_[its].kind != Kind::Primitive || error != std::errc() || end != value.data() + value.size()) return;
-    for (const Row& row : kRows) {
-      if (row.type == types_[its].c_name && (number < row.low || number > row.high))
-        in_.diags().report(Diag::kB6010, range, fmt::format("constant `{}`", name), number, row.low, row.high);
-    }
+    return types_[its];
+  }
+  // 0: it is no unsigned integer.
+  [[nodiscard]] int unsigned_bits(std::size_t its) const {
+    const PrimitiveType* const row = find_primitive_type(plain(its).c_name);
+    return plain(its).kind == Kind::Primitive && row != nullptr && row->is_unsigned() ? row->bits : 0;
   }
 
   // A second declaration is reported, but not that of a file that is included twice: it has the same offsets.
@@ -382,7 +360,7 @@ class IdlParser {
     Member m{word("a name"), base, {}};
     std::vector<std::int64_t> bounds;
     while (ok_ && in_.accept("[")) {
-      bounds.push_back(whole(expression({"]"})));
+      bounds.push_back(whole({}));
       expect("]");
     }
     for (std::size_t k = bounds.size(); k-- > 0;)
@@ -406,7 +384,7 @@ class IdlParser {
       expect("<");
       const std::size_t element = type();
       const bool is_sequence = first.is("sequence");
-      const std::int64_t bound = is_sequence && in_.accept(",") ? whole(expression({">"})) : 0;
+      const std::int64_t bound = is_sequence && in_.accept(",") ? whole({.ends_with_angle = true}) : 0;
       expect(">");
       const std::string of = c_part(element);
       return unique({.kind = is_sequence ? Kind::Sequence : Kind::Optional,
@@ -419,7 +397,7 @@ class IdlParser {
     if (in_.accept("string")) {
       std::int64_t bound = 0;
       if (in_.accept("<")) {
-        bound = whole(expression({">"}));
+        bound = whole({.ends_with_angle = true});
         expect(">");
       }
       return string_of(bound);
@@ -523,108 +501,79 @@ class IdlParser {
     expect("}");
   }
 
-  std::string label() {
-    if (in_.peek().kind == TokenKind::Word || in_.at("::")) {
-      if (in_.at("TRUE") || in_.at("FALSE")) return in_.take().is("TRUE") ? "true" : "false";
-      const std::string name = path("a label");
-      if (const auto found = look(enumerators_, name); found != enumerators_.end()) return found->second;
-      if (const auto found = look(values_, name); found != values_.end()) return found->second;
-      fail("a constant");
-      return {};
-    }
-    return expression({":"});
-  }
+  std::string label() { return c_expression(expression({})); }
 
   // ---- expressions
 
-  // The value if it is a whole number, else the text in C.
-  std::string expression(std::initializer_list<std::string_view> ends) {
-    std::vector<Token> tokens;
-    std::string text;
-    std::size_t depth = 0;
-    const auto ends_here = [&] {
-      return in_.at_end() ||
-             (depth == 0 && std::any_of(ends.begin(), ends.end(), [&](auto end) { return in_.at(end); }));
-    };
-    while (ok_ && !ends_here()) {
-      Token token = in_.peek();
-      if (token.kind == TokenKind::Word || token.is("::")) {
-        token.kind = TokenKind::Word;
-        const std::string name = path("a constant");
-        if (const auto value = look(values_, name); value != values_.end()) {
-          token.kind = TokenKind::Number;
-          kept_.push_back(value->second);
-          token.text = kept_.back();
-        } else if (const auto e = look(enumerators_, name); e != enumerators_.end()) {
-          kept_.push_back(e->second);
-          token.text = kept_.back();
-        } else {
-          kept_.push_back(name == "TRUE" ? "true" : name == "FALSE" ? "false" : name);
-          token.text = kept_.back();
-        }
-      } else {
-        if (token.is("(")) ++depth;
-        if (token.is(")") && depth > 0) --depth;
-        in_.take();
-      }
-      text += (text.empty() ? "" : " ") +
-              (token.kind == TokenKind::String ? "\"" + std::string(token.text) + "\"" : std::string(token.text));
-      tokens.push_back(token);
-    }
-    if (tokens.empty()) fail("a value");
-    const bool is_named = tokens.size() == 1 && tokens[0].kind == TokenKind::Word;
-    if (is_named) return text;
-    if (const std::optional<std::int64_t> value = constant_value(tokens)) return std::to_string(*value);
-    return text;
+  [[nodiscard]] std::optional<Value> find_constant(const std::string& name) const {
+    if (const auto value = look(values_, name); value != values_.end()) return value->second;
+    const auto enumerator = look(enumerators_, name);
+    if (enumerator == enumerators_.end()) return std::nullopt;
+    return Value{.kind = ValueKind::Enumerator,
+                 .text = name.substr(name.rfind(':') == std::string::npos ? 0 : name.rfind(':') + 1),
+                 .c_name = enumerator->second};
   }
-  std::int64_t whole(const std::string& text) {
-    std::int64_t value = 0;
-    if (!ok_ || (whole_number(text, value) && value > 0 && value <= 1'000'000'000)) return value;
+
+  Value expression(const ExpressionContext& context) {
+    if (!ok_) return {.kind = ValueKind::Error};
+    std::optional<Value> value = read_constant_expression(
+        in_, [this](const std::string& name) { return find_constant(name); }, context);
+    ok_ = value.has_value();
+    return std::move(value).value_or(Value{.kind = ValueKind::Error});
+  }
+
+  // A bound.
+  std::int64_t whole(const ExpressionContext& context) {
+    const Value value = expression(context);
+    if (value.kind == ValueKind::Error) return 1;
+    if (value.kind == ValueKind::Integer && value.integer > 0 && value.integer <= 1'000'000'000)
+      return static_cast<std::int64_t>(value.integer);
     fail("a number from 1 to 1000000000 before this");
     return 0;
   }
 
-  // An initial value as JSON: 2., "text", NAME, { .member = 0.1 : "doc", … }.
-  std::string initial() {
+  // An initial value: an expression, or { .member = 0.1 : "doc", … }. `its`: the type, if it is known.
+  Value initial(std::optional<std::size_t> its) {
+    while (its && plain(*its).kind == Kind::Optional) its = plain(*its).element;
+    const SourceRange range = in_.peek().range;
+    if (!in_.at("{")) return expression({.unsigned_bits = its ? unsigned_bits(*its) : 0, .may_be_enumerator = true});
     if (++depth_ > kDeepest) fail("a value that is not so deep");
-    std::string text;
-    if (!ok_) return text;
-    if (in_.accept("{")) {
-      const bool is_object = in_.at(".");
-      text = is_object ? "{" : "[";
-      while (ok_ && !in_.at("}") && !in_.at_end()) {
-        if (text.size() > 1) text += ",";
-        if (is_object) {
-          expect(".");
-          text += "\"" + word("a member") + "\":";
-          expect("=");
-        }
-        text += initial();
-        description();
-        if (!in_.accept(",")) break;
+    expect("{");
+    Value group{.kind = in_.at(".") ? ValueKind::Object : ValueKind::List, .range = range};
+    while (ok_ && !in_.at("}") && !in_.at_end()) {
+      std::optional<std::size_t> part;
+      if (group.kind == ValueKind::Object) {
+        expect(".");
+        group.names.push_back(word("a member"));
+        expect("=");
+        if (its) part = member_of(plain(*its).members, group.names.back());
+      } else if (its && (plain(*its).kind == Kind::Array || plain(*its).kind == Kind::Sequence)) {
+        part = plain(*its).element;
       }
-      expect("}");
-      text += is_object ? "}" : "]";
-    } else if (in_.peek().kind == TokenKind::String) {
-      text = "\"";
-      while (in_.peek().kind == TokenKind::String) text += in_.take().text;
-      text += "\"";
-    } else if (in_.peek().kind == TokenKind::Word || in_.at("::")) {
-      const std::string name = path("a value");
-      if (const auto value = look(values_, name); value != values_.end()) text = value->second;
-      else if (name == "TRUE" || name == "FALSE") text = name == "TRUE" ? "true" : "false";
-      else text = "\"" + name.substr(name.rfind(':') == std::string::npos ? 0 : name.rfind(':') + 1) + "\"";
-    } else {
-      text = expression({",", ")", "}", ":"});
-      std::erase(text, ' ');
-      // JSON has no `2.` and no `.5`.
-      if (text.ends_with(".")) text += "0";
-      if (text.starts_with(".")) text.insert(0, "0");
-      if (text.starts_with("-.")) text.insert(1, "0");
-      if (text.starts_with("+")) text.erase(0, 1);
+      group.parts.push_back(initial(part));
+      description();
+      if (!in_.accept(",")) break;
     }
+    expect("}");
     --depth_;
-    return text;
+    return group;
+  }
+  static std::optional<std::size_t> member_of(const std::vector<Member>& members, const std::string& name) {
+    for (const Member& m : members) {
+      if (m.name == name) return m.type;
+    }
+    return std::nullopt;
+  }
+  // Of an attribute, if its member of the IDS stands before it.
+  [[nodiscard]] std::optional<std::size_t> type_at(const std::vector<std::string>& path_) const {
+    std::optional<std::size_t> its = member_of(unit_.part.ids, path_.front());
+    for (std::size_t k = 1; its && k < path_.size(); ++k) {
+      const Type& t = plain(*its);
+      if (path_[k].starts_with("["))
+        its = t.kind == Kind::Array || t.kind == Kind::Sequence ? std::optional(t.element) : std::nullopt;
+      else its = member_of(t.members, path_[k]);
+    }
+    return its;
   }
   // [: "text" "text"]
   void description() {
@@ -707,7 +656,7 @@ class IdlParser {
         continue;
       }
       in_.take();
-      path_.push_back("[" + expression({"]"}) + "]");
+      path_.push_back("[" + c_expression(expression({})) + "]");
       expect("]");
     }
   }
@@ -742,14 +691,16 @@ class IdlParser {
 
   void service() {
     Service s;
-    s.is_attribute = in_.take().is("attribute");
+    const bool is_attribute = in_.at("attribute");
+    s.kind = is_attribute ? ServiceKind::Attribute : in_.at("activity") ? ServiceKind::Activity : ServiceKind::Function;
+    in_.take();
     s.name = word("the name of a service");
     expect("(");
     while (ok_ && !in_.at(")") && !in_.at_end()) {
       Parameter p;
       if (!direction(p.direction)) return;
       p.range = in_.peek().range;
-      if (s.is_attribute) {
+      if (is_attribute) {
         p.path.push_back(word("a member of the IDS"));
         steps(p.path);
         p.name = p.path.back();
@@ -759,7 +710,8 @@ class IdlParser {
         p.name = m.name;
         p.type = m.type;
       }
-      if (in_.accept("=") && !in_.at(":") && !in_.at(",") && !in_.at(")")) p.initial = initial();
+      if (in_.accept("=") && !in_.at(":") && !in_.at(",") && !in_.at(")"))
+        p.initial = initial(is_attribute ? type_at(p.path) : std::optional(p.type));
       description();
       s.parameters.push_back(std::move(p));
       if (!in_.accept(",")) break;
@@ -785,10 +737,10 @@ class IdlParser {
   std::vector<Type> types_;
   std::vector<Constant> constants_;
   std::vector<Exception> exceptions_;
-  std::map<std::string, std::size_t> names_;                 // of types
-  std::map<std::string, std::string> values_, enumerators_;  // of constants, in C
+  std::map<std::string, std::size_t> names_;        // of types
+  std::map<std::string, Value> values_;             // of constants
+  std::map<std::string, std::string> enumerators_;  // in C
   std::map<std::string, SourceRange> enumerator_ranges_;
-  std::deque<std::string> kept_;  // tokens are views
   Unit unit_;
   std::optional<Unit> component_;
   std::map<std::string, Unit> units_;

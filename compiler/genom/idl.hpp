@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "compiler/diag/diagnostics.hpp"
+#include "compiler/genom/constant_value.hpp"
 #include "compiler/genom/tokens.hpp"
 
 namespace bip::genom::idl {
@@ -37,7 +38,7 @@ struct Type {
   std::size_t namespaces = 0;
 };
 struct Constant {
-  std::string c_name, value;
+  std::string c_name, value;  // an expression of C
   std::string full_name{};
   std::size_t type = 0;
 };
@@ -56,7 +57,7 @@ struct Parameter {
   Direction direction = Direction::In;
   std::string name;
   std::size_t type = 0;
-  std::string initial;  // JSON; empty: none
+  Value initial;  // its expressions are folded
   SourceRange range{};
   std::vector<std::string> path;
 };
@@ -72,9 +73,10 @@ struct Codel {
   std::string name;
   std::vector<Argument> arguments;
 };
+enum class ServiceKind : std::uint8_t { Attribute, Function, Activity };
 struct Service {
   std::string name;
-  bool is_attribute = false;
+  ServiceKind kind = ServiceKind::Function;
   std::vector<Parameter> parameters;
   std::vector<Member> locals;
   std::vector<Codel> codels;

@@ -126,7 +126,7 @@ class Maker {
           if (!wrong.empty()) break;
           if (p.direction != idl::Direction::Out) {
             Field asked = field;
-            asked.initial = initial_of(asked, p.initial);
+            asked.initial = initial_of(asked, genom::idl::json_of(p.initial));
             goal_names.add(std::move(asked), p.name);
           }
           if (p.direction != idl::Direction::In) result_names.add(field, p.name);

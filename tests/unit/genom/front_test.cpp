@@ -83,6 +83,10 @@ TEST_CASE("a poster's data are names with paths") {
 
 TEST_CASE("constant expressions have C's precedence and no undefined corner") {
   CHECK(value_of("1 + 2 * 3") == 7);
+  CHECK(value_of("1 << 2 + 1") == 8);
+  CHECK(value_of("-16 >> 2 < 0") == 1);
+  CHECK(!value_of("1 << 64"));
+  CHECK(!value_of("1 < < 2"));
   CHECK(value_of("(1 + 2) * 3") == 9);
   CHECK(value_of("10 - 4 - 3") == 3);
   CHECK(value_of("1 || 0 && 0") == 1);

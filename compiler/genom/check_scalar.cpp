@@ -1,0 +1,83 @@
+// See check_scalar.hpp.
+#include "compiler/genom/check_scalar.hpp"
+
+#include <fmt/format.h>
+
+#include "runtime/include/bip/assert.hpp"
+
+namespace bip::genom::idl {
+namespace {
+
+bool is_primitive_value(const PrimitiveType& row, ValueKind kind) {
+  switch (row.kind) {
+    case PrimitiveKind::Boolean: return kind == ValueKind::Boolean;
+    case PrimitiveKind::Character: return kind == ValueKind::Text;
+    case PrimitiveKind::Integer: return kind == ValueKind::Integer;
+    case PrimitiveKind::Real: return kind == ValueKind::Integer || kind == ValueKind::Real;
+    case PrimitiveKind::Any: return true;
+  }
+  BIP_UNREACHABLE("a kind of primitive types");
+}
+
+bool is_value_of(const Type& plain, ValueKind kind) {
+  switch (plain.kind) {
+    case Kind::Primitive: {
+      const PrimitiveType* const row = find_primitive_type(plain.c_name);
+      return row == nullptr || is_primitive_value(*row, kind);
+    }
+    case Kind::String: return kind == ValueKind::Text;
+    case Kind::Enum: return kind == ValueKind::Enumerator;
+    case Kind::Native: return true;
+    case Kind::Sequence:
+    case Kind::Array:
+    case Kind::Struct:
+    case Kind::Union: return false;
+    case Kind::Optional:
+    case Kind::Alias: return true;
+  }
+  BIP_UNREACHABLE("a kind of types");
+}
+
+}  // namespace
+
+std::string type_text(const Type& plain) {
+  if (!plain.full_name.empty()) return plain.full_name;
+  switch (plain.kind) {
+    case Kind::String: return plain.bound == 0 ? "string" : fmt::format("string<{}>", plain.bound);
+    case Kind::Sequence: return "sequence";
+    case Kind::Optional: return "optional";
+    case Kind::Array: return "array";
+    case Kind::Primitive:
+    case Kind::Struct:
+    case Kind::Union:
+    case Kind::Enum:
+    case Kind::Native:
+    case Kind::Alias: break;
+  }
+  const PrimitiveType* const row = find_primitive_type(plain.c_name);
+  return row != nullptr ? std::string(row->idl_name) : plain.c_name;
+}
+
+void check_scalar(const Type& plain, const Value& value, std::string_view what, SourceRange range, Diagnostics& diags) {
+  if (value.kind == ValueKind::None || value.kind == ValueKind::Error) return;
+  if (!is_value_of(plain, value.kind)) {
+    diags.report(Diag::kB6032, range, what, name_of(value.kind), type_text(plain));
+    return;
+  }
+  const PrimitiveType* const row = plain.kind == Kind::Primitive ? find_primitive_type(plain.c_name) : nullptr;
+  if (row == nullptr || row->kind != PrimitiveKind::Integer || value.kind != ValueKind::Integer) return;
+  if (value.integer < row->low || value.integer > row->high)
+    diags.report(Diag::kB6010, range, what, fmt::format("{}", value.integer), fmt::format("{}", row->low),
+                 fmt::format("{}", row->high));
+}
+
+Value as_type(const Type& plain, Value value) {
+  const PrimitiveType* const row = plain.kind == Kind::Primitive ? find_primitive_type(plain.c_name) : nullptr;
+  if (row != nullptr && row->kind == PrimitiveKind::Real && value.kind == ValueKind::Integer) {
+    value.kind = ValueKind::Real;
+    value.real = static_cast<double>(value.integer);
+  }
+  return value;
+}
+
+}  // namespace bip::genom::idl
