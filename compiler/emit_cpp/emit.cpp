@@ -48,7 +48,7 @@ std::string emit(const lower::LoweredSystem& lowered, const Options& options) {
   const CodeTable& code = lowered.system->code;
   const bool has_ffi = lowered.image.ffi != nullptr;
   out.line("#include \"bip/emitted.hpp\"");
-  if (options.with_main) out.line(options.serves ? "#include \"bip/serve.hpp\"" : "#include \"bip/run.hpp\"");
+  if (options.with_main) out.line(options.serves ? "#include \"bip/serve.hpp\"" : "#include \"bip/run_main.hpp\"");
   if (options.with_c_image) out.line("#include \"bip/bip.h\"");
   if (!lowered.steps.shapes.empty()) out.line("#include \"bip/step_loop.hpp\"");
   out.line();

@@ -4,7 +4,7 @@
 #pragma once
 #include <cstdint>
 
-#include "bip/image.hpp"
+#include "bip/image_tables.hpp"
 
 namespace bip::rt {
 

@@ -13,6 +13,8 @@
 #include <string_view>
 #include <type_traits>
 
+#include "contract.hpp"  // beside this file: the compiler has no other path to it
+
 namespace bip {
 
 /// Prints what was being done when an assertion failed, or is null. The compiler sets it (compiler/base/assert.cpp).
@@ -49,9 +51,6 @@ std::string text_of(std::string_view format, const Arguments&... arguments) {
 }
 inline std::string text_of() { return {}; }
 
-template <class... Arguments>
-constexpr void ignore(const Arguments&...) {}
-
 /// Returns the path from the repository's folder on: the rest is the machine that built the program.
 inline const char* short_path(const char* file) {
   const std::string_view path(file);
@@ -83,11 +82,4 @@ inline const char* short_path(const char* file) {
 
 #ifdef BIP_CHECKED
 #define BIP_ASSERT(condition, ...) BIP_ENSURE(condition, __VA_ARGS__)
-#else
-#define BIP_ASSERT(condition, ...)                                      \
-  do {                                                                  \
-    if (false) {                                                        \
-      ::bip::assertions::ignore((condition)__VA_OPT__(, ) __VA_ARGS__); \
-    }                                                                   \
-  } while (false)
 #endif

@@ -11,7 +11,7 @@
 #include <type_traits>
 
 #include "bip/arith.hpp"
-#include "bip/image.hpp"
+#include "bip/image_tables.hpp"
 #include "bip/image_time.hpp"
 
 // A function whose loops become vectors is made for newer processors, too; at the program's start the loader chooses.

@@ -5,7 +5,7 @@
 // unit, into a hidden variable and true into the next; a limit that is no constant is put into a hidden variable by
 // `measure`, an action.
 #pragma once
-#include "bip/image.hpp"
+#include "bip/image_tables.hpp"
 
 namespace bip::rt {
 

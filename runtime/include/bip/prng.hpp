@@ -5,7 +5,7 @@
 #include <bit>
 #include <cstdint>
 
-#include "bip/assert.hpp"
+#include "bip/contract.hpp"
 
 namespace bip::rt {
 

@@ -4,12 +4,10 @@
 // model of 100,000 equal parts takes a page, names and places included. A row is returned by value: O(log
 // repeats), a load without any.
 #pragma once
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <string>
 
-#include "bip/assert.hpp"
+#include "bip/contract.hpp"
 
 namespace bip::rt {
 
@@ -54,9 +52,14 @@ struct Rows {
     if (repeats.size == 0) return rows[i];
     BIP_ASSERT(i < size && repeats[0].first == 0, "row {} of {}", i, size);
     const auto row = static_cast<std::uint32_t>(i);
-    const Repeat& repeat = *(std::upper_bound(repeats.begin(), repeats.end(), row,
-                                              [](std::uint32_t at, const Repeat& r) { return at < r.first; }) -
-                             1);
+    // The last one that begins at the row or before it. By hand: <algorithm> is no header for emitted programs.
+    std::uint32_t at = 0;
+    for (std::uint32_t end = repeats.size; end - at > 1;) {
+      const std::uint32_t middle = at + (end - at) / 2;
+      if (repeats.data[middle].first <= row) at = middle;
+      else end = middle;
+    }
+    const Repeat& repeat = repeats.data[at];
     const std::uint32_t offset = row - repeat.first;
     BIP_ASSERT(repeat.period != 0 || repeat.slope == kNone, "rows of no period from {} on", repeat.first);
     if (repeat.slope == kNone) return rows[repeat.row + offset];
@@ -81,13 +84,5 @@ struct Rows {
   Iterator begin() const { return {*this, 0}; }
   Iterator end() const { return {*this, size}; }
 };
-
-/// `name`, with the index where `#` is, unless there is none.
-[[nodiscard]] inline std::string path_text(const char* name, std::uint32_t index) {
-  std::string path = name;
-  BIP_ASSERT(index == kNone || path.find('#') != std::string::npos, "no place for the index {}", index);
-  if (index != kNone) path.replace(path.find('#'), 1, std::to_string(index));
-  return path;
-}
 
 }  // namespace bip::rt

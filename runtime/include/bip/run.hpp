@@ -1,4 +1,4 @@
-// Running an image: options, one call, and the main() of emitted programs.
+// Running an image: options and one call. The main() of emitted programs is in run_main.hpp.
 #pragma once
 #include <cstdint>
 #include <cstdio>
@@ -6,6 +6,7 @@
 #include <string>
 
 #include "bip/image.hpp"
+#include "bip/run_main.hpp"
 
 namespace bip::rt {
 
@@ -100,8 +101,5 @@ struct ExploreResult {
 };
 /// Fires every candidate of every reachable stable state, breadth first; with --silent only the last line is written.
 ExploreResult explore(const Image& image, const RunOptions& options, std::FILE* out, std::FILE* err);
-
-/// main() of an emitted program: the options of `run`, see --help; exit code as bipc run's.
-int run_main(const Image& image, int argc, char** argv);
 
 }  // namespace bip::rt

@@ -1,7 +1,7 @@
 // main() of a program that serves a model (`bipc build --serve`, compiler/docs/serve.md). It is in libbip_serve.a, not
 // in the runtime.
 #pragma once
-#include "bip/image.hpp"
+#include "bip/image_tables.hpp"
 
 namespace bip {
 

@@ -7,7 +7,7 @@
 #pragma once
 #include <cstdint>
 
-#include "bip/assert.hpp"
+#include "bip/contract.hpp"
 #include "bip/rows.hpp"
 
 namespace bip::rt {
