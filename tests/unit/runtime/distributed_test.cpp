@@ -457,23 +457,39 @@ TEST_CASE("stations hand over what is said once and in order, and rest when all 
   }
 }
 
-TEST_CASE("stations measure round trips, but not of frames that came late on purpose or were sent again") {
-  const Scattered pairs = scattered_pairs(3);
-  const Codec codec(pairs.core->tables(), pairs.distribution, 1);
+namespace {
+
+/// Two stations, what they have sent and nobody has carried, and what they heard.
+struct TwoStations {
+  Scattered pairs = scattered_pairs(3);
+  Codec codec{pairs.core->tables(), pairs.distribution, 1};
   KeptFabric fabrics[2];
-  Station stations[] = {{fabrics[0], codec, 0, 2}, {fabrics[1], codec, 1, 2}};
+  Station stations[2] = {{fabrics[0], codec, 0, 2}, {fabrics[1], codec, 1, 2}};
   std::vector<ReceivedMessage> heard;
-  const auto carry = [&](u32 from, i64 now) {
+
+  void carry(u32 from, i64 now) {
     for (const std::string& bytes : std::exchange(fabrics[from].sent, {}))
       stations[1 - from].take({from, bytes}, now, heard);
-  };
+  }
+  void greet() {
+    for (const u32 self : {0u, 1u}) stations[self].greet(1 - self);
+    for (const u32 self : {0u, 1u}) carry(self, 1);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("stations measure round trips, but not of frames that came late on purpose or were sent again") {
+  TwoStations two;
+  KeptFabric(&fabrics)[2] = two.fabrics;
+  Station(&stations)[2] = two.stations;
+  const auto carry = [&](u32 from, i64 now) { two.carry(from, now); };
   const auto say = [&](u32 from, i64 now) {
     stations[from].say(1 - from, Stop{1});
     stations[from].send(now);
   };
   // What each has said before it heard of the other is sent again.
-  for (const u32 self : {0u, 1u}) stations[self].greet(1 - self);
-  for (const u32 self : {0u, 1u}) carry(self, 1);
+  two.greet();
   CHECK(stations[0].round_trip(1) == 0);
   const auto ask = [&](i64 now, i64 there) {
     say(0, now);
@@ -505,17 +521,11 @@ TEST_CASE("stations measure round trips, but not of frames that came late on pur
 }
 
 TEST_CASE("stations repeat one frame to learn whether the others were lost") {
-  const Scattered pairs = scattered_pairs(3);
-  const Codec codec(pairs.core->tables(), pairs.distribution, 1);
-  KeptFabric fabrics[2];
-  Station stations[] = {{fabrics[0], codec, 0, 2}, {fabrics[1], codec, 1, 2}};
-  std::vector<ReceivedMessage> heard;
-  const auto carry = [&](u32 from, i64 now) {
-    for (const std::string& bytes : std::exchange(fabrics[from].sent, {}))
-      stations[1 - from].take({from, bytes}, now, heard);
-  };
-  for (const u32 self : {0u, 1u}) stations[self].greet(1 - self);
-  for (const u32 self : {0u, 1u}) carry(self, 1);
+  TwoStations two;
+  KeptFabric(&fabrics)[2] = two.fabrics;
+  Station(&stations)[2] = two.stations;
+  const auto carry = [&](u32 from, i64 now) { two.carry(from, now); };
+  two.greet();
   i64 now = 1000000;
   for (u64 n = 1; n <= 100; ++n, now += 1000) {
     stations[0].say(1, Stop{n});
@@ -547,7 +557,7 @@ TEST_CASE("stations repeat one frame to learn whether the others were lost") {
     CHECK(stations[0].counts().again == 5);
     return;
   }
-  CHECK(heard.size() == 100);
+  CHECK(two.heard.size() == 100);
   CHECK(stations[0].link(1).unconfirmed().empty());
   CHECK(stations[0].due() == kForever);
 }
