@@ -24,10 +24,14 @@ class Level:
     def __init__(self, work):
         self.path = os.path.join(work, "s")
         self.server = subprocess.Popen([BIPC, "serve", "--asap", "--policy", "fair", "--socket", self.path, "m.bip"], cwd=work, stderr=open(os.path.join(work, "log"), "w", encoding="utf-8"))
-        while not os.path.exists(self.path):
+        # The socket's file is there a little before the server listens.
+        self.client = None
+        while self.client is None:
             assert self.server.poll() is None, pathlib.Path(work, "log").read_text(encoding="utf-8")
-            time.sleep(0.02)
-        self.client = Client(self.path, 20)
+            try:
+                self.client = Client(self.path, 20)
+            except (FileNotFoundError, ConnectionRefusedError):
+                time.sleep(0.02)
         self.replies = {}
 
     def begin(self, service, **input):
