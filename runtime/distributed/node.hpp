@@ -106,7 +106,7 @@ class Node {
     return whole_steps_[interaction] != WholeSteps::None && !observer_;
   }
   /// As begin, and runs all actions of the step, which is_whole, at once: when it returns the step has ended. False: by
-  /// a fault. Nobody hears that it has landed, unless note_landed says so.
+  /// a fault. It is not added to `landed`: note_landed does that.
   bool take_whole(EnabledSet::Position at, u64 step);
   /// Of such a step: appends the atoms that take part, and the step to `landed`, once for each.
   void note_landed(InteractionId interaction, u64 step, std::vector<u32>& atoms);

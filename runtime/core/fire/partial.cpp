@@ -185,7 +185,7 @@ bool PartialSteps::take_whole(EnabledSet::Position at, u64 step) {
              "interaction {} is not taken as a whole", at.interaction);
   p.step = step;
   p.noted = false;
-  // Of atoms that no guard waits for and that are never offered elsewhere nobody asks for the last step.
+  // No guard waits for these atoms and no other node gets their offers: their last steps are never read.
   core_.fault = {};
   const bool is_sound = core_.firing.fire(core_.candidate(at));
   if (!is_sound && !p.noted) note_fault(step, 0);

@@ -459,7 +459,7 @@ TEST_CASE("stations hand over what is said once and in order, and rest when all 
 
 namespace {
 
-/// Two stations, what they have sent and nobody has carried, and what they heard.
+/// Two stations, the frames between them that have not arrived yet, and the messages that have.
 struct TwoStations {
   Scattered pairs = scattered_pairs(3);
   Codec codec{pairs.core->tables(), pairs.distribution, 1};
