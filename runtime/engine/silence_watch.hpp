@@ -2,8 +2,8 @@
 // it between two steps: silence is an action that takes long, a process that is stopped, or a host that is out of
 // reach.
 //
-// A launcher that stood still itself (Ctrl-Z, output that nobody reads) has read nothing meanwhile: silence is counted
-// from then on. No input or output here, and no clock.
+// While the launcher itself is stopped (Ctrl-Z, output that blocks) it receives nothing: when it goes on, it counts the
+// silence of nodes from that moment. This file has no input, output or clock.
 #pragma once
 #include <vector>
 
