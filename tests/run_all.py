@@ -14,6 +14,7 @@ import os
 import pathlib
 import re
 import resource
+import signal
 import subprocess
 import sys
 import threading
@@ -27,6 +28,7 @@ SYSTEMS = re.compile(r"^differential: (\d+) systems, (\d+) failed$", re.M)
 SKIPPED = re.compile(r"^skipped: (.*)$", re.M)
 COUNTS = re.compile(r"^(?:[\w ]+: )?(\d+) passed, (\d+) failed$", re.M)
 
+TIME_LIMIT = 1800  # s of a program; the longest takes a third
 LEFT_OUT = ["left out"]  # of a sample: the program takes long, and has no small part that says much
 UNIT_SAMPLE = 4  # of so many test cases of a long program of unit tests a sample has one
 
@@ -66,16 +68,33 @@ def run_unit(program, every=1):
     return max(len(cases) - len(bad), 0), failed
 
 
+def wait_for(name, process):
+    """Exit code of a program; one that does not end in time is interrupted, so that it ends what it has started, then killed."""
+    try:
+        return process.wait(TIME_LIMIT * float(os.environ.get("BIPC_TEST_PATIENCE") or 1))
+    except subprocess.TimeoutExpired:
+        print(f"{name}: it did not end in time", flush=True)
+        process.send_signal(signal.SIGINT)
+    try:
+        process.wait(20)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+    return 1
+
+
 def run_script(name, command):
-    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, cwd=ROOT)
-    text = done.stdout.decode("utf-8", "replace")
-    (LOGS / f"{name}.log").write_text(text, encoding="utf-8")
+    path = LOGS / f"{name}.log"
+    # Not through a pipe, which stays open for as long as anything runs that the program has left behind.
+    with open(path, "wb") as log, subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT, cwd=ROOT) as process:
+        code = wait_for(name, process)
+    text = path.read_text(encoding="utf-8", errors="replace")
     counts = COUNTS.findall(text) + [(str(int(n) - int(bad)), bad) for n, bad in SYSTEMS.findall(text)]
     passed, failed = (sum(int(c[i]) for c in counts) for i in (0, 1)) if counts else (0, 0)
     for reason in SKIPPED.findall(text):
         skipped.append(reason)
         print(f"{name}: skipped: {reason}", flush=True)
-    if done.returncode != 0 or failed:
+    if code != 0 or failed:
         print(text.rstrip())
         failed = max(failed, 1)
     return passed, failed

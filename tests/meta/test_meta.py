@@ -18,6 +18,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
@@ -212,11 +213,33 @@ def check_ctest_knows_all_groups():
     return [f"tests/CMakeLists.txt: {name}: not in both lists of groups" for name in sorted((set(groups) - {"unit"}) ^ set(known))]
 
 
-def check_samples():
-    """A sampled run says what it leaves out and runs the rest smaller; options that are none end tools/test before it builds."""
+def loaded_run_all():
     spec = importlib.util.spec_from_file_location("run_all", ROOT / "tests/run_all.py")
     run_all = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(run_all)
+    return run_all
+
+
+def check_programs_of_tests_end():
+    """A program that does not end in time is a failure, and what one leaves behind is not waited for."""
+    run_all = loaded_run_all()
+    run_all.TIME_LIMIT = 3 / float(os.environ.get("BIPC_TEST_PATIENCE") or 1)
+    problems = []
+    with tempfile.TemporaryDirectory() as folder:
+        run_all.LOGS = pathlib.Path(folder)
+        for name, words, wanted in (("endless", "import time; print('1 passed, 0 failed', flush=True); time.sleep(600)", (1, 1)),
+                                    ("orphan", "import subprocess; subprocess.Popen(['sleep', '30']); print('1 passed, 0 failed')", (1, 0))):
+            begin = time.monotonic()
+            with contextlib.redirect_stdout(io.StringIO()):
+                found = run_all.run_script(name, [sys.executable, "-c", words])
+            if found != wanted or time.monotonic() - begin > 20:
+                problems.append(f"tests/run_all.py: {name}: {found} after {time.monotonic() - begin:.1f} s")
+    return problems
+
+
+def check_samples():
+    """A sampled run says what it leaves out and runs the rest smaller; options that are none end tools/test before it builds."""
+    run_all = loaded_run_all()
     problems = []
     whole = [("a", [run_all.script("same", "x.py"), run_all.script("less", "x.py", sample=["1"]), run_all.script("long", "x.py", sample=run_all.LEFT_OUT)]),
              ("b", [run_all.script("longer", "y.py", sample=run_all.LEFT_OUT)])]

@@ -9,6 +9,7 @@
 #include <unistd.h>
 #include <zmq.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
@@ -192,6 +193,30 @@ TEST_CASE("bytes come whole, from the peer whose key was shown") {
   CHECK(answers[0].from == 0);
   CHECK(answers[0].bytes.size() == 100000);
   CHECK(first->counts().refused == 0);
+}
+
+TEST_CASE("who is far behind gets portions, and all of it") {
+  constexpr std::size_t kFrames = 400, kSize = 10000;
+  const int port = free_port();
+  const auto plans = plans_of_two(port, port);
+  const auto first = opened(plans[0]), second = opened(plans[1]);
+  REQUIRE(!heard_of(*second, 0, "is there", *first, 5000).empty());
+  for (std::size_t n = 0; n < kFrames; ++n) second->send(0, std::string(kSize, static_cast<char>('a' + n % 26)));
+  // Until the last one has come to the socket of the first.
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  std::size_t frames = 0, largest = 0;
+  for (const std::int64_t end = now_ns() + kPatience; frames < kFrames && now_ns() < end;) {
+    std::size_t bytes = 0;
+    for (const Arrival& arrival : heard_by(*first, 1000)) {
+      if (arrival.bytes == "is there") continue;
+      CHECK(arrival.bytes == std::string(kSize, static_cast<char>('a' + frames % 26)));
+      ++frames;
+      bytes += arrival.bytes.size();
+    }
+    largest = std::max(largest, bytes);
+  }
+  CHECK(frames == kFrames);
+  CHECK(largest < kFrames * kSize / 4);
 }
 
 TEST_CASE("who has another key is refused and counted, and hears nothing") {
