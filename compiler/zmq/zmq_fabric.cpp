@@ -21,6 +21,9 @@ namespace {
 constexpr int kMostBytes = 1 << 26;
 constexpr int kMostStalled = 5000;    // ms that sent bytes wait for TCP's confirmation
 constexpr std::size_t kKeyText = 40;  // of 32 bytes
+// Of what has arrived at a socket, bytes that one wait hands over: the caller looks at its clock and its other duties
+// between two portions, however far it is behind those who send.
+constexpr std::size_t kPortion = std::size_t{1} << 18;
 constexpr const char* kDoor = "inproc://zeromq.zap.01";
 constexpr const char* kFailures = "inproc://failures";
 // Handshakes that end before a key is asked about: other server keys, other protocols, odd bytes.
@@ -193,19 +196,23 @@ class ZmqFabric final : public rt::Fabric {
     return parts;
   }
 
-  // Takes all that has arrived. Frames of this protocol have one part; others are refused.
+  // Takes a portion of what has arrived at each socket. Frames of this protocol have one part; others are refused.
   void receive(std::vector<rt::Arrival>& arrivals) {
     for (std::uint32_t peer = 0; peer < connected_.size(); ++peer) {
       Bytes bytes;
-      while (const int parts = take_parts(connected_[peer].get(), bytes)) {
+      for (std::size_t taken = 0; taken < kPortion; taken += bytes.view().size()) {
+        const int parts = take_parts(connected_[peer].get(), bytes);
+        if (parts == 0) break;
         if (parts == 1) arrivals.push_back({peer, std::string(bytes.view())});
         else refused_.fetch_add(1, std::memory_order_relaxed);
       }
     }
     if (!listener_) return;
-    for (Bytes identity; zmq_msg_recv(&identity.message, listener_->get(), ZMQ_DONTWAIT) >= 0;) {
+    std::size_t taken = 0;
+    for (Bytes identity; taken < kPortion && zmq_msg_recv(&identity.message, listener_->get(), ZMQ_DONTWAIT) >= 0;) {
       Bytes bytes;
       const bool is_whole = zmq_msg_more(&identity.message) != 0 && take_parts(listener_->get(), bytes) == 1;
+      taken += bytes.view().size();
       const char* user = is_whole ? zmq_msg_gets(&bytes.message, "User-Id") : nullptr;
       const auto peer = user == nullptr ? 0 : static_cast<std::uint32_t>(std::strtoul(user, nullptr, 10));
       // Who says that he is another is not heard, and would get what is the other's.
