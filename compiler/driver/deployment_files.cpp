@@ -25,6 +25,7 @@
 #include "compiler/emit_cpp/copy_ffi_files.hpp"
 #include "compiler/pipeline/ffi_build.hpp"
 #include "compiler/system/bsys.hpp"
+#include "compiler/system/system.hpp"
 
 namespace bip::driver {
 

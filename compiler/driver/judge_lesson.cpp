@@ -16,7 +16,7 @@
 #include "compiler/pipeline/executor.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/pipeline/ffi_build.hpp"
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 
 namespace bip::driver {
 namespace {

@@ -1,15 +1,12 @@
 // What a page is called.
 #pragma once
-#include <filesystem>
 #include <string>
 
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 
 namespace bip::driver {
 
 /// "Dinner (philosophers.bip)"
-[[nodiscard]] inline std::string page_title(const System& system, const std::string& file) {
-  return system.compounds.begin()->type + " (" + std::filesystem::path(file).filename().string() + ")";
-}
+[[nodiscard]] std::string page_title(const System& system, const std::string& file);
 
 }  // namespace bip::driver

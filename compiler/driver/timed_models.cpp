@@ -15,7 +15,7 @@
 #include "compiler/pipeline/machine.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/driver/terminal.hpp"
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 #include "compiler/verify/net/unread_data.hpp"
 #include "runtime/explore/counterexample.hpp"
 

@@ -3,7 +3,7 @@
 
 #include "compiler/graph/graph.hpp"
 #include "compiler/source/utf8.hpp"
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 
 namespace bip::graph {
 

@@ -7,7 +7,7 @@
 
 #include "bip/assert.hpp"
 #include "compiler/debug/event_values.hpp"
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 #include "runtime/core/final_state.hpp"
 #include "runtime/core/why_not.hpp"
 #include "runtime/engine/interrupt.hpp"

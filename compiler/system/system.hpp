@@ -48,12 +48,6 @@ struct Choice {
   std::vector<PortRef> ports;
   friend bool operator==(const Choice&, const Choice&) = default;
 };
-/// A data variable of an atom.
-struct DataRef {
-  AtomId atom;
-  std::uint32_t variable = 0;
-  friend bool operator==(const DataRef&, const DataRef&) = default;
-};
 
 /// A parameter that is bound through a compound's exported port: traces may show that name (`c.out`).
 struct ShownPort {

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "bip/assert.hpp"
+#include "compiler/system/system.hpp"
 
 namespace bip::view {
 namespace {

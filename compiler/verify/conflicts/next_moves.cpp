@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-#include "compiler/system/system.hpp"
+#include "compiler/verify/conflicts/split_by_history.hpp"
 #include "compiler/verify/invariants/place_invariants.hpp"
 #include "compiler/verify/invariants/state_machine_components.hpp"
 #include "compiler/verify/invariants/traps.hpp"

@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "compiler/system/system_ids.hpp"
-#include "compiler/verify/conflicts/split_by_history.hpp"
+#include "compiler/verify/conflicts/history_move.hpp"
 #include "compiler/verify/solver/cancellation.hpp"
 #include "runtime/distributed/distribution.hpp"
 

@@ -11,15 +11,9 @@
 #include <vector>
 
 #include "compiler/system/system.hpp"
+#include "compiler/verify/conflicts/history_move.hpp"
 
 namespace bip::verify {
-
-/// An atom at a place, with a history (a connector, or kNoHistory), and a connector that might move it next.
-struct HistoryMove {
-  static constexpr std::uint32_t kNoHistory = 0xffffffffu;
-  std::uint32_t atom = 0, place = 0, history = kNoHistory, connector = 0;
-  friend auto operator<=>(const HistoryMove&, const HistoryMove&) = default;
-};
 
 /// How an atom was split: what its new places and ports were.
 struct SplitAtom {

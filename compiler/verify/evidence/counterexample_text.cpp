@@ -1,7 +1,7 @@
 // See counterexample_text.hpp.
 #include "compiler/verify/evidence/counterexample_text.hpp"
 
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 #include "runtime/core/deadlock_explanation.hpp"
 #include "runtime/core/text.hpp"
 #include "runtime/include/bip/assert.hpp"

@@ -3,7 +3,7 @@
 
 #include <atomic>
 
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 #include "compiler/verify/evidence/reached_states.hpp"
 #include "compiler/verify/net/unread_data.hpp"
 #include "compiler/verify/portfolio/local_deadlock_search.hpp"

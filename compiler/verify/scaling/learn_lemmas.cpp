@@ -6,7 +6,7 @@
 
 #include "compiler/base/log.hpp"
 #include "compiler/system/inner_priorities.hpp"
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 #include "compiler/verify/invariants/affine_bounds.hpp"
 #include "compiler/verify/invariants/houdini.hpp"
 #include "compiler/verify/invariants/inductive_core.hpp"

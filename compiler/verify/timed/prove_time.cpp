@@ -11,7 +11,7 @@
 
 #include "compiler/system/bsys.hpp"
 #include "compiler/system/inner_priorities.hpp"
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_ids.hpp"
 #include "compiler/verify/timed/time_divergence.hpp"
 #include "compiler/verify/invariants/mode_facts.hpp"
 #include "compiler/verify/timed/localization.hpp"
