@@ -58,6 +58,7 @@ class AtomPlacer {
     const u64 share = (u64{atoms} + nodes_ - 1) / nodes_;
     // One more at least: in full nodes nothing moves.
     most_ = share + std::max<u64>(1, share / 10);
+    least_ = find_least();
     score_.assign(nodes_, 0);
   }
 
@@ -74,6 +75,7 @@ class AtomPlacer {
       }
       if (cut == 0) grow();
       else grow_pieces(static_cast<u32>(u64{cut - 1} * size_.size() / (cuts - 1)));
+      fill_nodes();
       for (std::size_t pass = 0; pass < kMostPasses && improve(); ++pass) {
       }
       if (const u64 now = cost(); best.empty() || now < least) {
@@ -94,6 +96,25 @@ class AtomPlacer {
     // The queue has the largest gain on top, of equal ones the smaller vertex.
     bool operator<(const Move& other) const { return gain != other.gain ? gain < other.gain : vertex > other.vertex; }
   };
+
+  // Half of the level to which atoms without a home fill the nodes, the emptiest first; one at least if they reach all.
+  [[nodiscard]] u64 find_least() const {
+    std::vector<u64> loads(nodes_, 0);  // of atoms that have a home
+    u64 free = 0;
+    for (u32 vertex = 0; vertex < size_.size(); ++vertex) {
+      if (home_[vertex] == kNone) free += size_[vertex];
+      else loads[home_[vertex]] += size_[vertex];
+    }
+    std::sort(loads.begin(), loads.end());
+    u64 level = 0, sum = free;
+    for (u32 node = 0; node < nodes_; ++node) {
+      sum += loads[node];
+      level = sum / (node + 1);
+      // Atoms do not suffice to lift the nodes so far above the load of the next.
+      if (node + 1 < nodes_ && level < loads[node + 1]) break;
+    }
+    return level == 0 ? 0 : std::max<u64>(1, level / 2);
+  }
 
   // Breadth first: those with a home, then a vertex of each piece. A vertex goes where its edges are, if there is room.
   void grow() {
@@ -266,10 +287,11 @@ class AtomPlacer {
     }
   }
 
-  // The move that gains most; to kNone: there is no room anywhere.
+  // The move that gains most; to kNone: there is no room anywhere, or its node would have too little.
   Move best_move(u32 vertex) {
-    find_scores(vertex);
     Move best{0, vertex, kNone};
+    if (load_[home_[vertex]] < least_ + size_[vertex]) return best;
+    find_scores(vertex);
     for (u32 node = 0; node < nodes_; ++node) {
       if (node == home_[vertex] || load_[node] + size_[vertex] > most_) continue;
       const i64 gain = score_[node] - score_[home_[vertex]];
@@ -283,6 +305,51 @@ class AtomPlacer {
     if (home_[vertex] != kNone) load_[home_[vertex]] -= size_[vertex];
     home_[vertex] = to;
     load_[to] += size_[vertex];
+  }
+
+  // Moves vertices to nodes that have less than least_, that which costs least first. No node falls below least_ by it,
+  // nor below what the other has then: an empty node also gets a vertex if vertices are large.
+  void fill_nodes() {
+    for (u32 filled = 0; filled < nodes_; ++filled) {
+      const u32 node = static_cast<u32>(std::min_element(load_.begin(), load_.end()) - load_.begin());
+      if (load_[node] >= least_ || !fill_node(node)) return;
+    }
+  }
+
+  // False: nothing could move.
+  bool fill_node(u32 node) {
+    const auto may_move = [&](u32 vertex) {
+      if (is_fixed_[vertex] || home_[vertex] == node) return false;
+      return load_[home_[vertex]] >= size_[vertex] + std::min(least_, load_[node] + size_[vertex]);
+    };
+    const auto gain = [&](u32 vertex) {
+      find_scores(vertex);
+      return score_[node] - score_[home_[vertex]];
+    };
+    std::priority_queue<Move> queue;
+    for (u32 vertex = 0; vertex < size_.size(); ++vertex) {
+      if (may_move(vertex)) queue.push({gain(vertex), vertex, node});
+    }
+    bool has_moved = false;
+    while (load_[node] < least_ && !queue.empty()) {
+      const u32 vertex = queue.top().vertex;
+      const i64 queued = queue.top().gain;
+      queue.pop();
+      if (!may_move(vertex)) continue;
+      // Others have moved since it was queued.
+      if (const i64 now = gain(vertex); now != queued) {
+        queue.push({now, vertex, node});
+        continue;
+      }
+      move(vertex, node);
+      has_moved = true;
+      for (const u32 edge : edges_[vertex]) {
+        for (const u32 pin : pins_[edge]) {
+          if (may_move(pin)) queue.push({gain(pin), pin, node});
+        }
+      }
+    }
+    return has_moved;
   }
 
   // One pass. False: it gained nothing.
@@ -335,11 +402,11 @@ class AtomPlacer {
   std::vector<u32> size_;       // by vertex: atoms
   std::vector<u32> home_;
   std::vector<bool> is_fixed_;
-  std::vector<u64> weight_;  // by edge
-  std::vector<i64> total_;   // by vertex: the weight of its edges
-  Csr pins_, edges_;         // vertices by edge; edges by vertex
-  std::vector<u64> load_;    // by node: atoms
-  u64 most_ = 0;
+  std::vector<u64> weight_;   // by edge
+  std::vector<i64> total_;    // by vertex: the weight of its edges
+  Csr pins_, edges_;          // vertices by edge; edges by vertex
+  std::vector<u64> load_;     // by node: atoms
+  u64 most_ = 0, least_ = 0;  // atoms of a node
   // Scratch.
   std::vector<i64> score_;  // by node
   std::vector<u32> met_;

@@ -7,8 +7,12 @@
 // scheme for partitioning irregular graphs", SIAM J. Sci. Comput. 20(1), 1998, section 4.2), from starts in different
 // parts of the model. Of each cut single vertices move, the one that gains most first, each once in a pass, and the
 // best state of the pass is kept (C. M. Fiduccia, R. M. Mattheyses, "A linear-time heuristic for improving network
-// partitions", DAC 1982), until a pass gains nothing. The cheapest is taken. No node gets more than its share and a
-// tenth (one more at least), unless the placement says so.
+// partitions", DAC 1982), until a pass gains nothing. The cheapest is taken.
+//
+// Loads are bounded on both sides. No node gets more than its share and a tenth (one more at least), unless the
+// placement says so. No node gets less than half of the level to which free atoms fill the nodes, the emptiest first
+// (one at least, if they suffice for all): between grown and improved, nodes below it get the vertices that cost least,
+// and no later move goes below it. Only atoms that stay together can leave a node with less.
 //
 // The same input gives the same homes. A pass costs the edges of each vertex that moves or is beside one that moves.
 #pragma once

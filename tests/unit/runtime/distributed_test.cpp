@@ -1449,6 +1449,37 @@ TEST_CASE("a ring without homes comes into arcs, one for each node") {
   for (u32 node = 0; node < 8; ++node) CHECK(placement.home[8 * node] == node);
 }
 
+TEST_CASE("no node stays empty while there are atoms without a home") {
+  struct Example {
+    u32 atoms, nodes;
+    std::vector<std::pair<u32, u32>> given;  // atom, node
+    std::size_t least;                       // atoms of each node
+    double border;
+  };
+  // The part of border steps is the smallest with so many on each node: a ring in n arcs has n of them.
+  for (const Example& example :
+       {Example{3, 2, {}, 1, 2.0 / 3}, Example{4, 4, {}, 1, 1}, Example{5, 4, {}, 1, 0.8}, Example{8, 4, {}, 1, 0.5},
+        Example{12, 8, {}, 1, 8.0 / 12}, Example{20, 4, {}, 2, 0.2}, Example{100, 10, {}, 5, 0.1},
+        // One node has more than its share: half of what is left for the others.
+        Example{12, 3, {{0, 0}, {1, 0}, {2, 0}, {3, 0}, {4, 0}, {5, 0}, {6, 0}, {7, 0}}, 1, 3.0 / 12},
+        // Fewer free atoms than empty nodes: where they cost least.
+        Example{4, 4, {{0, 0}, {1, 0}}, 0, 0.5}}) {
+    ImageBuilder b;
+    build_ring(b, static_cast<int>(example.atoms));
+    const Tables tables = link(b.image(), MaximalProgress::On);
+    Placement placement;
+    for (u32 node = 0; node < example.nodes; ++node) placement.nodes.push_back(std::to_string(node + 1));
+    placement.home.assign(example.atoms, kNone);
+    for (const auto& [atom, node] : example.given) placement.home[atom] = node;
+    const std::vector<u64> alike(tables.interactions.size(), 10);
+    place_free_atoms(tables, link_priorities(tables), alike, placement);
+    CAPTURE(example.atoms, example.nodes);
+    for (u32 node = 0; node < example.nodes; ++node)
+      CHECK(static_cast<std::size_t>(std::count(placement.home.begin(), placement.home.end(), node)) >= example.least);
+    CHECK(border_part(tables, alike, placement) == Approx(example.border));
+  }
+}
+
 // -- Losses --
 
 TEST_CASE("an interaction without lost nodes is whole, whatever else its conflict set has") {
