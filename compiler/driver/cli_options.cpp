@@ -22,6 +22,8 @@ void add_check(CLI::App& app, CheckArguments& a) {
                    "print what a run distributed by this file (see distributed.md) would be: interactions over several "
                    "nodes, conflict sets, messages")
       ->type_name("PATH");
+  command->add_flag("--json", a.json, "with --placement, print that as JSON: one line for each FILE")
+      ->needs("--placement");
   command
       ->add_option(
           "--lesson", a.lesson,

@@ -22,7 +22,9 @@ int check_files(const CheckArguments& arguments) {
       emit_stage(c, file, Optimisation::Auto);
     } else if (!arguments.placement_path.empty()) {
       std::string text;
-      if (compile(c, file, Stage::Image)) text = distribution_text(c, arguments.placement_path);
+      const bool is_compiled = compile(c, file, Stage::Image);
+      if (arguments.json) text = distribution_json(c, file, arguments.placement_path);
+      else if (is_compiled) text = distribution_text(c, arguments.placement_path);
       std::fwrite(text.data(), 1, text.size(), stdout);
     } else {
       (void)check(c, file);

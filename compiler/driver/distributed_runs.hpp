@@ -5,6 +5,8 @@
 
 #include "compiler/driver/options.hpp"
 #include "compiler/pipeline/pipeline.hpp"
+#include "runtime/core/link/tables.hpp"
+#include "runtime/core/link/priorities.hpp"
 #include "runtime/distributed/distribution.hpp"
 
 namespace bip::driver {
@@ -29,5 +31,24 @@ namespace bip::driver {
 /// Returns what a run with the placement would be: nodes, interactions over several of them, conflict sets, messages.
 /// Empty: a diagnostic was reported.
 [[nodiscard]] std::string distribution_text(Compilation& c, const std::string& placement_path);
+
+/// The same as one line of JSON (placement_report.hpp), also if something was refused or `file` has errors.
+[[nodiscard]] std::string distribution_json(Compilation& c, const std::string& file, const std::string& placement_path);
+
+/// What is linked without code.
+struct LinkedModel {
+  explicit LinkedModel(const rt::Image& image, rt::MaximalProgress progress = rt::MaximalProgress::On)
+      : tables(rt::link(image, progress)), rules(rt::link_priorities(tables)) {}
+  rt::Tables tables;
+  rt::PriorityTables rules;
+};
+
+/// False: several nodes do not run such models with time, which was reported.
+[[nodiscard]] bool is_distributable(Compilation& c);
+/// False: a C++ object would have to be sent to another node, which was reported.
+[[nodiscard]] bool crosses_nothing(Compilation& c, const LinkedModel& linked, const rt::Distribution& distribution);
+
+/// " (FILE:LINE:COLUMN)"; empty if the place is unknown.
+[[nodiscard]] std::string image_place_text(const rt::Image& image, const rt::SourceLine& loc);
 
 }  // namespace bip::driver

@@ -91,8 +91,20 @@ verify::NextMoves prove_next_moves(const Compilation& c) {
   return verify::find_next_moves(*c.system, verify::within_seconds(kSecondsOfConflicts));
 }
 
-std::string removed_conflicts_text(const rt::Tables& tables, const verify::NextMoves& known) {
-  switch (known.question) {
+RemovedConflicts removed_conflicts(const rt::Tables& tables, const verify::NextMoves& known) {
+  RemovedConflicts removed;
+  removed.question = known.question;
+  if (known.question != verify::ConflictQuestion::Answered) return removed;
+  for (const PlaceConflicts& row : conflicts_of_places(tables, known)) {
+    (row.by_invariants ? removed.by_invariants : removed.by_modes) += row.by_places - row.left;
+    removed.places.push_back({tables.image->atoms[row.atom].path(), tables.atom_type(row.atom).places[row.place],
+                              row.by_places, row.left, row.by_invariants});
+  }
+  return removed;
+}
+
+std::string removed_conflicts_text(const RemovedConflicts& removed) {
+  switch (removed.question) {
     case verify::ConflictQuestion::Answered: break;
     case verify::ConflictQuestion::TooLarge:
       return "conflicts go by places: the model is too large to ask which of them cannot be\n";
@@ -100,22 +112,17 @@ std::string removed_conflicts_text(const rt::Tables& tables, const verify::NextM
       return fmt::format("conflicts go by places: {} s of the processor did not prove which of them cannot be\n",
                          kSecondsOfConflicts);
   }
-  const std::vector<PlaceConflicts> rows = conflicts_of_places(tables, known);
-  if (rows.empty()) return {};
-  std::size_t by_modes = 0, by_invariants = 0;
-  std::string lines;
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    const PlaceConflicts& row = rows[k];
-    (row.by_invariants ? by_invariants : by_modes) += row.by_places - row.left;
-    if (k >= kMostListedConflicts) continue;
-    lines += fmt::format("  `{}` at {}: {} of {}, by {}\n", tables.image->atoms[row.atom].path(),
-                         tables.atom_type(row.atom).places[row.place], row.by_places - row.left, row.by_places,
-                         row.by_invariants ? "what brought it there" : "its modes");
+  if (removed.places.empty()) return {};
+  std::string text = fmt::format("conflicts by places that cannot be: {} by modes, {} by invariants\n",
+                                 removed.by_modes, removed.by_invariants);
+  for (std::size_t k = 0; k < std::min(removed.places.size(), kMostListedConflicts); ++k) {
+    const RemovedConflicts::At& row = removed.places[k];
+    text += fmt::format("  `{}` at {}: {} of {}, by {}\n", row.component, row.place, row.by_places - row.left,
+                        row.by_places, row.by_invariants ? "what brought it there" : "its modes");
   }
-  if (rows.size() > kMostListedConflicts)
-    lines += fmt::format("  and at {} more places\n", rows.size() - kMostListedConflicts);
-  return fmt::format("conflicts by places that cannot be: {} by modes, {} by invariants\n", by_modes, by_invariants) +
-         lines;
+  if (removed.places.size() > kMostListedConflicts)
+    text += fmt::format("  and at {} more places\n", removed.places.size() - kMostListedConflicts);
+  return text;
 }
 
 std::string print_next_moves(const std::vector<rt::NextMove>& moves) {

@@ -19,8 +19,21 @@ inline constexpr double kSecondsOfConflicts = 2;
 /// Asks the prover. Requires a System.
 [[nodiscard]] verify::NextMoves prove_next_moves(const Compilation& c);
 
-/// Returns which conflicts, of those that places tell, are none, and why, or why that is not known; empty: all are.
-[[nodiscard]] std::string removed_conflicts_text(const rt::Tables& tables, const verify::NextMoves& known);
+/// Conflicts, of those that places tell, that are none: counted, and by component and place.
+struct RemovedConflicts {
+  struct At {
+    std::string component, place;
+    std::size_t by_places = 0, left = 0;
+    bool by_invariants = false;  // else by modes
+  };
+  verify::ConflictQuestion question = verify::ConflictQuestion::Answered;
+  std::size_t by_modes = 0, by_invariants = 0;
+  std::vector<At> places;
+};
+[[nodiscard]] RemovedConflicts removed_conflicts(const rt::Tables& tables, const verify::NextMoves& known);
+
+/// Returns which conflicts are none, and why, or why that is not known; empty: all are.
+[[nodiscard]] std::string removed_conflicts_text(const RemovedConflicts& removed);
 
 /// Rows of numbers, one line each.
 [[nodiscard]] std::string print_next_moves(const std::vector<rt::NextMove>& moves);

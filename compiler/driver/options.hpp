@@ -147,6 +147,7 @@ struct CheckArguments {
   CompileOptions compile;
   std::vector<std::string> files;
   std::string placement_path = {};  // what a distributed run of the file would be; empty: not asked for
+  bool json = false;                // the answer to that
   std::string lesson = {};          // of the book, whose exercises the file solves, or not; empty: none
 };
 struct EmitArguments {

@@ -317,20 +317,38 @@ JoinReason why_joined(const Tables& tables, const PriorityTables& rules, const C
   return best;
 }
 
+namespace {
+
+// Of the first port for events that a C++ class brings.
+SourceLine place_of_event_source(const Image& image) {
+  for (const Atom& atom : image.atoms) {
+    const AtomType& type = image.atom_types[atom.type];
+    if (type.time == nullptr) continue;
+    for (const EventPort& event : type.time->events) {
+      if (event.source != kNone) return type.ports[event.port].loc;
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
 bool has_event_sources(const Image& image) { return image.event_classes.size != 0; }
 
 TimeOnNodes time_on_nodes(const Image& image) {
   constexpr const char* kOne = "run it on one: `--engine=sequential`";
   if (!has_time(image)) return {};
   if (has_event_sources(image))
-    return {"a model with events from C++", "no node has the instants at which events come", kOne};
+    return {"a model with events from C++", "no node has the instants at which events come", kOne,
+            place_of_event_source(image)};
   for (const ConnectorType& type : image.connector_types) {
     if (type.resume_sync)
-      return {"a model with `resume sync`", "components on several nodes would have to agree on an instant", kOne};
+      return {"a model with `resume sync`", "components on several nodes would have to agree on an instant", kOne,
+              type.loc};
   }
-  if (may_open_eagerly(image))
+  if (const OpenEager open = find_open_eager(image); open.eager != nullptr)
     return {"a model with `eager` beside a bound with `>`", "no node knows whether time must stop before an open bound",
-            std::string("bound it with `>=`, or ") + kOne};
+            std::string("bound it with `>=`, or ") + kOne, open.eager->loc, open.open_bound->loc};
   return {};
 }
 

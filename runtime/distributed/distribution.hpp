@@ -139,6 +139,8 @@ struct JoinReason {
 /// What several nodes do not run of models with time, why not, and the way out.
 struct TimeOnNodes {
   std::string problem, why, help;  // empty: they do
+  SourceLine loc = {};             // of a connector type, port or transition that is the reason; line 0: unknown
+  SourceLine open_bound = {};      // if `loc` is an eager transition's: of the transition with the bound
 };
 [[nodiscard]] TimeOnNodes time_on_nodes(const Image& image);
 

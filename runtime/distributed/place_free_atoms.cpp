@@ -422,18 +422,4 @@ void place_free_atoms(const Tables& tables, const PriorityTables& rules, const s
   AtomPlacer(tables, counts, atoms_together(tables, rules), placement).place();
 }
 
-double border_part(const Tables& tables, const std::vector<u64>& counts, const Placement& placement) {
-  u64 all = 0, border = 0;
-  std::vector<u32> ports;
-  for (const InteractionId interaction : IdRange<InteractionId>(counts.size())) {
-    ports_of_interaction(tables, tables.interactions[interaction], ports);
-    const u32 first = placement.home[tables.port_atom[ports.front()]];
-    all += counts[interaction.value];
-    if (std::any_of(ports.begin(), ports.end(),
-                    [&](u32 port) { return placement.home[tables.port_atom[port]] != first; }))
-      border += counts[interaction.value];
-  }
-  return all == 0 ? 0 : static_cast<double>(border) / static_cast<double>(all);
-}
-
 }  // namespace bip::rt

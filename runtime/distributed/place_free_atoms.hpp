@@ -27,7 +27,4 @@ namespace bip::rt {
 void place_free_atoms(const Tables& tables, const PriorityTables& rules, const std::vector<u64>& counts,
                       Placement& placement);
 
-/// The part of the counted steps that are of several nodes, in [0, 1]; 0 if nothing was counted.
-[[nodiscard]] double border_part(const Tables& tables, const std::vector<u64>& counts, const Placement& placement);
-
 }  // namespace bip::rt

@@ -1394,6 +1394,25 @@ TEST_CASE("a fault ends a simulated run at the step where a sequential one meets
 
 // -- Placements by counts --
 
+namespace {
+
+// The part of the counted steps whose components are at home on several nodes, in [0, 1]; 0 if nothing was counted.
+double border_part(const Tables& tables, const std::vector<u64>& counts, const Placement& placement) {
+  u64 all = 0, border = 0;
+  std::vector<u32> ports;
+  for (const InteractionId interaction : bip::IdRange<InteractionId>(counts.size())) {
+    ports_of_interaction(tables, tables.interactions[interaction], ports);
+    const u32 first = placement.home[tables.port_atom[ports.front()]];
+    all += counts[interaction.value];
+    if (std::any_of(ports.begin(), ports.end(),
+                    [&](u32 port) { return placement.home[tables.port_atom[port]] != first; }))
+      border += counts[interaction.value];
+  }
+  return all == 0 ? 0 : static_cast<double>(border) / static_cast<double>(all);
+}
+
+}  // namespace
+
 TEST_CASE("atoms without a home go where the steps of several nodes are fewest") {
   ImageBuilder b;
   build_ring(b, 12);

@@ -56,6 +56,10 @@ std::string distribution_text(Compilation& c, const std::string&) {
   report_missing(c, "`--placement`");
   return {};
 }
+std::string distribution_json(Compilation& c, const std::string&, const std::string&) {
+  report_missing(c, "`--placement`");
+  return {};
+}
 
 }  // namespace bip::driver
 
