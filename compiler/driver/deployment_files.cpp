@@ -47,6 +47,8 @@ constexpr const char* kUnit = R"([Unit]
 Description=bipc node {0}
 Wants=network-online.target
 After=network-online.target
+# Nodes wait for each other as long as it takes.
+StartLimitIntervalSec=0
 
 [Service]
 ExecStart={1}/{0}/start
@@ -82,17 +84,51 @@ After a change of the model or the placement: deploy again, and copy all folders
 )";
 
 constexpr const char* kStartAll = R"sh(#!/bin/sh
-# Copies each node's folder to its host and starts it there, over ssh; the first one in the foreground, with the options
-# given here (those of `bipc node`). TARGET: the folder on the hosts.
+# Copies each node's folder to its host and starts it there, over ssh; `{1}` with the options given here (those of
+# `bipc node`). TARGET: the folder on the hosts. An interrupt ends the run, a second one all nodes at once.
 set -e
 cd "$(dirname "$0")"
 target=${{TARGET:-bipc-nodes}}
+options=
+for word; do options="$options '$(printf %s "$word" | sed "s/'/'\\\\''/g")'"; done
+
+# In an archive: addresses of IPv6 need no brackets, and modes stay. The C++ of an earlier deployment goes.
 copy() {{
-  ssh "$2" "mkdir -p '$target' && chmod 700 '$target'"
-  scp -q -p -r "$1" "$2:$target/"
+  tar -cf - "$1" |
+    ssh "$2" "umask 077 && mkdir -p '$target' && chmod 700 '$target' && rm -rf '$target/$1/{3}' &&
+      tar -xpf - -C '$target'"
 }}
-{0}trap 'kill $others 2>/dev/null || true' EXIT
-ssh -t {2} "'$target'/{1}/start $*"
+{0}
+# Nobody writes to these pipes. A node ends when what its ssh reads ends: this script or the ssh, or a pipe is closed.
+pipes=$(mktemp -d)
+mkfifo "$pipes/first" "$pipes/others"
+exec 4<>"$pipes/first" 5<>"$pipes/others"
+exec 6<"$pipes/first" 7<"$pipes/others"
+rm -r "$pipes"
+start() {{
+  exec ssh "$2" "exec 3<&0; '$target/$1/start'$3 3<&- </dev/null & node=\$!
+    {{ read -r end; kill \$node; }} <&3 >/dev/null 2>&1 & reader=\$!
+    exec 3<&-; code=0; wait \$node || code=\$?; kill \$reader 2>/dev/null; exit \$code" 4<&- 5<&- 6<&- 7<&-
+}}
+others=
+{4}start {1} {2} "$options" <&6 &
+first=$!
+exec 6<&- 7<&-
+
+trap 'trap - HUP INT TERM; exec 4<&-' HUP INT TERM
+while :; do
+  code=0
+  wait $first || code=$?
+  kill -0 $first 2>/dev/null || break
+done
+# The others end with the run. Those that do not within five seconds are stopped; at once, if there was no run.
+delay=5
+case $code in 2|255) delay=0 ;; esac
+(sleep $delay; kill $others) 4<&- 5<&- </dev/null >/dev/null 2>&1 &
+timer=$!
+for other in $others; do wait "$other" || true; done
+kill $timer 2>/dev/null || true
+exit $code
 )sh";
 
 bool is_folder_name(const std::string& name) {
@@ -290,10 +326,11 @@ Result<bool> write_deployment(Compilation& c, const rt::Placement& placement, co
     if (!is_written) return false;
     const std::string host = host_of(address);
     copies += fmt::format("copy {} {}\n", name, host);
-    if (node != 0) starts += fmt::format("ssh {} \"'$target'/{}/start\" & others=\"$others $!\"\n", host, name);
+    if (node != 0) starts += fmt::format("start {} {} '' <&7 >&2 &\nothers=\"$others $!\"\n", name, host);
   }
-  return write_program(c, top / "start",
-                       fmt::format(kStartAll, copies + starts, placement.nodes[0], host_of(placement.addresses[0])));
+  return write_program(
+      c, top / "start",
+      fmt::format(kStartAll, copies, placement.nodes[0], host_of(placement.addresses[0]), kCppFolder, starts));
 }
 
 Result<rt::Deployment> read_deployment(const std::string& folder, const rt::Placement& placement) {
