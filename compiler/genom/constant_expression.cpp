@@ -1,4 +1,4 @@
-// See constant_expression.hpp. Precedence climbing.
+// See constant_expression.hpp.
 #include "compiler/genom/constant_expression.hpp"
 
 #include <fmt/format.h>
@@ -8,19 +8,14 @@
 #include <limits>
 #include <string_view>
 
+#include "compiler/genom/operators.hpp"
+
 namespace bip::genom::idl {
 namespace {
 
 constexpr int kMaxExpressionDepth = 50;
 constexpr WideInteger kLowest = std::numeric_limits<std::int64_t>::min();
 constexpr WideInteger kHighest = std::numeric_limits<std::uint64_t>::max();
-
-struct BinaryOperator {
-  std::string_view text;
-  int level;
-};
-constexpr BinaryOperator kBinaryOperators[] = {{"|", 1}, {"^", 2}, {"&", 3}, {"<<", 4}, {">>", 4},
-                                               {"+", 5}, {"-", 5}, {"*", 6}, {"/", 6},  {"%", 6}};
 
 bool is_integer(const Value& v) { return v.kind == ValueKind::Integer; }
 bool is_number(const Value& v) { return is_integer(v) || v.kind == ValueKind::Real; }
@@ -51,11 +46,57 @@ class ExpressionReader {
   std::optional<Value> run() {
     const std::size_t begin = in_.position();
     const SourceRange first = in_.peek().range;
-    Value value = binary(1);
+    Value value = climb_operators(*this);
     if (is_broken_) return std::nullopt;
     if (value.kind == ValueKind::Name && (!context_.may_be_enumerator || !is_path_alone(begin))) unknown(value);
     value.range = first;
     return value;
+  }
+
+  // ---- of climb_operators
+
+  Value operand() {
+    struct Depth {
+      int& depth;
+      explicit Depth(int& d) : depth(++d) {}
+      ~Depth() { --depth; }
+      Depth(const Depth&) = delete;
+      Depth& operator=(const Depth&) = delete;
+    };
+    const Depth guard(depth_);
+    if (depth_ > kMaxExpressionDepth) return broken("an expression that is not so deep");
+    return unary();
+  }
+
+  // IDL has neither comparisons nor logical operators.
+  [[nodiscard]] BinaryOperator next_operator() const {
+    if (is_broken_ || (in_angles_ && in_.peek().is(">"))) return {};
+    const BinaryOperator op = binary_operator_at(in_.peek(), in_.peek(1));
+    const bool is_of_idl = op.precedence >= Precedence::Or && op.precedence != Precedence::Equality &&
+                           op.precedence != Precedence::Comparison;
+    return is_of_idl ? op : BinaryOperator{};
+  }
+
+  SourceRange take(const BinaryOperator& op) {
+    const SourceRange range = in_.take().range;
+    if (op.is_shift()) in_.take();
+    return range;
+  }
+
+  Value apply(const BinaryOperator& op, SourceRange range, Value a, Value b) {
+    for (Value* const v : {&a, &b}) {
+      if (v->kind == ValueKind::Name) unknown(*v);
+    }
+    if (is_broken_ || a.kind == ValueKind::Error || b.kind == ValueKind::Error) return error_at(range);
+    const bool takes_real = op.precedence >= Precedence::Sum && op.text != "%";
+    for (const Value* const v : {&a, &b}) {
+      if (takes_real ? !is_number(*v) : !is_integer(*v))
+        return no_value(range, fmt::format("`{}` takes {}, this is {}", op.text, takes_real ? "numbers" : "integers",
+                                           name_of(v->kind)));
+    }
+    if ((op.text == "/" || op.text == "%") && as_real(b) == 0) return no_value(range, "it divides by zero");
+    return is_integer(a) && is_integer(b) ? of_integers(op, range, a.integer, b.integer)
+                                          : of_reals(op, range, as_real(a), as_real(b));
   }
 
  private:
@@ -80,52 +121,8 @@ class ExpressionReader {
     return error_at(in_.peek().range);
   }
 
-  // `<<` and `>>` are two tokens: `sequence<sequence<long>>` has two `>`.
-  [[nodiscard]] const BinaryOperator* next_operator() const {
-    const Token& token = in_.peek();
-    if (token.kind != TokenKind::Sign) return nullptr;
-    std::string_view text = token.text;
-    if (text == "<" || text == ">") {
-      const Token& second = in_.peek(1);
-      if ((in_angles_ && text == ">") || !second.is(text) || second.range.begin != token.range.end) return nullptr;
-      text = text == "<" ? "<<" : ">>";
-    }
-    for (const BinaryOperator& o : kBinaryOperators) {
-      if (o.text == text) return &o;
-    }
-    return nullptr;
-  }
-
-  Value binary(int lowest) {
-    Value left = unary();
-    for (const BinaryOperator* o = next_operator(); !is_broken_ && o != nullptr && o->level >= lowest;
-         o = next_operator()) {
-      const SourceRange range = in_.take().range;
-      if (o->level == 4) in_.take();
-      Value right = binary(o->level + 1);
-      left = apply(*o, range, std::move(left), std::move(right));
-    }
-    return left;
-  }
-
-  Value apply(const BinaryOperator& o, SourceRange range, Value a, Value b) {
-    for (Value* const v : {&a, &b}) {
-      if (v->kind == ValueKind::Name) unknown(*v);
-    }
-    if (is_broken_ || a.kind == ValueKind::Error || b.kind == ValueKind::Error) return error_at(range);
-    const bool takes_real = o.level >= 5 && o.text != "%";
-    for (const Value* const v : {&a, &b}) {
-      if (takes_real ? !is_number(*v) : !is_integer(*v))
-        return no_value(range, fmt::format("`{}` takes {}, this is {}", o.text, takes_real ? "numbers" : "integers",
-                                           name_of(v->kind)));
-    }
-    if ((o.text == "/" || o.text == "%") && as_real(b) == 0) return no_value(range, "it divides by zero");
-    return is_integer(a) && is_integer(b) ? of_integers(o, range, a.integer, b.integer)
-                                          : of_reals(o, range, as_real(a), as_real(b));
-  }
-
   Value of_integers(const BinaryOperator& o, SourceRange range, WideInteger a, WideInteger b) {
-    if (o.level == 4 && (b < 0 || b > 63))
+    if (o.is_shift() && (b < 0 || b > 63))
       return no_value(range, fmt::format("`{}` shifts by {}, and can by 0 to 63", o.text, b));
     WideInteger result = 0;
     bool overflows = false;
@@ -155,23 +152,14 @@ class ExpressionReader {
   }
 
   Value unary() {
-    struct Depth {
-      int& depth;
-      explicit Depth(int& d) : depth(++d) {}
-      ~Depth() { --depth; }
-      Depth(const Depth&) = delete;
-      Depth& operator=(const Depth&) = delete;
-    };
-    const Depth guard(depth_);
-    if (depth_ > kMaxExpressionDepth) return broken("an expression that is not so deep");
     const Token token = in_.peek();
     if (token.is("-") || token.is("+") || token.is("~")) {
       in_.take();
-      return apply_unary(token, unary());
+      return apply_unary(token, operand());
     }
     if (in_.accept("(")) {
       const bool outer = std::exchange(in_angles_, false);
-      Value value = binary(1);
+      Value value = climb_operators(*this);
       in_angles_ = outer;
       if (!is_broken_ && !in_.accept(")")) return broken("`)`");
       return value;

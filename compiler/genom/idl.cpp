@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "compiler/genom/declarations.hpp"
 #include "compiler/genom/codel_arguments.hpp"
 #include "compiler/genom/check_scalar.hpp"
 #include "compiler/genom/constant_expression.hpp"
@@ -307,15 +308,6 @@ class IdlParser {
     return plain(its).kind == Kind::Primitive && row != nullptr && row->is_unsigned() ? row->bits : 0;
   }
 
-  // A second declaration is reported, but not that of a file that is included twice: it has the same offsets.
-  void declared_once(std::map<std::string, SourceRange>& known, const char* kind, const std::string& name,
-                     const std::string& scoped_name, SourceRange range) {
-    const auto [row, is_new] = known.try_emplace(scoped_name, range);
-    const SourceRange& first = row->second;
-    if (is_new || (first.begin == range.begin && first.end == range.end)) return;
-    in_.diags().report(Diag::kB6013, range, kind, name).label(first, "the first one");
-  }
-
   void exception() {
     in_.take();
     const std::string name = word("the name of an exception");
@@ -343,13 +335,13 @@ class IdlParser {
   // TYPE declarator {, declarator} ; … up to `}`.
   std::vector<Member> members() {
     std::vector<Member> all;
-    std::map<std::string, SourceRange> known;
+    Declarations known;
     while (ok_ && !in_.at("}") && !in_.at_end()) {
       const std::size_t base = type();
       do {
         const SourceRange range = in_.peek().range;
         all.push_back(declarator(base));
-        if (ok_) declared_once(known, "member", all.back().name, all.back().name, range);
+        if (ok_) known.add(in_.diags(), "member", all.back().name, all.back().name, range);
       } while (ok_ && in_.accept(","));
       expect(";");
     }
@@ -472,8 +464,8 @@ class IdlParser {
     do {
       const SourceRange range = in_.peek().range;
       t.enumerators.push_back(word("a name"));
-      if (ok_)
-        declared_once(enumerator_ranges_, "enumerator", t.enumerators.back(), scoped(t.enumerators.back()), range);
+      const std::string& name = t.enumerators.back();
+      if (ok_) enumerator_declarations_.add(in_.diags(), "enumerator", name, scoped(name), range);
       enumerators_[scoped(t.enumerators.back())] = t.prefix + t.enumerators.back();
     } while (ok_ && in_.accept(","));
     expect("}");
@@ -740,7 +732,7 @@ class IdlParser {
   std::map<std::string, std::size_t> names_;        // of types
   std::map<std::string, Value> values_;             // of constants
   std::map<std::string, std::string> enumerators_;  // in C
-  std::map<std::string, SourceRange> enumerator_ranges_;
+  Declarations enumerator_declarations_;
   Unit unit_;
   std::optional<Unit> component_;
   std::map<std::string, Unit> units_;

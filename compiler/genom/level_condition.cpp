@@ -30,18 +30,16 @@ std::int64_t steps_of_age(Span span, const GenerateOptions& options, std::int64_
 }
 
 std::string ten_thousandths(const std::string& fraction) {
-  if (fraction.starts_with('-')) {
-    const std::string size = ten_thousandths(fraction.substr(1));
-    return size == "0" ? size : "-" + size;
-  }
-  const std::size_t dot = std::min(fraction.find('.'), fraction.size());
+  const bool is_negative = fraction.starts_with('-');
+  const std::string_view size = std::string_view(fraction).substr(is_negative ? 1 : 0);
+  const std::size_t dot = std::min(size.find('.'), size.size());
   std::int64_t value = 0;
   for (std::size_t i = 0, digits = 0; digits < dot + 4; ++i) {
     if (i == dot) continue;
-    value = value * 10 + (i < fraction.size() ? fraction[i] - '0' : 0);
+    value = value * 10 + (i < size.size() ? size[i] - '0' : 0);
     ++digits;
   }
-  return std::to_string(value);
+  return std::to_string(is_negative ? -value : value);
 }
 
 std::string ConditionWriter::any_of(ServiceRef s, const char* what, const char* sign,

@@ -1,5 +1,6 @@
 // GenoM 3 components: properties, tasks, ports, attributes, functions, activities. IDL is read for the names that it
 // declares, not for layouts. Words of GenoM may be names, so a word counts by where it stands.
+#include "compiler/genom/declarations.hpp"
 #include "compiler/genom/parse_genom3.hpp"
 
 #include <algorithm>
@@ -139,13 +140,8 @@ class Genom3Parser {
     }
   }
 
-  // A second declaration is reported. A file that is included twice declares nothing twice: its second reading has the
-  // same offsets.
   void declare(const char* kind, const Name& name) {
-    const auto [known, is_new] = declared_.try_emplace(fmt::format("{} {}{}", kind, scope_, name.text), name.range);
-    const SourceRange& first = known->second;
-    if (is_new || (first.begin == name.range.begin && first.end == name.range.end)) return;
-    diags_.report(Diag::kB6013, name.range, kind, name.text).label(first, "the first one");
+    declared_.add(diags_, kind, name.text, fmt::format("{} {}{}", kind, scope_, name.text), name.range);
   }
 
   // Reports interfaces that provide or extend themselves, also by way of others: one error for each cycle.
@@ -563,8 +559,8 @@ class Genom3Parser {
   std::optional<Unit> component_;
   std::map<std::string, Unit> units_;  // interfaces, and components of included files
   std::set<std::string> exceptions_;
-  std::map<std::string, SourceRange> declared_;  // "port robot::speed"
-  std::string scope_;                            // "robot::" inside of interface or module robot
+  Declarations declared_;  // "port robot::speed"
+  std::string scope_;      // "robot::" inside of interface or module robot
   std::map<std::string, std::string, std::less<>> constants_;
   std::deque<std::string> values_;  // texts of constants: tokens are views
 };
