@@ -98,6 +98,20 @@ class Channels {
   [[nodiscard]] ModuleState& state(std::size_t module) const { return states_[module]; }
   [[nodiscard]] Channel& channel(std::size_t module, std::size_t k) const { return channels_[module * width_ + k]; }
 
+  /// The process of a module is gone: what waits for it wakes up.
+  void note_end(std::size_t module, int status) {
+    ModuleState& s = state(module);
+    s.status = status;
+    s.ended_by = s.culprit.exchange(0);
+    s.pid = 0;
+    const std::uint32_t next = s.generation + 1;
+    s.generation = next;
+    for (std::size_t k = 0; k < width_; ++k) {
+      channel(module, k).turn = 2 * next;
+      wake_all(channel(module, k).turn);
+    }
+  }
+
   // Until `turn` is `mine`. `theirs`: what it is meanwhile; anything else means that the process has died.
   Wait wait(std::atomic<std::uint32_t>& turn, std::uint32_t theirs, std::uint32_t mine,
             const std::optional<Clock::time_point>& deadline) {

@@ -5,17 +5,14 @@
 //        \______________ channels: shared memory ______________/
 //
 // The nursery is forked before the first codel runs and never runs one itself, so whatever it forks has fresh data.
-// codel_channels.hpp has the memory that all share, and how a call gets from one side to the other.
+// This is the controller's side; codel_nursery.hpp and codel_module.hpp have the others'. codel_channels.hpp has the
+// memory that all share, and how a call gets from one side to the other.
 //
 // Posters that other modules read go through the controller: with a reply those that the module has written, with a
 // call those that the module reads and has not seen. Cost of a call: two switches of processes.
 #pragma once
 #include <fcntl.h>
-#include <poll.h>
 #include <signal.h>
-#include <sys/prctl.h>
-#include <sys/resource.h>
-#include <sys/signalfd.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -27,9 +24,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
-#include <exception>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -41,6 +36,7 @@
 
 #include "bip/codel_calls.hpp"
 #include "bip/codel_channels.hpp"
+#include "bip/codel_nursery.hpp"
 #include "bip/codels.hpp"
 
 namespace bip::processes {
@@ -53,8 +49,7 @@ class Level {
       : description_(description),
         books_(description_.modules.size()),
         accepted_(description_.owners.size()),
-        deaths_without_trace_(description_.owners.size()),
-        told_(description_.posters.size()) {
+        deaths_without_trace_(description_.owners.size()) {
     // One for each codel that may run at a time, and for what others ask meanwhile.
     std::vector<std::size_t> owners(description_.modules.size());
     for (const OwnerRow& row : description_.owner_rows) ++owners[index(row.module)];
@@ -183,7 +178,6 @@ class Level {
 
  private:
   static constexpr std::uint32_t kNever = UINT32_MAX;
-  static constexpr int kNurserySocket = 3;
 
   // A call that each process of a module has to have had.
   struct Repeated {
@@ -210,11 +204,6 @@ class Level {
       });
       repeated.push_back(std::move(call));
     }
-  };
-  struct Command {
-    char what = 0;  // s: start, k: kill
-    std::int32_t module = 0;
-    std::uint32_t generation = 0;
   };
   // `why`: it failed, so; `is_death`: because the process has died meanwhile.
   struct Outcome {
@@ -535,7 +524,7 @@ class Level {
     const pid_t child = ::fork();
     if (child == 0) {
       ::close(ends[0]);
-      be_nursery(ends[1]);
+      Nursery(description_, shared_).run(ends[1]);
     }
     ::close(ends[1]);
     if (child < 0) {
@@ -549,7 +538,7 @@ class Level {
   }
 
   void command(char what, int module, std::uint32_t generation) {
-    const Command message{what, module, generation};
+    const NurseryCommand message{what, module, generation};
     (void)::send(commands_, &message, sizeof message, MSG_NOSIGNAL);
   }
 
@@ -560,268 +549,23 @@ class Level {
     const pid_t ended = ::waitpid(nursery_, nullptr, WNOHANG);
     if (ended == 0 || (ended < 0 && errno != ECHILD)) return;
     ::close(commands_);
-    for (std::size_t m = 0; m < description_.modules.size(); ++m) note_end(static_cast<int>(m), SIGKILL);
+    for (std::size_t m = 0; m < description_.modules.size(); ++m) shared_.note_end(m, SIGKILL);
     open_nursery();
-  }
-
-  // The process of a module is gone: what waits for it wakes up.
-  void note_end(int module, int status) {
-    ModuleState& s = state(module);
-    s.status = status;
-    s.ended_by = s.culprit.exchange(0);
-    s.pid = 0;
-    const std::uint32_t next = s.generation + 1;
-    s.generation = next;
-    for (std::size_t k = 0; k < width_; ++k) {
-      channel(module, k).turn = 2 * next;
-      wake_all(channel(module, k).turn);
-    }
-  }
-
-  // ---- the nursery's side
-
-  // Ends with the controller, and with it end the modules' processes.
-  [[noreturn]] void be_nursery(int socket) {
-    constexpr int kSocket = kNurserySocket, kChildren = 4;
-    if (socket != kSocket) (void)::dup2(socket, kSocket);
-    (void)::close_range(4, ~0U, 0);
-    if (const int nothing = ::open("/dev/null", O_RDONLY); nothing > 0) {
-      (void)::dup2(nothing, STDIN_FILENO);
-      ::close(nothing);
-    }
-    (void)::prctl(PR_SET_NAME, "bip-modules");
-    std::set_terminate([] { std::abort(); });
-    for (int number = 1; number < 32; ++number) {
-      if (number != SIGPIPE && number != SIGKILL && number != SIGSTOP) (void)::signal(number, SIG_DFL);
-    }
-    // Of a terminal: for the controller.
-    for (const int number : {SIGINT, SIGHUP, SIGQUIT}) (void)::signal(number, SIG_IGN);
-    sigset_t children;
-    sigemptyset(&children);
-    sigaddset(&children, SIGCHLD);
-    (void)::sigprocmask(SIG_SETMASK, &children, nullptr);
-    if (::signalfd(-1, &children, 0) != kChildren) ::_exit(1);
-    pollfd ends[] = {{kSocket, POLLIN, 0}, {kChildren, POLLIN, 0}};
-    while (true) {
-      if (::poll(ends, 2, -1) < 0 && errno != EINTR) ::_exit(1);
-      if (ends[1].revents != 0) {
-        signalfd_siginfo ignored;
-        (void)!::read(kChildren, &ignored, sizeof ignored);
-        int status = 0;
-        for (pid_t pid = 0; (pid = ::waitpid(-1, &status, WNOHANG)) > 0;) bury(pid, status);
-      }
-      if (ends[0].revents == 0) continue;
-      Command message;
-      if (::recv(kSocket, &message, sizeof message, 0) != sizeof message) end_modules();
-      ModuleState& s = state(message.module);
-      if (s.generation != message.generation) continue;
-      if (message.what == 'k' && s.pid > 0) (void)::kill(s.pid, SIGKILL);
-      if (message.what == 's' && s.pid == 0) fork_module(message.module);
-    }
-  }
-  // The controller is gone, or does not need them any more.
-  [[noreturn]] void end_modules() {
-    for (std::size_t m = 0; m < description_.modules.size(); ++m) {
-      if (shared_.state(m).pid > 0) (void)::kill(shared_.state(m).pid, SIGKILL);
-    }
-    while (::waitpid(-1, nullptr, 0) > 0) {
-    }
-    ::_exit(0);
-  }
-  void bury(pid_t pid, int status) {
-    for (std::size_t m = 0; m < description_.modules.size(); ++m) {
-      if (shared_.state(m).pid != pid) continue;
-      const bool has_served = shared_.state(m).served.exchange(0) != 0;
-      note_end(static_cast<int>(m), status);
-      const char byte = 0;
-      (void)::send(kNurserySocket, &byte, sizeof byte, MSG_NOSIGNAL | MSG_DONTWAIT);
-      // One that dies before its first answer waits until it is needed.
-      if (has_served) fork_module(static_cast<int>(m));
-    }
-  }
-  void fork_module(int module) {
-    const pid_t nursery = ::getpid(), child = ::fork();
-    if (child == 0) be_module(module, nursery);
-    // Without a process the callers would wait for ever.
-    if (child < 0) note_end(module, SIGKILL);
-    else state(module).pid = child;
-  }
-
-  // ---- a module's side
-
-  // A codel's request to the controller: over the channel of its call, whose other end waits for the answer.
-  static const char* ask_controller(const char* service, const char* input) {
-    thread_local std::string answer;
-    answer = "{}";
-    if (own_level == nullptr || own_channel == 0) return answer.c_str();
-    Channel& c = own_level->channel(own_level->own_module_, own_channel - 1);
-    const std::uint32_t theirs = 2 * own_level->own_generation_, mine = theirs + 1;
-    std::string question;
-    append_text(question, service);
-    append_text(question, input);
-    c.function = kAsksForService;
-    answer.clear();
-    if (own_level->send(c, mine, theirs, question, {}) != Wait::MyTurn ||
-        own_level->receive(c, mine, theirs, answer, {}) != Wait::MyTurn)
-      ::_exit(0);
-    return answer.c_str();
-  }
-
-  [[noreturn]] void be_module(int module, pid_t nursery) {
-    (void)::prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (::getppid() != nursery) ::_exit(0);
-    (void)::close_range(3, ~0U, 0);
-    sigset_t none;
-    sigemptyset(&none);
-    (void)::sigprocmask(SIG_SETMASK, &none, nullptr);
-    (void)::prctl(PR_SET_NAME, description_.modules[index(module)].name);
-    // Handlers and static objects are the controller's.
-    (void)::on_exit(
-        [](int status, void*) {
-          note_culprit();
-          (void)std::fflush(stdout);
-          ::_exit(status);
-        },
-        nullptr);
-    struct sigaction action {};
-    action.sa_handler = [](int number) {
-      note_culprit();
-      (void)::raise(number);
-    };
-    action.sa_flags = static_cast<int>(SA_RESETHAND | SA_NODEFER | SA_ONSTACK);
-    for (const int number : {SIGSEGV, SIGFPE, SIGBUS, SIGABRT, SIGILL, SIGTRAP, SIGSYS})
-      (void)::sigaction(number, &action, nullptr);
-    shared_.while_waiting = nullptr;
-    const std::uint32_t generation = state(module).generation;
-    own_level = this;
-    own_module_ = module;
-    own_generation_ = generation;
-    service_caller() = &ask_controller;
-    if (generation > 1) {
-      for (const StartRow& row : description_.starts) {
-        if (description_.owner_rows[index(row.owner)].module != module) continue;
-        Call call{.owner = row.owner};
-        execute(row.function, call);
-      }
-    }
-    std::thread([this, module, generation] {
-      for (std::uint32_t known = 1;;) {
-        const std::uint32_t wanted = state(module).threads;
-        for (; known < wanted; ++known)
-          std::thread([this, module, generation, known] { serve(module, generation, known); }).detach();
-        (void)futex(state(module).threads, FUTEX_WAIT, wanted, nullptr);
-      }
-    }).detach();
-    limit_memory();
-    serve(module, generation, 0);
-  }
-  void limit_memory() const {
-    if (description_.memory_mb <= 0) return;
-    unsigned long pages[6] = {};
-    if (std::FILE* const file = std::fopen("/proc/self/statm", "r"); file != nullptr) {
-      for (unsigned long& number : pages) {
-        if (std::fscanf(file, "%lu", &number) != 1) break;
-      }
-      (void)std::fclose(file);
-    }
-    const rlim_t limit = pages[5] * static_cast<rlim_t>(::sysconf(_SC_PAGESIZE)) +
-                         static_cast<rlim_t>(description_.memory_mb) * 1024 * 1024;
-    const rlimit bound{limit, limit};
-    (void)::setrlimit(RLIMIT_DATA, &bound);
-  }
-
-  void execute(int function, Call& call) const {
-    const FunctionRow& row = description_.functions[index(function)];
-    try {
-      row.run(call);
-    } catch (const std::exception& exception) {
-      std::fprintf(stderr, "warning[R0048]: `%s` threw an exception: %s\n", row.name, exception.what());
-    } catch (...) {
-      std::fprintf(stderr, "warning[R0048]: `%s` threw an exception\n", row.name);
-    }
-    (void)std::fflush(stdout);
-  }
-
-  [[noreturn]] void serve(int module, std::uint32_t generation, std::size_t k) {
-    Channel& c = channel(module, k);
-    const std::uint32_t theirs = 2 * generation, mine = theirs + 1;
-    std::string bytes, reply;
-    own_culprit = &state(module).culprit;
-    own_channel = static_cast<std::uint32_t>(k + 1);
-    // For a handler when the stack is full.
-    std::vector<std::byte> more_stack(1 << 16);
-    stack_t handlers{};
-    handlers.ss_sp = more_stack.data();
-    handlers.ss_size = more_stack.size();
-    (void)::sigaltstack(&handlers, nullptr);
-    while (true) {
-      bytes.clear();
-      if (receive(c, mine, theirs, bytes, {}) != Wait::MyTurn) ::_exit(0);
-      Taker taker(bytes);
-      see_posters(taker);
-      Call call{.owner = c.owner, .report = c.report, .in = std::string(taker.rest())};
-      execute(c.function, call);
-      state(module).served.fetch_add(1);
-      reply.clear();
-      show_posters(module, reply);
-      const bool has_owner = call.owner >= 0;
-      append_text(reply, has_owner ? activity_notes().take(description_.owners[index(call.owner)].name) : "");
-      append_text(reply, has_owner ? service_notes().take(description_.owners[index(call.owner)].service) : "");
-      reply += call.out;
-      c.answer = call.answer;
-      c.report = call.report;
-      if (send(c, mine, theirs, reply, {}) != Wait::MyTurn) ::_exit(0);
-    }
-  }
-  // Those of a call that was sent before another one may arrive after it.
-  void see_posters(Taker& taker) {
-    std::uint32_t count = 0;
-    (void)taker.take(count);
-    const std::lock_guard<std::mutex> hold(module_lock_);
-    for (; count > 0; --count) {
-      std::uint32_t poster = 0;
-      std::uint64_t version = 0;
-      std::string_view value;
-      if (!taker.take(poster) || !taker.take(version) || !taker.take_text(value)) return;
-      if (version > told_[poster] && description_.posters[poster].unpack(value)) told_[poster] = version;
-    }
-  }
-  void show_posters(int module, std::string& out) {
-    std::uint32_t count = 0;
-    const std::size_t at = out.size();
-    append(out, count);
-    const std::lock_guard<std::mutex> hold(module_lock_);
-    for (std::size_t k = 0; k < description_.posters.size(); ++k) {
-      const PosterRow& poster = description_.posters[k];
-      if (poster.writer != module || poster.version() == told_[k]) continue;
-      std::string value;
-      told_[k] = poster.pack(value);
-      append(out, static_cast<std::uint32_t>(k));
-      append(out, told_[k]);
-      append_text(out, value);
-      ++count;
-    }
-    std::memcpy(out.data() + at, &count, sizeof count);
   }
 
   const Description description_;
   std::mutex lock_;          // of books and acceptances
   std::mutex nursery_lock_;  // of what is needed to talk to it
-  std::mutex module_lock_;   // of `told_`; only modules take it, so that no fork finds it taken
   std::vector<Book> books_;
   std::vector<Acceptance> accepted_;
   std::vector<std::vector<Clock::time_point>> deaths_without_trace_;  // by owner, if it is a task
-  std::vector<std::uint64_t> told_;  // in a module: versions of the posters that were sent to it or by it
-  std::size_t width_ = 3;            // channels of a module
+  std::size_t width_ = 3;                                             // channels of a module
   Channels shared_;
   std::once_flag begun_;
   std::thread listener_;
   bool ends_ = false;
   int commands_ = -1;
   pid_t nursery_ = 0, own_pid_ = 0;
-  static inline Level* own_level = nullptr;  // in a module
-  int own_module_ = 0;
-  std::uint32_t own_generation_ = 0;
 };
 
 }  // namespace bip::processes
