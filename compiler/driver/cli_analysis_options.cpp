@@ -300,18 +300,32 @@ void add_folding(CLI::App& command, graph::PictureOptions& picture) {
 void add_graph(CLI::App& app, GraphArguments& a) {
   CLI::App* command =
       app.add_subcommand("graph", "draw a system: components, ports, connectors, automata; or print it as DOT or JSON");
-  add_model(*command, a.file);
+  command
+      ->add_option("FILE", a.files,
+                   "model file (.bip or .bsys); with --show modules module descriptions (.gen), or one rules file "
+                   "(.rules) with the modules that it names")
+      ->required()
+      ->type_name("");
   command->add_option("-o,--output", a.output, "write the picture to FILE; its suffix says the format")
       ->type_name("FILE");
   add_choice(*command, "--format", a.format, kGraphFormats, "svg|png|html|dot|json",
              "output format: svg (a picture), png (the same, by the program rsvg-convert), html (a page to look around "
              "in), dot for Graphviz (default without -o) or json");
-  add_choice(*command, "--show", a.picture.show, kShows, "all|structure|automata",
+  add_choice(*command, "--show", a.shown, kShown, "all|structure|automata|modules",
              "what to show: instances and connectors (structure), the automaton of each atom type (automata), or both "
-             "(all, default)");
+             "(all, default); of robot modules their services, tasks and posters, who reads them, and the rules "
+             "between them (modules)");
+  command
+      ->add_option("--yields", a.side_file,
+                   "with --show modules, file with additional facts, as for `bipc genom`: who reads which poster")
+      ->type_name("FILE");
+  command->add_option("-D", a.defines, "with --show modules, define a preprocessor macro; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("NAME[=VALUE]");
   add_folding(*command, a.picture);
   add_compile(*command, a.compile);
-  command->footer("Example:\n  bipc graph model.bip -o model.svg");
+  command->footer(
+      "Example:\n  bipc graph model.bip -o model.svg\n  bipc graph --show modules rover.rules -o rover.svg");
 }
 
 void add_view(CLI::App& app, ViewArguments& a) {

@@ -1,12 +1,15 @@
-// `bipc graph`: draws the System, or prints it as DOT or JSON.
+// `bipc graph`: draws the System, or robot modules, or prints them as DOT or JSON.
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
 
+#include "bip/assert.hpp"
 #include "compiler/base/write_file.hpp"
 #include "compiler/driver/check_outputs.hpp"
 #include "compiler/driver/commands.hpp"
+#include "compiler/driver/describe_modules.hpp"
 #include "compiler/driver/emit_stage.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/driver/page_title.hpp"
@@ -36,41 +39,85 @@ std::optional<GraphFormat> format_of(const GraphArguments& arguments) {
   return std::nullopt;
 }
 
+// The text of the picture; nothing if there are errors.
+std::string module_text(Compilation& c, const GraphArguments& arguments, GraphFormat format) {
+  GenomArguments level;
+  level.compile = arguments.compile;
+  level.files = arguments.files;
+  level.side_file = arguments.side_file;
+  level.defines = arguments.defines;
+  const std::optional<graph::ModuleGraph> modules = describe_modules(c, level);
+  if (!modules) return {};
+  if (format == GraphFormat::Json) return graph::json(*modules);
+  return format == GraphFormat::Dot ? graph::dot(*modules) : graph::svg(*modules);
+}
+
+std::string system_text(Compilation& c, const GraphArguments& arguments, GraphFormat format) {
+  const std::string& file = arguments.files.front();
+  if (!compile(c, file, Stage::System)) return {};
+  graph::PictureOptions picture = arguments.picture;
+  picture.show = arguments.shown == Shown::Structure  ? graph::Show::Structure
+                 : arguments.shown == Shown::Automata ? graph::Show::Automata
+                                                      : graph::Show::All;
+  switch (format) {
+    case GraphFormat::BySuffix:
+    case GraphFormat::Dot: return graph::dot(*c.system, picture.show);
+    case GraphFormat::Json: return graph::json(*c.system, picture.show);
+    case GraphFormat::Html: return view::page(*c.system, page_title(*c.system, file), picture);
+    case GraphFormat::Svg:
+    case GraphFormat::Png: return graph::svg(*c.system, picture);
+  }
+  BIP_UNREACHABLE("a format of pictures");
+}
+
+// Empty, or what of the command line does not go together, and the way out.
+std::pair<std::string, std::string> usage_of(const GraphArguments& arguments, GraphFormat format) {
+  const std::vector<std::string>& files = arguments.files;
+  if (arguments.shown == Shown::Modules) {
+    const auto model = std::find_if_not(files.begin(), files.end(), describes_modules);
+    if (model != files.end())
+      return {fmt::format("`--show modules` is of robot modules, and `{}` is no description of them", *model),
+              "a .gen or .rules file"};
+    const auto is_rules = [](const std::string& file) { return file.ends_with(".rules"); };
+    if (files.size() > 1 && std::any_of(files.begin(), files.end(), is_rules))
+      return {"a .rules file names its modules", "give it alone"};
+    if (format == GraphFormat::Html) return {"robot modules have no page", "`--format` svg, png, dot or json"};
+    return {};
+  }
+  if (files.size() > 1) return {"a picture is of one model", "`--show modules` takes several descriptions of modules"};
+  if (describes_modules(files.front()))
+    return {fmt::format("`{}` describes robot modules", files.front()), "`--show modules` draws them"};
+  if (!arguments.side_file.empty() || !arguments.defines.empty())
+    return {"`--yields` and `-D` are of robot modules", "`--show modules`"};
+  return {};
+}
+
 }  // namespace
 
 int command_graph(const GraphArguments& arguments) {
   const std::optional<GraphFormat> format = format_of(arguments);
   if (!format) return kUsage;
+  if (const auto [problem, help] = usage_of(arguments, *format); !problem.empty()) return usage_error(problem, help);
   Compilation c(arguments.compile);
   if (c.options.emit != EmitKind::None) {
-    emit_stage(c, arguments.file, Optimisation::Auto);
+    emit_stage(c, arguments.files.front(), Optimisation::Auto);
     return report(c);
   }
-  std::string text;
-  if (compile(c, arguments.file, Stage::System) && check_outputs(c, {arguments.output})) {
-    switch (*format) {
-      case GraphFormat::BySuffix:
-      case GraphFormat::Dot: text = graph::dot(*c.system, arguments.picture.show); break;
-      case GraphFormat::Json: text = graph::json(*c.system, arguments.picture.show); break;
-      case GraphFormat::Html:
-        text = view::page(*c.system, page_title(*c.system, arguments.file), arguments.picture);
-        break;
-      case GraphFormat::Svg:
-      case GraphFormat::Png: text = graph::svg(*c.system, arguments.picture); break;
+  std::string text =
+      arguments.shown == Shown::Modules ? module_text(c, arguments, *format) : system_text(c, arguments, *format);
+  if (c.diags.has_errors() || !check_outputs(c, {arguments.output})) return report(c);
+  if (*format == GraphFormat::Png) {
+    Result<std::string> image = svg_to_png(text);
+    if (!image) {
+      (void)report(c);
+      return usage_error(image.error());
     }
-    if (*format == GraphFormat::Png) {
-      Result<std::string> image = svg_to_png(text);
-      if (!image) {
-        (void)report(c);
-        return usage_error(image.error());
-      }
-      text = std::move(*image);
-    }
-    if (arguments.output.empty()) {
-      std::fwrite(text.data(), 1, text.size(), stdout);
-    } else if (const auto written = write_file(arguments.output, text); !written) {
-      c.diags.report(Diag::kB5004, {}, arguments.output, written.error());
-    }
+    text = std::move(*image);
+  }
+  if (arguments.output.empty()) {
+    std::fwrite(text.data(), 1, text.size(), stdout);
+  } else if (const auto written = write_file(arguments.output, text); !written) {
+    c.diags.report(Diag::kB5004, {}, arguments.output, written.error());
   }
   return report(c);
 }

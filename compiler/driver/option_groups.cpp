@@ -26,8 +26,8 @@ const Names<GraphFormat> kGraphFormats{{"dot", GraphFormat::Dot},
                                        {"svg", GraphFormat::Svg},
                                        {"png", GraphFormat::Png},
                                        {"html", GraphFormat::Html}};
-const Names<graph::Show> kShows{
-    {"all", graph::Show::All}, {"structure", graph::Show::Structure}, {"automata", graph::Show::Automata}};
+const Names<Shown> kShown{
+    {"all", Shown::All}, {"structure", Shown::Structure}, {"automata", Shown::Automata}, {"modules", Shown::Modules}};
 const Names<Shell> kShells{{"bash", Shell::Bash}, {"zsh", Shell::Zsh}, {"fish", Shell::Fish}};
 const Names<Backend> kBackends{{"jit", Backend::Jit}, {"interp", Backend::Interp}};
 

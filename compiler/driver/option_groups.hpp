@@ -42,7 +42,7 @@ extern const Names<ColorChoice> kColors;
 extern const Names<EmitKind> kEmits;
 extern const Names<PrintAfter> kPrintAfter;
 extern const Names<GraphFormat> kGraphFormats;
-extern const Names<graph::Show> kShows;
+extern const Names<Shown> kShown;
 extern const Names<Shell> kShells;
 extern const Names<Backend> kBackends;
 extern const PolicyChoices kPolicies;

@@ -160,10 +160,15 @@ struct EmitArguments {
   std::vector<std::string> link_folders, libraries;
 };
 enum class GraphFormat : std::uint8_t { BySuffix, Dot, Json, Svg, Png, Html };
+/// What `bipc graph` shows: halves of a System, or the robot modules of descriptions.
+enum class Shown : std::uint8_t { All, Structure, Automata, Modules };
 struct GraphArguments {
-  CompileOptions compile;
-  std::string file;
-  std::string output;  // empty: standard output
+  CompileOptions compile;          // folders are also those of headers
+  std::vector<std::string> files;  // one model, or descriptions of modules
+  Shown shown = Shown::All;
+  std::string side_file;             // of descriptions; empty: none
+  std::vector<std::string> defines;  // of their preprocessor
+  std::string output;                // empty: standard output
   GraphFormat format = GraphFormat::BySuffix;
   graph::PictureOptions picture;
 };

@@ -129,6 +129,7 @@ struct Module {
   std::vector<Service> services;
   std::vector<Task> tasks;
   std::vector<Poster> posters;              // GenoM 3: ports out
+  std::vector<std::string> in_ports;        // GenoM 3, by name; nothing of the translation depends on them
   std::string data_type;                    // GenoM 2: its internal data, one of `structs` if it is described
   std::vector<CStruct> structs;             // GenoM 2; nothing of the translation depends on them
   std::optional<idl::Component> component;  // GenoM 3, if its codels are called in C

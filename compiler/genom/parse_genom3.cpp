@@ -190,6 +190,11 @@ class Genom3Parser {
     inherit(unit);
     module_.name = unit.name;
     module_.posters = std::move(unit.posters);
+    for (const std::string& port : unit.ports) {
+      const bool is_out = std::any_of(module_.posters.begin(), module_.posters.end(),
+                                      [&](const Poster& poster) { return poster.name.text == port; });
+      if (!is_out) module_.in_ports.push_back(port);
+    }
     scopes_.members = std::move(unit.members);
     scopes_.ports = std::move(unit.ports);
     for (ParsedTask& parsed : unit.tasks) {

@@ -9,6 +9,8 @@
 
 #include "compiler/graph/code_text.hpp"
 #include "compiler/graph/dot.hpp"
+#include "compiler/graph/label_lines.hpp"
+#include "compiler/graph/layer_arrows.hpp"
 #include "compiler/graph/layers.hpp"
 #include "compiler/graph/picture.hpp"
 #include "compiler/source/utf8.hpp"
@@ -19,38 +21,6 @@ namespace bip::graph {
 namespace {
 
 constexpr double kText = 10, kLine = 12, kPlaceHeight = 28, kSheetPad = 14, kLoop = 24, kBar = 14;
-constexpr std::size_t kColumns = 44, kMostLines = 3;
-
-struct LabelLine {
-  std::string text;
-  const char* classes = "";
-};
-
-Weight weight_of(const LabelLine& line) {
-  return std::string_view(line.classes) == "bold" ? Weight::Bold : Weight::Plain;
-}
-
-/// Breaks a line of code at blanks into at most kMostLines; the rest is dropped, with a sign.
-void add_broken(std::vector<LabelLine>& out, std::string text, const char* classes) {
-  for (std::size_t line = 1; !text.empty(); ++line) {
-    if (text.size() <= kColumns) {
-      out.push_back({text, classes});
-      return;
-    }
-    std::size_t cut = text.rfind(' ', kColumns);
-    if (cut == std::string::npos || cut < kColumns / 3) {
-      cut = kColumns;
-      while (cut > 1 && (static_cast<unsigned char>(text[cut]) & 0xc0) == 0x80) --cut;
-    }
-    std::string part = text.substr(0, cut);
-    text.erase(0, text[cut] == ' ' ? cut + 1 : cut);
-    if (line == kMostLines) {
-      out.push_back({part + " …", classes});
-      return;
-    }
-    out.push_back({std::move(part), classes});
-  }
-}
 
 class AutomatonDrawing {
  public:
@@ -88,11 +58,7 @@ class AutomatonDrawing {
     bool is_internal = true, is_back = false;
     [[nodiscard]] bool is_loop() const { return from.size() == 1 && from == to; }
     [[nodiscard]] bool is_bar() const { return from.size() > 1 || to.size() > 1; }
-    [[nodiscard]] double width() const {
-      double width = 0;
-      for (const LabelLine& line : lines) width = std::max(width, text_width(line.text, kText, weight_of(line)));
-      return width;
-    }
+    [[nodiscard]] double width() const { return width_of(lines, kText); }
     [[nodiscard]] double height() const { return kLine * static_cast<double>(lines.size()) + 4; }
   };
 
@@ -182,40 +148,11 @@ class AutomatonDrawing {
 
   /// Lines that meet a place on the same side get places beside each other.
   void spread_ends() {
-    enum class EdgeEnd : std::uint8_t { Start, Target };
-    struct End {
-      Row edge;
-      EdgeEnd which;
-      double toward;
-    };
-    std::map<std::pair<Row, bool>, std::vector<End>> sides;
-    for (Row e = 0; e < edges_.size(); ++e) {
-      const std::vector<Point>& points = edges_[e].points;
-      const auto add = [&](Row node, EdgeEnd which, Point end, Point next, Point far) {
-        if (node == 0 || node > type_.places.size()) return;
-        sides[{node, end.y < next.y || (end.y == next.y && end.y < far.y)}].push_back({e, which, far.x});
-      };
-      const std::size_t n = points.size();
-      BIP_ASSERT(n >= 4 && n % 2 == 0, "edge {} has {} points", e, n);
-      add(edges_[e].from, EdgeEnd::Start, points[0], points[1], points[2]);
-      add(edges_[e].to, EdgeEnd::Target, points[n - 1], points[n - 2], points[n - 3]);
-    }
-    for (auto& [where, ends] : sides) {
-      std::stable_sort(ends.begin(), ends.end(), [](const End& a, const End& b) { return a.toward < b.toward; });
-      const double room = place_width(where.first - 1) - 20, count = static_cast<double>(ends.size());
-      const double step = count < 2 ? 0 : std::min(16.0, room / (count - 1));
-      for (std::size_t k = 0; k < ends.size(); ++k) {
-        std::vector<Point>& points = edges_[ends[k].edge].points;
-        const double away = (static_cast<double>(k) - (count - 1) / 2) * step;
-        const std::size_t last = points.size() - 1;
-        const bool is_start = ends[k].which == EdgeEnd::Start;
-        points[is_start ? 0 : last].x += away;
-        points[is_start ? 1 : last - 1].x += away;
-        // A place whose loops need more height is as high as the others.
-        const double rest = (nodes_[where.first].height - kPlaceHeight) / 2;
-        points[is_start ? 0 : last].y += where.second ? -rest : rest;
-      }
-    }
+    spread_edge_ends(edges_, [this](Row node) {
+      if (node == 0 || node > type_.places.size()) return EdgeRoom{};
+      // A place whose loops need more height is as high as the others.
+      return EdgeRoom{place_width(node - 1) - 20, (nodes_[node].height - kPlaceHeight) / 2};
+    });
   }
 
   // -- Drawing --
@@ -238,35 +175,7 @@ class AutomatonDrawing {
 
   [[nodiscard]] Point shown(Point p) const { return {p.x + shift_.x, p.y + shift_.y}; }
 
-  [[nodiscard]] std::string curve(const std::vector<Point>& points) const {
-    const auto pair = [](Point p) { return coordinate(p.x) + " " + coordinate(p.y); };
-    std::string out = "M" + pair(shown(points[0]));
-    for (std::size_t k = 1; k < points.size(); ++k) {
-      const Point p = shown(points[k]), before = shown(points[k - 1]);
-      if (k % 2 == 1) {
-        if (p.y != before.y || p.x != before.x) out += "L" + pair(p);
-      } else {
-        const double middle = (before.y + p.y) / 2;
-        out += "C" + coordinate(before.x) + " " + coordinate(middle) + " " + coordinate(p.x) + " " +
-               coordinate(middle) + " " + pair(p);
-      }
-    }
-    return out;
-  }
-
-  void head(Point at, double down) {
-    shapes_.path(fmt::format("M{} {}l-4 {}h8Z", coordinate(at.x), coordinate(at.y), coordinate(-8 * down)), "head");
-  }
-  enum class ArrowHead : std::uint8_t { None, AtEnd };
-  void arrow(const LayerEdge& edge, ArrowHead arrow_head) {
-    shapes_.path(curve(edge.points), "arrow");
-    if (arrow_head == ArrowHead::None) return;
-    const std::vector<Point>& points = edge.points;
-    const Point end = points.back();
-    Point before = points[points.size() - 2];
-    if (before.y == end.y) before = points[points.size() - 3];
-    head(shown(end), before.y < end.y ? 1 : -1);
-  }
+  void arrow(const LayerEdge& edge, ArrowHead head) { draw_layer_arrow(shapes_, edge, shift_, head); }
 
   void draw_lines(const std::vector<LabelLine>& lines, double x, double top) {
     for (const LabelLine& line : lines) {

@@ -65,7 +65,7 @@ class Picture:
             kinds = (child.get("class") or "").split()
             if tag == "rect" and {"frame", "sheet", "place"} & set(kinds):
                 own = Box(float(child.get("x")) + dx, float(child.get("y")) + dy, float(child.get("width")), float(child.get("height")),
-                          element.get("data-path") or element.get("data-type") or "a place")
+                          element.get("data-path") or element.get("data-type") or element.get("data-name") or "a place")
                 if not own.is_inside(around):
                     self.problems.append(f"{own.what} is not inside of {around.what}")
                 self.frames.append((own, around, "compound" in classes))
@@ -148,6 +148,12 @@ def drawn_by_graphviz(folder):
         priorities = {name.split("\\n")[0] for name in re.findall(r'style=dashed, arrowhead=empty, [^\]]*label="([^"]*)"', printed.decode("utf-8"))} - {""}
         if done.returncode == 0 and not priorities <= names:
             problems.append(f"{target.name}: dot draws no name of {sorted(priorities - names)[:3]}")
+    printed = subprocess.run([BIPC, "graph", str(dala / "dala.rules"), "--show", "modules", "--format", "dot"], check=True, capture_output=True).stdout
+    done = subprocess.run(["dot", "-Tsvg"], input=printed, capture_output=True, timeout=120)
+    drawn += 1
+    # A port of a record that there is not is a warning.
+    if done.returncode != 0 or done.stderr:
+        problems.append(f"dala.rules: dot ends with {done.returncode}: {done.stderr.decode('utf-8', 'replace')[:300]}")
     return problems, drawn
 
 
@@ -177,7 +183,7 @@ def main():
         odd = pathlib.Path(folder) / "odd.bip"
         odd.write_text(ODD, encoding="utf-8")
         models = [(p, next((o for part, o in OPTIONS.items() if part in str(p)), [])) for p in sorted((ROOT / "models").rglob("*.bip"))]
-        models += [(odd, []), *generated(folder)]
+        models += [(odd, []), *generated(folder), (ROOT / "models/dala/dala.rules", ["--show", "modules"])]
         for path, options in models:
             name = str(path.relative_to(ROOT)) if path.is_relative_to(ROOT) else path.name
             if wanted and not any(part in name for part in wanted):
