@@ -187,6 +187,11 @@ std::string codel_header(const std::vector<Module>& modules, const GenerateOptio
         "#include \"bip/service_requests.hpp\"\n\nusing bip::request_known;\nusing bip::request_number;\n"
         "using bip::request_service;\nusing bip::request_word;\n";
   if (options.executive == Executive::Served)
+    out += fmt::format(
+        "\ninline bool request_agrees(const char* text, const char* input, const char* services) {{\n"
+        "  return bip::request_agrees(text, input, services, bip::InputForm::{});\n}}\n",
+        options.calls_c ? "Names" : "Words");
+  if (options.executive == Executive::Served)
     out +=
         "\n// What a request of a client came with: when it is asked for, for codels that judge it; and, if it is "
         "accepted, before its codels run.\nvoid request_asked(const char* service, const char* input);\n"

@@ -18,12 +18,14 @@ namespace bip::genom {
 namespace {
 
 // It is due now, whichever of the two it is.
-std::string takes(const std::string& text, const std::string& input, const std::string& number) {
+std::string takes(const std::string& text, const std::string& input, const std::string& number, const char* known) {
   return fmt::format(
       "      due = {};\n      due_input = {};\n      due_number = {};\n      due_service = request_service(due);\n"
-      "      waited = 0;\n      known = request_known(due, services);\n",
-      text, input, number);
+      "      waited = 0;\n      known = {};\n",
+      text, input, number, known);
 }
+constexpr const char* kIsKnown = "request_known(due, services)";
+constexpr const char* kAgrees = "request_agrees(due, due_input, services)";
 
 // As read_services() (bip/service_requests.hpp) reads it.
 std::string words_of(const RequestParameter& p) {
@@ -93,6 +95,8 @@ std::string executive_type(const GenerateOptions& options, const std::vector<Req
       "  extern function bool request_known(string, string)\n";
   if (options.executive == Executive::Served) {
     return out +
+           "\n  // Is it a request for one of the services, and does its input have the values that rules judge?\n"
+           "  extern function bool request_agrees(string, string, string)\n"
            "\n  // What a request came with, as its client wrote it: when it is asked for, for codels that judge it; "
            "and "
            "once it is accepted.\n" +
@@ -119,7 +123,7 @@ std::string executive_type(const GenerateOptions& options, const std::vector<Req
          "    export port Signal tick()\n    export port Asks ask(due, due_service)\n"
          "\n    place HERE\n\n    initial to HERE\n\n"
          "    on tick from HERE to HERE do {\n      if (due == \"\") then\n" +
-         takes("executive_request()", "\"\"", "0") +
+         takes("executive_request()", "\"\"", "0", kIsKnown) +
          "      if (due != \"\" && !known) then\n        executive_answer(\"\", due, \"UNKNOWN_REQUEST\");\n"
          "        due = \"\";\n        due_service = \"\";\n      fi\n      fi\n    }\n"
          "    on ask from HERE to HERE do {\n      due = \"\";\n      due_service = \"\";\n    }\n  end\n";
@@ -152,9 +156,9 @@ std::string mailbox_type(const Plan& plan, const std::vector<RequestSpec>& reque
       "    port Asks lost(due, due_service, due_input, due_number)\n"
       "    port Asks dropped(due, due_service, due_input, due_number)\n"
       "\n    place NONE, DUE, STOP, BOTH\n\n    initial to NONE\n";
-  const std::string takes_wanted = takes("wanted", "wanted_input", "wanted_number") + "      wakes = true;\n";
+  const std::string takes_wanted = takes("wanted", "wanted_input", "wanted_number", kAgrees) + "      wakes = true;\n";
   const std::string takes_first = "      first_is_gone = first_number != 0 && first_number == gone;\n" +
-                                  takes("first", "first_input", "first_number") + "      wakes = true;\n";
+                                  takes("first", "first_input", "first_number", kAgrees) + "      wakes = true;\n";
   out += fmt::format(
       "\n    on request from NONE to DUE eager do {{\n      wanted_service = request_service(wanted);\n"
       "      wanted_is_gone = wanted_number != 0 && wanted_number == gone;\n{}    }}\n",

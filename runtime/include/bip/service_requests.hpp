@@ -1,13 +1,20 @@
 // The text of a request to a robot module, "NDD.GoTo(3, 0.5, fast)": the service, and the values of its parameters.
 // Used by what `bipc genom` writes and by `bipc serve`. Header only; nothing throws but for memory.
+//
+// Rules judge the values in the text; codels get the input that comes with it as well. `bipc serve` writes both from
+// one value (compiler/serve/request_values.hpp). Other events for a mailbox (`--events`) come as they are: what
+// disagrees is no known request.
 #pragma once
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstddef>
+#include <exception>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "bip/json_value.hpp"
 
 namespace bip {
 
@@ -180,6 +187,52 @@ inline bool request_known(const char* text, const char* services) {
   if (request.service.empty()) return false;
   for (const ServiceText& service : read_services(services)) {
     if (service.name == request.service) return service.problem_of(request).empty();
+  }
+  return false;
+}
+
+/// How codels get the values of an input: those of GenoM 2 as words, those of genom3 by the names of parameters.
+enum class InputForm { Words, Names };
+
+/// Does an input have the value that rules judge for each parameter? Without names it may have none.
+inline bool input_agrees(const ServiceText& service, const RequestText& request, std::string_view input,
+                         InputForm form) {
+  // Of `Abort` it is the activity.
+  if (service.parameters.empty() || service.may_be_bare) return true;
+  if (input.find_first_not_of(" \t\r\n") == std::string_view::npos) return form == InputForm::Words;
+  JsonValue object;
+  try {
+    object = JsonReader::read(input);
+  } catch (const std::exception&) {
+    return false;
+  }
+  // No rule judges its words.
+  if (object.kind != JsonValue::Kind::Object) return false;
+  for (std::size_t k = 0; k < service.parameters.size(); ++k) {
+    const ParameterText& parameter = service.parameters[k];
+    bool is_given = false;
+    for (const JsonMember& member : object.members) {
+      if (member.name != parameter.name) continue;
+      is_given = true;
+      double judged = 0, given = 0;
+      const bool is_same = parameter.is_word
+                               ? member.value.kind == JsonValue::Kind::Text && member.value.text == request.values[k]
+                               : member.value.kind == JsonValue::Kind::Number &&
+                                     read_request_number(request.values[k], judged) &&
+                                     read_request_number(member.value.text, given) && judged == given;
+      if (!is_same) return false;
+    }
+    if (!is_given && form == InputForm::Names) return false;
+  }
+  return true;
+}
+
+/// request_known(), of a request whose input agrees.
+inline bool request_agrees(const char* text, const char* input, const char* services, InputForm form) {
+  if (!request_known(text, services)) return false;
+  const RequestText request = read_request(text);
+  for (const ServiceText& service : read_services(services)) {
+    if (service.name == request.service) return input_agrees(service, request, input, form);
   }
   return false;
 }
