@@ -7,11 +7,11 @@
 #include <set>
 #include <utility>
 
-#include "compiler/genom/declarations.hpp"
-#include "compiler/genom/codel_arguments.hpp"
 #include "compiler/genom/check_scalar.hpp"
+#include "compiler/genom/codel_arguments.hpp"
 #include "compiler/genom/constant_expression.hpp"
 #include "compiler/genom/cursor.hpp"
+#include "compiler/genom/declarations.hpp"
 #include "compiler/genom/names.hpp"
 
 namespace bip::genom::idl {

@@ -1,6 +1,5 @@
 // GenoM 3 components: properties, tasks, ports, attributes, functions, activities. IDL is read for the names that it
 // declares, not for layouts. Words of GenoM may be names, so a word counts by where it stands.
-#include "compiler/genom/declarations.hpp"
 #include "compiler/genom/parse_genom3.hpp"
 
 #include <algorithm>
@@ -8,6 +7,7 @@
 #include <utility>
 
 #include "compiler/genom/condition.hpp"
+#include "compiler/genom/declarations.hpp"
 #include "compiler/genom/parse_genom.hpp"
 
 namespace bip::genom {

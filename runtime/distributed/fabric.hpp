@@ -40,8 +40,8 @@ class Fabric {
   virtual ~Fabric() = default;
   /// May lose the bytes without a report.
   virtual void send(std::uint32_t peer, std::string_view bytes) = 0;
-  /// Appends what came, a portion of it if that is much: the next call has the rest. Waits for it until `ms` have passed
-  /// (-1: for ever), one of `files` can be read, or a signal. Returns whether a file can be read.
+  /// Appends what came; of much a portion, and the rest with the next calls. Waits for it until `ms` have passed (-1:
+  /// for ever), one of `files` can be read, or a signal. Returns whether a file can be read.
   virtual bool wait(int ms, const std::vector<int>& files, std::vector<Arrival>& arrivals) = 0;
   [[nodiscard]] virtual FabricCounts counts() = 0;
 };
