@@ -1,7 +1,11 @@
-// See houdini.hpp. Departure from the paper: one query asks for a counterexample to any of a group of candidates, so
-// each query refutes at least one of them and the last one proves all. The candidates of a group begin alike, and a
-// query assumes what they have in common: of ten thousand, whose cubes are words over arrays, the solver considers
-// those about one range at a time.
+// See houdini.hpp. Departures from the paper:
+// - One query asks for a counterexample to any of a group of candidates, so each query refutes at least one of them and
+//   the last one proves all. The candidates of a group begin alike, and a query assumes what they have in common: of
+//   ten thousand, whose cubes are words over arrays, the solver considers those about one range at a time.
+// - The transition relation is partitioned: a solver has the steps of a block only (disjunctive partitioning: J. Burch,
+//   E. Clarke, D. Long: Symbolic Model Checking with Partitioned Transition Relations, 1991). Which step is taken is
+//   known to the solver at once, and each of its decisions sets the inputs of all steps that it has. What the steps of
+//   a block do not change enters no cube, so candidates about it alone are not asked about.
 #include "compiler/verify/invariants/houdini.hpp"
 
 #include <algorithm>
@@ -18,126 +22,180 @@ namespace {
 
 // A query about more candidates is harder than two queries.
 constexpr std::size_t kMostOfGroup = 256;
+// As many steps have a solver of their own. Of fewer, encoding the candidates once more takes longer than it saves.
+constexpr std::size_t kStepsOfBlock = 1024;
 
-// The candidates that remain, all of which hold now. Of its own solver: a clause that holds for good costs a query
-// nothing, one with an activation literal is propagated anew in each.
-class HoudiniRound {
+[[nodiscard]] std::size_t common_literals(const Cube& a, const Cube& b) {
+  return static_cast<std::size_t>(std::mismatch(a.begin(), a.end(), b.begin(), b.end()).first - a.begin());
+}
+
+// The candidates that remain, in the order of their cubes.
+struct Candidates {
+  explicit Candidates(std::vector<Cube> given) : cubes(std::move(given)), order(cubes.size()), holds(cubes.size(), 1) {
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return cubes[a] < cubes[b]; });
+  }
+  std::vector<Cube> cubes;
+  std::vector<std::size_t> order;   // rows of cubes
+  std::vector<std::uint8_t> holds;  // by row: no step so far breaks it
+};
+
+// Cubes that begin alike share the variables of what they have in common (many lemmas speak of the same range of an
+// array): in order, each needs variables for what it does not share with the one before. A solver decides young
+// variables first. These are many and follow from the state, so they are created before all others.
+std::vector<Lit> create_prefix_variables(const Candidates& candidates, Solver& solver) {
+  std::vector<Lit> result;
+  const Cube* before = nullptr;
+  for (const std::size_t row : candidates.order) {
+    const Cube& cube = candidates.cubes[row];
+    const std::size_t shared = before == nullptr ? 0 : common_literals(*before, cube);
+    // One literal is no conjunction.
+    for (std::size_t j = std::max<std::size_t>(1, shared); j < cube.size(); ++j)
+      result.push_back(solver.new_variable());
+    before = &cube;
+  }
+  return result;
+}
+
+// Adds that all candidates hold now.
+void add_candidates(const Candidates& candidates, const TransitionSystem& system, const std::vector<Lit>& prefixes,
+                    Cnf& cnf, Solver& solver) {
+  // By length: it is true if so many literals of the cube are true.
+  std::vector<Lit> all;
+  const Cube* before = nullptr;
+  std::size_t used = 0;
+  for (const std::size_t row : candidates.order) {
+    const Cube& cube = candidates.cubes[row];
+    all.resize(before == nullptr ? 0 : common_literals(*before, cube));
+    for (std::size_t j = all.size(); j < cube.size(); ++j) {
+      const Lit positive = cnf.literal(system.bits[cube_bit(cube[j])].now);
+      const Lit last = cube_value(cube[j]) ? positive : -positive;
+      if (j == 0) {
+        all.push_back(last);
+        continue;
+      }
+      solver.add({-all.back(), -last, prefixes[used]});
+      all.push_back(prefixes[used++]);
+    }
+    before = &cube;
+    solver.add({-all.back()});
+  }
+  BIP_ASSERT(used == prefixes.size(), "{} of {} prefixes", used, prefixes.size());
+}
+
+// The steps of a block and all candidates, which hold now. Of its own solver: a clause that holds for good costs a
+// query nothing, one with an activation literal is propagated anew in each.
+class StepBlock {
  public:
-  HoudiniRound(const Ic3Problem& problem, const std::vector<Cube>& candidates)
+  StepBlock(const Ic3Problem& problem, Candidates& candidates, std::size_t begin, std::size_t end, SolverStyle style)
       : problem_(problem),
         system_(*problem.system),
         candidates_(candidates),
-        cnf_(system_.aig, solver_),
-        holds_(candidates.size(), 1) {
-    transition_activation_ = cnf_.add_step(system_, problem_.invariants);
-    encode_candidates();
+        solver_(style),
+        cnf_(system_.aig, solver_) {
+    const std::vector<Lit> prefixes = create_prefix_variables(candidates, solver_);
+    transition_activation_ = cnf_.add_step(system_, problem_.invariants, begin, end);
+    add_candidates(candidates, system_, prefixes, cnf_, solver_);
+    for (const std::size_t row : candidates.order) {
+      const Cube& cube = candidates.cubes[row];
+      // All bits are encoded, for a model is read of cubes whose group has not been asked about yet.
+      bool is_changed = false;
+      for (const u32 cube_literal : cube) {
+        const StateBit& bit = system_.bits[cube_bit(cube_literal)];
+        is_changed |= cnf_.literal(bit.next) != cnf_.literal(bit.now);
+      }
+      if (is_changed && candidates.holds[row] != 0) changed_.push_back(row);
+    }
+    entered_.resize(changed_.size());
+    form_groups();
   }
 
-  /// Refutes all candidates that a step from all of them breaks: by candidate 0. Empty: the time is over.
-  std::vector<std::uint8_t> run() {
+  /// Refutes all candidates that a step from all of them breaks. False: the time is over.
+  bool run() {
     for (const Group& group : groups_) {
+      const Query query = encode_entering(group);
       while (true) {
         solver_.assume(transition_activation_);
-        solver_.assume(group.some_is_entered);
-        if (group.prefix != 0) solver_.assume(group.prefix);
+        solver_.assume(query.some_is_entered);
+        if (query.prefix != 0) solver_.assume(query.prefix);
         const Answer answer = solver_.solve(problem_.cancellation);
-        if (answer == Answer::Unknown) return {};
+        if (answer == Answer::Unknown) return false;
         if (answer == Answer::Unsatisfiable) break;
-        refute_candidates();
+        refute_candidates(group);
       }
+      retire(group, query);
     }
-    return holds_;
-  }
-  bool excludes_bad_states() {
-    // A bad state may have no step at all: the transition relation is off.
-    solver_.assume(-transition_activation_);
-    solver_.assume(cnf_.literal(problem_.bad));
-    return solver_.solve(problem_.cancellation) == Answer::Unsatisfiable;
+    return true;
   }
 
- private:
-  [[nodiscard]] Lit now(u32 cube_literal) { return literal(system_.bits[cube_bit(cube_literal)].now, cube_literal); }
-  [[nodiscard]] Lit next(u32 cube_literal) { return literal(system_.bits[cube_bit(cube_literal)].next, cube_literal); }
-  [[nodiscard]] Lit literal(Signal signal, u32 cube_literal) {
-    const Lit positive = cnf_.literal(signal);
+  [[nodiscard]] Lit next(u32 cube_literal) {
+    const Lit positive = cnf_.literal(system_.bits[cube_bit(cube_literal)].next);
     return cube_value(cube_literal) ? positive : -positive;
   }
 
   struct Group {
-    std::size_t begin = 0, end = 0;  // in order_
+    std::size_t begin = 0, end = 0;  // in changed_
+  };
+  struct Query {
     Lit some_is_entered = 0;
-    Lit prefix = 0;  // what all of its cubes have in common; 0: nothing
+    Lit prefix = 0;  // what all cubes of the group have in common; 0: nothing
   };
 
-  // Two activation literals per candidate: it holds now; its cube is entered. Cubes that begin alike share the
-  // variables of what they have in common (many lemmas speak of the same range of an array): in order, each needs
-  // variables for what it does not share with the one before.
-  void encode_candidates() {
-    order_.resize(candidates_.size());
-    std::iota(order_.begin(), order_.end(), std::size_t{0});
-    std::sort(order_.begin(), order_.end(),
-              [&](std::size_t a, std::size_t b) { return candidates_[a] < candidates_[b]; });
-    form_groups();
-    entered_.resize(candidates_.size());
-    // By length: the conjunction of so many literals of the cube. Now: true if all are; next: all are true if it is.
-    std::vector<Lit> all_now, all_next;
-    const Cube* before = nullptr;
-    for (Group& group : groups_) {
-      group.some_is_entered = solver_.new_variable();
-      std::vector<Lit> some{-group.some_is_entered};
-      for (std::size_t k = group.begin; k < group.end; ++k) {
-        const Cube& cube = candidates_[order_[k]];
-        const std::size_t shared = before == nullptr ? 0 : common_literals(*before, cube);
-        all_now.resize(shared);
-        all_next.resize(shared);
-        for (std::size_t j = shared; j < cube.size(); ++j) {
-          all_now.push_back(both(j == 0 ? 0 : all_now.back(), now(cube[j]), State::Now));
-          all_next.push_back(both(j == 0 ? 0 : all_next.back(), next(cube[j]), State::Next));
+  // That a step enters a cube of the group: the youngest variables, so that the solver tries one cube after the other.
+  Query encode_entering(const Group& group) {
+    Query query;
+    query.some_is_entered = solver_.new_variable();
+    std::vector<Lit> some{-query.some_is_entered};
+    // By length: it implies so many literals of the cube in the next state.
+    std::vector<Lit> all_next;
+    for (std::size_t k = group.begin; k < group.end; ++k) {
+      const Cube& cube = changed_cube(k);
+      all_next.resize(k == group.begin ? 0 : common_literals(changed_cube(k - 1), cube));
+      for (std::size_t j = all_next.size(); j < cube.size(); ++j) {
+        if (j == 0) {
+          all_next.push_back(next(cube[j]));
+          continue;
         }
-        before = &cube;
-        solver_.add({-all_now.back()});
-        const Lit entered = solver_.new_variable();
-        entered_[order_[k]] = entered;
-        solver_.add({-entered, all_next.back()});
-        some.push_back(entered);
+        const Lit longer = solver_.new_variable();
+        solver_.add({-longer, all_next.back()});
+        solver_.add({-longer, next(cube[j])});
+        all_next.push_back(longer);
       }
-      solver_.add(some);
-      // All cubes between the first and the last of a group begin as both do.
-      const std::size_t common = common_literals(candidates_[order_[group.begin]], candidates_[order_[group.end - 1]]);
-      if (common != 0) group.prefix = all_next[common - 1];
+      // Refuted since the groups were formed.
+      if (candidates_.holds[changed_[k]] == 0) continue;
+      entered_[k] = solver_.new_variable();
+      solver_.add({-entered_[k], all_next.back()});
+      some.push_back(entered_[k]);
     }
+    solver_.add(some);
+    // All cubes between the first and the last begin as both do.
+    const std::size_t common = common_literals(changed_cube(group.begin), changed_cube(group.end - 1));
+    if (common != 0) query.prefix = all_next[common - 1];
+    return query;
   }
-  static std::size_t common_literals(const Cube& a, const Cube& b) {
-    return static_cast<std::size_t>(std::mismatch(a.begin(), a.end(), b.begin(), b.end()).first - a.begin());
-  }
-  enum class State : std::uint8_t { Now, Next };
-  Lit both(Lit before, Lit last, State state) {
-    if (before == 0) return last;
-    const Lit result = solver_.new_variable();
-    if (state == State::Now) {
-      solver_.add({-before, -last, result});
-    } else {
-      solver_.add({-result, before});
-      solver_.add({-result, last});
+  // What is asked about a group matters to no other one.
+  void retire(const Group& group, const Query& query) {
+    solver_.add({-query.some_is_entered});
+    for (std::size_t k = group.begin; k < group.end; ++k) {
+      if (entered_[k] != 0) solver_.add({-entered_[k]});
     }
-    return result;
   }
   // Of the cubes as a tree of prefixes: largest subtrees of at most kMostOfGroup cubes; small ones next to each other
   // with the same parent are one group.
   void form_groups() {
     struct Subtree {
-      std::size_t begin = 0, end = 0, depth = 0;  // in order_; literals in common
+      std::size_t begin = 0, end = 0, depth = 0;  // in changed_; literals in common
     };
-    std::vector<Subtree> todo{{0, order_.size(), 0}};
+    std::vector<Subtree> todo{{0, changed_.size(), 0}};
     while (!todo.empty()) {
       const auto [begin, end, depth] = todo.back();
       todo.pop_back();
       // A cube that ends here has no child.
       const auto child_end = [&, depth = depth, end = end](std::size_t k) {
-        const Cube& first = candidates_[order_[k]];
+        const Cube& first = changed_cube(k);
         if (first.size() == depth) return k + 1;
         std::size_t last = k + 1;
-        while (last < end && candidates_[order_[last]][depth] == first[depth]) ++last;
+        while (last < end && changed_cube(last)[depth] == first[depth]) ++last;
         return last;
       };
       for (std::size_t k = begin; k < end;) {
@@ -158,32 +216,59 @@ class HoudiniRound {
     }
     std::sort(groups_.begin(), groups_.end(), [](const Group& a, const Group& b) { return a.begin < b.begin; });
   }
-  // The model's step enters the cubes of these candidates.
-  void refute_candidates() {
+  // The model's step enters cubes of this group; of other groups, too, perhaps.
+  void refute_candidates(const Group& group) {
     std::vector<std::size_t> entered;
-    for (std::size_t k = 0; k < candidates_.size(); ++k) {
-      if (holds_[k] != 0 && std::all_of(candidates_[k].begin(), candidates_[k].end(),
-                                        [&](u32 cube_literal) { return solver_.is_true(next(cube_literal)); }))
+    for (std::size_t k = group.begin; k < changed_.size(); ++k) {
+      const Cube& cube = changed_cube(k);
+      if (candidates_.holds[changed_[k]] != 0 &&
+          std::all_of(cube.begin(), cube.end(), [&](u32 cube_literal) { return solver_.is_true(next(cube_literal)); }))
         entered.push_back(k);
     }
-    BIP_ASSERT(!entered.empty(), "a counterexample refutes none of {} candidates", candidates_.size());
-    for (std::size_t k : entered) {
-      holds_[k] = 0;
-      solver_.add({-entered_[k]});
+    BIP_ASSERT(!entered.empty() && entered[0] < group.end, "a counterexample refutes none of {} candidates",
+               group.end - group.begin);
+    for (const std::size_t k : entered) {
+      candidates_.holds[changed_[k]] = 0;
+      if (k < group.end) solver_.add({-entered_[k]});
     }
   }
+  [[nodiscard]] const Cube& changed_cube(std::size_t k) const { return candidates_.cubes[changed_[k]]; }
 
   const Ic3Problem& problem_;
   const TransitionSystem& system_;
-  const std::vector<Cube>& candidates_;
+  Candidates& candidates_;
   Solver solver_;
   Cnf cnf_;
   Lit transition_activation_ = 0;
-  std::vector<Lit> entered_;        // by candidate
-  std::vector<std::size_t> order_;  // rows of candidates by their cubes
+  std::vector<std::size_t> changed_;  // rows of the candidates whose bits the block's steps may change, in their order
+  std::vector<Lit> entered_;          // by row of changed_; of groups that were asked about
   std::vector<Group> groups_;
-  std::vector<std::uint8_t> holds_;  // by candidate
 };
+
+// Refutes all candidates that a step from all of them breaks. False: the time is over.
+bool refute_by_steps(const Ic3Problem& problem, Candidates& candidates) {
+  const std::size_t steps = problem.system->steps.size();
+  // Blocks of about the same size.
+  const std::size_t blocks = std::max<std::size_t>(1, (steps + kStepsOfBlock - 1) / kStepsOfBlock);
+  // The solver of one block of many is asked too little for simplifications to pay.
+  const SolverStyle style = blocks == 1 ? SolverStyle::Usual : SolverStyle::Backjumping;
+  for (std::size_t block = 0; block < blocks; ++block) {
+    if (!StepBlock(problem, candidates, steps * block / blocks, steps * (block + 1) / blocks, style).run())
+      return false;
+  }
+  return true;
+}
+
+bool exclude_bad_states(const Ic3Problem& problem, const Candidates& lemmas) {
+  Solver solver;
+  Cnf cnf(problem.system->aig, solver);
+  const std::vector<Lit> prefixes = create_prefix_variables(lemmas, solver);
+  // A bad state may have no step at all: the transition relation is off.
+  solver.add({-cnf.add_step(*problem.system, problem.invariants)});
+  add_candidates(lemmas, *problem.system, prefixes, cnf, solver);
+  solver.add({cnf.literal(problem.bad)});
+  return solver.solve(problem.cancellation) == Answer::Unsatisfiable;
+}
 
 }  // namespace
 
@@ -194,20 +279,22 @@ InductiveLemmas houdini(const Ic3Problem& problem, std::vector<Cube> candidates)
   // Induction step: from all remaining candidates into a state that breaks one of them. What is refuted in a round is
   // refuted by the fewer that remain, too.
   while (!candidates.empty()) {
-    HoudiniRound round(problem, candidates);
-    const std::vector<std::uint8_t> holds = round.run();
-    if (holds.empty()) return {};
-    if (std::find(holds.begin(), holds.end(), 0) == holds.end()) {
-      const bool is_enough = round.excludes_bad_states();
-      BIP_LOG(Houdini, 1, "{} of {} lemmas are inductive{}", candidates.size(), count,
+    Candidates remaining(std::move(candidates));
+    if (!refute_by_steps(problem, remaining)) return {};
+    if (std::find(remaining.holds.begin(), remaining.holds.end(), 0) == remaining.holds.end()) {
+      const bool is_enough = exclude_bad_states(problem, remaining);
+      BIP_LOG(Houdini, 1, "{} of {} lemmas are inductive{}", remaining.cubes.size(), count,
               is_enough ? " and exclude all bad states" : "");
-      return {std::move(candidates), is_enough};
+      return {std::move(remaining.cubes), is_enough};
     }
-    std::vector<Cube> remaining;
+    candidates = std::move(remaining.cubes);
+    std::size_t kept = 0;
     for (std::size_t k = 0; k < candidates.size(); ++k) {
-      if (holds[k] != 0) remaining.push_back(std::move(candidates[k]));
+      if (remaining.holds[k] == 0) continue;
+      if (kept != k) candidates[kept] = std::move(candidates[k]);
+      ++kept;
     }
-    candidates = std::move(remaining);
+    candidates.resize(kept);
   }
   BIP_LOG(Houdini, 1, "none of {} lemmas is inductive", count);
   return {};

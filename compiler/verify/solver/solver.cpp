@@ -29,7 +29,8 @@ struct Solver::Impl {
 };
 
 Solver::Solver(SolverStyle style) : impl_(std::make_unique<Impl>()) {
-  if (style == SolverStyle::Plain) impl_->solver.configure("plain");
+  if (style != SolverStyle::Usual) impl_->solver.configure("plain");
+  if (style == SolverStyle::Backjumping) impl_->solver.set("chrono", 0);
   impl_->solver.set("quiet", 1);
 }
 Solver::~Solver() = default;

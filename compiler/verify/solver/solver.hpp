@@ -14,8 +14,10 @@ using Lit = int;
 
 enum class Answer : std::uint8_t { Satisfiable, Unsatisfiable, Unknown };
 
-/// Usual: with the simplifications of the library. Plain: without, for very many small calls.
-enum class SolverStyle : std::uint8_t { Usual, Plain };
+/// Usual: with the simplifications of the library. Plain: without, for very many small calls. Backjumping: plain, and a
+/// conflict undoes all decisions down to the level that its clause names; for conflicts that are many and near the
+/// assumptions, where chronological backtracking keeps assignments that the next one undoes.
+enum class SolverStyle : std::uint8_t { Usual, Plain, Backjumping };
 
 class Solver {
  public:

@@ -27,14 +27,21 @@ Lit Cnf::literal(Signal signal) {
       continue;
     }
     const auto [a, b] = aig_.node(node);
-    const Lit a_variable = literals_[node_of(a)], b_variable = literals_[node_of(b)];
-    if (a_variable == 0 || b_variable == 0) {
-      if (a_variable == 0) todo.push_back(node_of(a));
-      if (b_variable == 0) todo.push_back(node_of(b));
+    const Lit a_literal = encoded(a), b_literal = encoded(b);
+    // Of a node that one operand decides the other one is not encoded, so the operands come one after the other.
+    if (is_false(a_literal) || is_false(b_literal)) {
+      literals_[node] = literals_[0];
+      continue;
+    }
+    if (a_literal == 0 || b_literal == 0) {
+      todo.push_back(node_of(b_literal == 0 ? b : a));
+      continue;
+    }
+    if (is_true(a_literal) || is_true(b_literal)) {
+      literals_[node] = is_true(a_literal) ? b_literal : a_literal;
       continue;
     }
     // out <-> a and b.
-    const Lit a_literal = (a & 1) != 0 ? -a_variable : a_variable, b_literal = (b & 1) != 0 ? -b_variable : b_variable;
     const Lit out = solver_.new_variable();
     literals_[node] = out;
     solver_.add({-out, a_literal});
@@ -150,10 +157,25 @@ void Cnf::add(const std::vector<Signal>& clause) {
   solver_.add(literals);
 }
 
+void Cnf::fix_false(Signal input) {
+  BIP_ASSERT(aig_.is_input(node_of(input)) && encoded(input) == 0, "node {} is no input, or encoded", node_of(input));
+  literals_[node_of(input)] = (input & 1) != 0 ? -literals_[0] : literals_[0];
+}
+
 Lit Cnf::add_step(const TransitionSystem& system, const std::vector<std::vector<Signal>>& invariants) {
+  return add_step(system, invariants, 0, system.steps.size());
+}
+
+Lit Cnf::add_step(const TransitionSystem& system, const std::vector<std::vector<Signal>>& invariants, std::size_t begin,
+                  std::size_t end) {
+  BIP_ASSERT(begin <= end && end <= system.steps.size(), "steps {} to {} of {}", begin, end, system.steps.size());
+  for (std::size_t row = 0; row < system.steps.size(); ++row) {
+    if (row < begin || row >= end) fix_false(system.steps[row].chosen);
+  }
   const Lit activation = solver_.new_variable();
   std::vector<Lit> chosen;
-  for (const SystemStep& step : system.steps) {
+  for (std::size_t row = begin; row < end; ++row) {
+    const SystemStep& step = system.steps[row];
     chosen.push_back(literal(step.chosen));
     solver_.add({-activation, -chosen.back(), literal(step.fine)});
   }

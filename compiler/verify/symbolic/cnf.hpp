@@ -30,11 +30,18 @@ class Cnf {
   [[nodiscard]] Lit literal(Signal signal);
   /// Adds a clause.
   void add(const std::vector<Signal>& clause);
+  /// Fixes an input to false: nodes that it decides are no variables, and need no clauses. Requires that no signal that
+  /// depends on it is encoded.
+  void fix_false(Signal input);
   /// Adds what holds in every state: each automaton is in exactly one place, data are in their ranges.
   void add_state(const TransitionSystem& system);
   /// Adds that the state is as add_state() says and satisfies the invariants, and that at most one step is chosen.
   /// Returns a literal that implies that one is, and that it ends in no fault.
   [[nodiscard]] Lit add_step(const TransitionSystem& system, const std::vector<std::vector<Signal>>& invariants);
+  /// The same, with only the steps of the rows [begin, end); the inputs that choose the others become false. Requires
+  /// that nothing is encoded.
+  [[nodiscard]] Lit add_step(const TransitionSystem& system, const std::vector<std::vector<Signal>>& invariants,
+                             std::size_t begin, std::size_t end);
   /// Returns the literal of a signal that is encoded already, else 0.
   [[nodiscard]] Lit encoded(Signal signal) const {
     if (node_of(signal) >= literals_.size()) return 0;
@@ -43,6 +50,10 @@ class Cnf {
   }
 
  private:
+  // The constant that a literal is, as far as the circuit shows it.
+  [[nodiscard]] bool is_false(Lit literal) const { return literal == literals_[0]; }
+  [[nodiscard]] bool is_true(Lit literal) const { return literal == -literals_[0]; }
+
   const Aig& aig_;
   Solver& solver_;
   std::vector<Lit> literals_;  // by node; 0: not encoded
