@@ -22,8 +22,6 @@ namespace {
 
 // A query about more candidates is harder than two queries.
 constexpr std::size_t kMostOfGroup = 256;
-// As many steps have a solver of their own. Of fewer, encoding the candidates once more takes longer than it saves.
-constexpr std::size_t kStepsOfBlock = 1024;
 
 [[nodiscard]] std::size_t common_literals(const Cube& a, const Cube& b) {
   return static_cast<std::size_t>(std::mismatch(a.begin(), a.end(), b.begin(), b.end()).first - a.begin());
@@ -246,10 +244,10 @@ class StepBlock {
 };
 
 // Refutes all candidates that a step from all of them breaks. False: the time is over.
-bool refute_by_steps(const Ic3Problem& problem, Candidates& candidates) {
+bool refute_by_steps(const Ic3Problem& problem, Candidates& candidates, std::size_t steps_of_block) {
   const std::size_t steps = problem.system->steps.size();
   // Blocks of about the same size.
-  const std::size_t blocks = std::max<std::size_t>(1, (steps + kStepsOfBlock - 1) / kStepsOfBlock);
+  const std::size_t blocks = std::max<std::size_t>(1, (steps + steps_of_block - 1) / steps_of_block);
   // The solver of one block of many is asked too little for simplifications to pay.
   const SolverStyle style = blocks == 1 ? SolverStyle::Usual : SolverStyle::Backjumping;
   for (std::size_t block = 0; block < blocks; ++block) {
@@ -272,7 +270,8 @@ bool exclude_bad_states(const Ic3Problem& problem, const Candidates& lemmas) {
 
 }  // namespace
 
-InductiveLemmas houdini(const Ic3Problem& problem, std::vector<Cube> candidates) {
+InductiveLemmas houdini(const Ic3Problem& problem, std::vector<Cube> candidates, std::size_t steps_of_block) {
+  BIP_ASSERT(steps_of_block > 0, "blocks of no step");
   const std::size_t count = candidates.size();
   // Base case: a lemma holds in all initial states.
   std::erase_if(candidates, [&](const Cube& cube) { return cube.empty() || meets_initial(cube, *problem.system); });
@@ -280,7 +279,7 @@ InductiveLemmas houdini(const Ic3Problem& problem, std::vector<Cube> candidates)
   // refuted by the fewer that remain, too.
   while (!candidates.empty()) {
     Candidates remaining(std::move(candidates));
-    if (!refute_by_steps(problem, remaining)) return {};
+    if (!refute_by_steps(problem, remaining, steps_of_block)) return {};
     if (std::find(remaining.holds.begin(), remaining.holds.end(), 0) == remaining.holds.end()) {
       const bool is_enough = exclude_bad_states(problem, remaining);
       BIP_LOG(Houdini, 1, "{} of {} lemmas are inductive{}", remaining.cubes.size(), count,

@@ -14,8 +14,13 @@ struct InductiveLemmas {
   std::vector<Cube> lemmas;  // in the order of the candidates; inductive with the problem's invariants
   bool is_enough = false;    // together they exclude all bad states
 };
-/// Consumes the candidates: cubes of bits of the problem's system, sorted. Nothing if the time is over.
-[[nodiscard]] InductiveLemmas houdini(const Ic3Problem& problem, std::vector<Cube> candidates);
+/// As many steps have a solver of their own. Of fewer, encoding the candidates once more takes longer than it saves.
+inline constexpr std::size_t kStepsOfBlock = 1024;
+
+/// Consumes the candidates: cubes of bits of the problem's system, sorted. Nothing if the time is over. The result does
+/// not depend on `steps_of_block`, which is above 0.
+[[nodiscard]] InductiveLemmas houdini(const Ic3Problem& problem, std::vector<Cube> candidates,
+                                      std::size_t steps_of_block = kStepsOfBlock);
 
 /// Returns the clause of a lemma: the negation of its cube.
 [[nodiscard]] std::vector<Signal> clause_of(const Cube& cube, const TransitionSystem& system);
