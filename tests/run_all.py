@@ -238,6 +238,8 @@ def groups(options):
 
 def main():
     LOGS.mkdir(parents=True, exist_ok=True)
+    # A shell without job control starts programs in the background with interrupts ignored, which all that they start inherit.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     # The user's own cache is none of ours.
     os.environ["XDG_CACHE_HOME"] = str(BUILD / "tests-cache")
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])

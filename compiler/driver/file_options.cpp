@@ -62,6 +62,7 @@ constexpr FileOption kFileOptions[] = {
     {"emit", "--output", FileRole::Folder},
     {"graph", "FILE", FileRole::Source},
     {"graph", "--output", FileRole::Output},
+    {"graph", "--yields", FileRole::Input},
     {"graph", "--open", FileRole::Other},
     {"export", "FILE", FileRole::Source},
     {"export", "--output", FileRole::Output},
