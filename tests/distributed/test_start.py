@@ -68,6 +68,12 @@ def has_ipv6():
         return False
 
 
+def hear_signals():
+    """A shell cannot trap what was ignored when it began, as interrupts of background jobs are, or hangups under nohup."""
+    for number in (signal.SIGINT, signal.SIGHUP, signal.SIGTERM):
+        signal.signal(number, signal.SIG_DFL)
+
+
 class Hosts:
     """A deployment for three hosts, and their homes."""
 
@@ -114,7 +120,8 @@ class Hosts:
         return subprocess.run([self.folder / "robot/start", *options], capture_output=True, text=True, timeout=seconds, env=environment or self.environment, stdin=subprocess.DEVNULL)
 
     def start(self, *options):
-        return subprocess.Popen([self.folder / "robot/start", *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=self.environment, stdin=subprocess.DEVNULL)
+        return subprocess.Popen([self.folder / "robot/start", *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=self.environment, stdin=subprocess.DEVNULL,
+                                preexec_fn=hear_signals)
 
     def check_ended(self, what):
         end = time.monotonic() + 20
