@@ -304,11 +304,13 @@ def check_record(rows):
     check("no obstacle was touched", min(row[8] for row in rows) > 0.35, min(row[8] for row in rows))
     check("two pictures were taken, and sent", rows[-1][6:8] == (2, 2), rows[-1])
     check("it has come home", abs(rows[-1][1]) < 0.3 and abs(rows[-1][2]) < 0.3, rows[-1])
-    for column, what, seconds in ((6, "a sharp picture was exposed", 3), (7, "a picture was sent", 0.5)):
-        for before, row in zip(rows, rows[1:]):
-            if row[column] > before[column]:
-                begin = next(r for r in rows if r[0] >= row[0] - seconds)
-                check(f"{what} while the rover stood", row[5] - begin[5] < 0.01, (begin, row))
+    for before, row in zip(rows, rows[1:]):
+        if row[6] > before[6]:
+            begin = next(r for r in rows if r[0] >= row[0] - 3)
+            check("a sharp picture was exposed while the rover stood", row[5] - begin[5] < 0.01, (begin, row))
+    # The antenna sends from the first picture on that it counts, perhaps just after the wheels have stopped, and a second for each.
+    first, second = (next(row for row in rows if row[7] >= count) for count in (1, 2))
+    check("pictures were sent while the rover stood", second[0] >= first[0] + 0.5 and second[5] - first[5] < 0.01, (first, second))
 
 
 def check_refusals(refusals):
