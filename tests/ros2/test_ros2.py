@@ -232,7 +232,9 @@ class Plan:
         check("the rover drives", last[5] > first[5] + 0.1, (first, last))
 
     def stands(self):
-        """For a second of the rover's time that begins now."""
+        """For a second of the rover's time that begins with the next row: the last one may be of before it stopped."""
+        last = self.rows()[-1]
+        self.client.until(lambda: self.rows()[-1][0] > last[0], 30)
         first = self.rows()[-1]
         self.client.until(lambda: self.rows()[-1][0] >= first[0] + 1, 30)
         last = self.rows()[-1]
