@@ -16,10 +16,10 @@ import sys
 import tempfile
 import time
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-BUILD = pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build")
-BIPC = os.environ.get("BIPC") or str(BUILD / "bipc")
-MODEL, TABLE = ROOT / "models/bench/philosophers.bip", "Table(6)"
+import test_hosts
+from test_hosts import BIPC, MODEL, check
+
+TABLE = "Table(6)"
 NAMES = ["lab", "field", "mast"]
 
 SSH = """#!{python}
@@ -42,17 +42,6 @@ if os.fork() == 0:
 session.stdin.close()
 sys.exit(session.wait())
 """
-
-passed = failed = 0
-
-
-def check(is_right, what, details=""):
-    global passed, failed
-    passed += bool(is_right)
-    if not is_right:
-        failed += 1
-        print(f"FAILED: {what}\n{details}", flush=True)
-    return is_right
 
 
 def free_port(address):
@@ -240,8 +229,8 @@ def main():
         hosts = Hosts(pathlib.Path(folder).resolve())
         for test in (test_run, test_files, test_again, test_refused, test_interrupt, test_killed, test_no_host, test_units):
             test(hosts)
-    print(f"{passed} passed, {failed} failed")
-    return 1 if failed else 0
+    print(f"{test_hosts.passed} passed, {test_hosts.failed} failed")
+    return 1 if test_hosts.failed else 0
 
 
 if __name__ == "__main__":
