@@ -26,7 +26,7 @@
 #include "compiler/driver/report.hpp"
 #include "compiler/driver/terminal.hpp"
 #include "compiler/driver/usage_error.hpp"
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_parts.hpp"
 #include "runtime/trace/trace_formats.hpp"
 
 namespace bip::driver {
@@ -126,8 +126,7 @@ class StepsProgressLine {
 
 // The image has all of the instances; what is compiled or reported from now on needs types and code only.
 void release_instances(Compilation& c) {
-  c.system->atoms = {};
-  c.system->connectors = {};
+  system::release_instances(*c.system);
 #if defined(__GLIBC__)
   ::malloc_trim(0);
 #endif

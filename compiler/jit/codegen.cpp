@@ -13,7 +13,6 @@
 
 #include "compiler/jit/debug_info.hpp"
 #include "compiler/model/operators.hpp"
-#include "compiler/system/system.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::jit {
@@ -22,7 +21,7 @@ namespace {
 class UnitBuilder {
  public:
   UnitBuilder(llvm::Function* function, const lower::LoweredSystem& lowered, DebugInfo* debug, std::uint32_t distance)
-      : code_(lowered.system->code),
+      : code_(*lowered.code),
         sites_(lowered.site_of_expr),
         function_(function),
         builder_(llvm::BasicBlock::Create(function->getContext(), "entry", function)),

@@ -10,7 +10,7 @@
 
 #include "bip/assert.hpp"
 #include "compiler/debug/event_values.hpp"
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_parts.hpp"
 #include "compiler/system/uses_time.hpp"
 #include "runtime/core/text.hpp"
 
@@ -89,8 +89,8 @@ Json cycle_in(const std::string& story, const std::map<std::string, std::size_t>
 
 AttachedSession::AttachedSession(const System& system, std::unique_ptr<ModelConnection> connection)
     : system_(system), connection_(std::move(connection)) {
-  for (std::size_t k = 0; k < system.atoms.size(); ++k) atoms_[system.atoms[AtomId(k)].path] = k;
-  for (std::size_t k = 0; k < system.connectors.size(); ++k) connectors_[system.connectors[ConnectorId(k)].path] = k;
+  for (std::size_t k = 0; k < system::atom_count(system); ++k) atoms_[system::atom_path(system, k)] = k;
+  for (std::size_t k = 0; k < system::connector_count(system); ++k) connectors_[system::connector_path(system, k)] = k;
 }
 
 // -- The model's side --
@@ -107,9 +107,9 @@ Json AttachedSession::ask_now(const Json& request) {
 }
 
 std::string AttachedSession::begin() {
-  if (system_.atoms.size() > kMostAtoms)
+  if (system::atom_count(system_) > kMostAtoms)
     return fmt::format("a page shows no more than {} components of a served model, and this one has {}", kMostAtoms,
-                       system_.atoms.size());
+                       system::atom_count(system_));
   Json hello{{"do", "hello"}};
   if (!connection_->token().empty()) hello["token"] = connection_->token();
   const Json greeted = ask_now(hello);
@@ -130,7 +130,7 @@ std::string AttachedSession::begin() {
   initial_ = first_;
   initial_["timed"] = system::is_timed(system_);
   initial_["clock_names"] = Json::array();
-  for (const AtomType& type : system_.atom_types) {
+  for (const AtomType& type : system::atom_types(system_)) {
     Json names = Json::array();
     for (const bip::Clock& clock : type.clocks) names.push_back({clock.name, clock.unit});
     initial_["clock_names"].push_back(std::move(names));
@@ -150,18 +150,18 @@ std::string AttachedSession::read_state(const Json& answer) {
   if (atoms == nullptr || !atoms->is_object()) return "the model does not say its state";
   for (const auto& [path, state] : atoms->items())
     if (!atoms_.contains(path)) return fmt::format("another model runs there: it has a component `{}`", path);
-  places_.assign(system_.atoms.size(), "");
-  data_.assign(system_.atoms.size(), {});
-  clocks_.assign(system_.atoms.size(), Json::array());
-  for (std::size_t k = 0; k < system_.atoms.size(); ++k) {
-    const Atom& atom = system_.atoms[AtomId(k)];
-    const AtomType& type = system_.atom_types[atom.type];
-    const Json* const state = found(*atoms, atom.path.c_str());
-    if (state == nullptr) return fmt::format("another model runs there: it has no component `{}`", atom.path);
+  places_.assign(system::atom_count(system_), "");
+  data_.assign(system::atom_count(system_), {});
+  clocks_.assign(system::atom_count(system_), Json::array());
+  for (std::size_t k = 0; k < system::atom_count(system_); ++k) {
+    const std::string& path = system::atom_path(system_, k);
+    const AtomType& type = system::type_of_atom(system_, k);
+    const Json* const state = found(*atoms, path.c_str());
+    if (state == nullptr) return fmt::format("another model runs there: it has no component `{}`", path);
     places_[k] = text_in(*state, "place");
     const std::string first = places_[k].substr(0, places_[k].find(','));
     if (std::find(type.places.begin(), type.places.end(), first) == type.places.end() && !first.empty())
-      return fmt::format("another model runs there: `{}` is at `{}`", atom.path, places_[k]);
+      return fmt::format("another model runs there: `{}` is at `{}`", path, places_[k]);
     data_[k].assign(type.visible_variables(), "?");
     for (std::size_t clock = 0; clock < type.clocks.size(); ++clock) clocks_[k].push_back({0, 0, 1.0});
   }
@@ -180,7 +180,7 @@ Json AttachedSession::changes(const Json& atoms, std::int64_t until, Json& set_c
     const auto atom = atoms_.find(path);
     if (atom == atoms_.end()) continue;
     const std::size_t k = atom->second;
-    const AtomType& type = system_.atom_types[system_.atoms[AtomId(k)].type];
+    const AtomType& type = system::type_of_atom(system_, k);
     Json places(nullptr), values = Json::array();
     if (std::string now = text_in(state, "place"); now != places_[k]) places = places_[k] = std::move(now);
     const Json* const data = found(state, "data");
@@ -254,7 +254,7 @@ void AttachedSession::find_port(const std::string& port, std::int64_t& atom, std
   atom = row = -1;
   if (owner == atoms_.end()) return;
   atom = static_cast<std::int64_t>(owner->second);
-  const AtomType& type = system_.atom_types[system_.atoms[AtomId(owner->second)].type];
+  const AtomType& type = system::type_of_atom(system_, owner->second);
   for (std::size_t k = 0; k < type.ports.size(); ++k)
     if (type.ports[k].name == port.substr(dot + 1)) row = static_cast<std::int64_t>(k);
 }
@@ -305,11 +305,11 @@ void AttachedSession::look() {
   is_due_ = false;
   last_look_ = Clock::now();
   Json request{{"do", "state"}};
-  if (system_.atoms.size() > kSmallModel && !sees_all_) {
+  if (system::atom_count(system_) > kSmallModel && !sees_all_) {
     Json paths = Json::array();
-    for (const std::size_t atom : moved_) paths.push_back(system_.atoms[AtomId(atom)].path);
+    for (const std::size_t atom : moved_) paths.push_back(system::atom_path(system_, atom));
     // Only whether it moved, is paused or has ended.
-    if (paths.empty()) paths.push_back(system_.atoms[AtomId(std::size_t{0})].path);
+    if (paths.empty()) paths.push_back(system::atom_path(system_, 0));
     request["atoms"] = std::move(paths);
     if (text_of(request).size() > kLongestRequest) request.erase("atoms");
   }
@@ -347,7 +347,7 @@ void AttachedSession::see(const Json& answer) {
   };
   if (now < before) {
     // Undone, or restored: others than those who moved are as they were.
-    if (system_.atoms.size() > kSmallModel) is_due_ = sees_all_ = true;
+    if (system::atom_count(system_) > kSmallModel) is_due_ = sees_all_ = true;
     last_row(-1, fmt::format("back to the state after {} steps", now), Json::array(), "");
     story_.clear();
   } else if (lost_ > 0) {

@@ -96,6 +96,7 @@ void point_image_to_pools(LoweredSystem& out, const LoweredSystem::Pools& pools)
 std::unique_ptr<LoweredSystem> lower(const System& system, const std::string& name) {
   auto out = std::make_unique<LoweredSystem>();
   out->system = &system;
+  out->code = &system.code;
   out->pools = {new LoweredSystem::Pools, [](LoweredSystem::Pools* p) { delete p; }};
   out->pools->name = name;
   Lowering l{system, *out, *out->pools, {}};

@@ -29,7 +29,8 @@ struct CodeUnit {
 
 /// Owns what an Image points to. `codes` starts empty (null functions); an executor fills it before running.
 struct LoweredSystem {
-  const System* system = nullptr;  // must outlive this
+  const System* system = nullptr;   // must outlive this
+  const CodeTable* code = nullptr;  // of the system
   std::vector<CodeUnit> units;
   std::vector<rt::Code> codes;              // one a unit
   std::vector<std::uint32_t> site_of_expr;  // by ExprId: row of Image::sites, or rt::kNone if it cannot fault

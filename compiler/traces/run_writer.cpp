@@ -9,7 +9,7 @@
 
 #include "bip/assert.hpp"
 #include "compiler/graph/picture.hpp"
-#include "compiler/system/system.hpp"
+#include "compiler/system/system_parts.hpp"
 #include "runtime/core/final_state.hpp"
 #include "runtime/core/text.hpp"
 
@@ -40,7 +40,7 @@ class CsvWriter final : public RunWriter {
     for (const rt::MovePart& part : *step.parts) {
       const std::string path = core.image().atoms[part.atom].path();
       if (!selection_.takes_component(path)) continue;
-      const AtomType& type = system_.atom_types[system_.atoms[AtomId(part.atom)].type];
+      const AtomType& type = system::type_of_atom(system_, part.atom);
       std::string data;
       for (std::size_t k = 0; k < type.visible_variables(); ++k)
         data += (k > 0 ? "; " : "") + type.variables[k].name + "=" + value_text(core, part.atom, k);
@@ -80,7 +80,7 @@ class VcdWriter final : public RunWriter {
       if (!selection_.takes_component(path)) continue;
       enter(out, open, path);
       declare(out, atom, kPlace, "string 1", "place");
-      const AtomType& type = system_.atom_types[system_.atoms[AtomId(atom)].type];
+      const AtomType& type = system::type_of_atom(system_, atom);
       for (std::size_t k = 0; k < type.visible_variables(); ++k) {
         const rt::CellType cell = core.tables().atom_type(atom).variables[k].type;
         const char* const kind = cell == rt::CellType::Int     ? "integer 32"
@@ -222,7 +222,7 @@ class ChartWriter final : public RunWriter {
         "<rect width=\"{0}\" height=\"{1}\" fill=\"#fff\"/>\n",
         width, height);
     for (const auto& [atom, at] : columns_) {
-      const std::string name = without_root(system_.atoms[AtomId(atom)].path);
+      const std::string name = without_root(system::atom_path(system_, atom));
       out += fmt::format(
           "<text x=\"{0}\" y=\"18\" text-anchor=\"middle\" font-weight=\"bold\"{2}>{1}</text>"
           "<line x1=\"{0}\" x2=\"{0}\" y1=\"26\" y2=\"{3}\" stroke=\"#d1d9e0\"/>\n",
@@ -247,7 +247,7 @@ class ChartWriter final : public RunWriter {
                          columns_[low->atom], columns_[high->atom], y, y);
       for (const Part& part : row.parts) {
         const int at = columns_[part.atom];
-        const AtomType& type = system_.atom_types[system_.atoms[AtomId(part.atom)].type];
+        const AtomType& type = system::type_of_atom(system_, part.atom);
         const std::string& port = type.ports[part.port].name;
         out += fmt::format(
             "<circle cx=\"{0}\" cy=\"{1}\" r=\"4\" fill=\"#0969da\"/><text x=\"{2}\" y=\"{3}\" "

@@ -136,6 +136,7 @@ StmtId Units::random_body(std::mt19937& random, int depth) {
 
 lower::LoweredSystem& Units::lowered() {
   lowered_.system = &system_;
+  lowered_.code = &system_.code;
   lowered_.codes.assign(lowered_.units.size(), {});
   lowered_.site_of_expr.assign(code().exprs.size(), rt::kNone);
   std::uint32_t site = 0;
