@@ -22,6 +22,7 @@ constexpr std::size_t kStoredBytes = std::size_t{256} << 20;
 struct StepLabel {
   rt::InteractionId interaction;
   std::vector<std::pair<u32, u32>> ports;  // atom, port
+  friend bool operator==(const StepLabel&, const StepLabel&) = default;
 };
 
 class Replayer {
@@ -347,8 +348,17 @@ std::vector<std::uint64_t> relevant_steps(const rt::Image& image, const SearchGo
   std::vector<StepLabel> labels = replayer.read(choices);
   if (!replayer.take(labels)) return choices;
   std::vector<StepLabel> needed = leave_out(replayer, std::move(labels));
-  std::vector<StepLabel> by_cause = order_by_cause(needed);
-  if (std::optional<std::vector<std::uint64_t>> ordered = replayer.take(by_cause)) return std::move(*ordered);
+  // Under priorities another order of the same steps can do without some of them.
+  for (bool is_smaller = true; is_smaller;) {
+    std::vector<StepLabel> by_cause = order_by_cause(needed);
+    std::optional<std::vector<std::uint64_t>> ordered = replayer.take(by_cause);
+    if (!ordered) break;
+    if (by_cause == needed) return std::move(*ordered);
+    std::vector<StepLabel> fewer = leave_out(replayer, by_cause);
+    is_smaller = fewer.size() < by_cause.size();
+    if (!is_smaller) return std::move(*ordered);
+    needed = std::move(fewer);
+  }
   std::optional<std::vector<std::uint64_t>> same = replayer.take(needed);
   BIP_ENSURE(same, "a run of {} steps is not the same the second time", needed.size());
   return std::move(*same);
