@@ -308,8 +308,6 @@ void AttachedSession::look() {
   if (system::atom_count(system_) > kSmallModel && !sees_all_) {
     Json paths = Json::array();
     for (const std::size_t atom : moved_) paths.push_back(system::atom_path(system_, atom));
-    // Only whether it moved, is paused or has ended.
-    if (paths.empty()) paths.push_back(system::atom_path(system_, 0));
     request["atoms"] = std::move(paths);
     if (text_of(request).size() > kLongestRequest) request.erase("atoms");
   }

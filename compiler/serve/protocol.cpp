@@ -125,12 +125,13 @@ std::string post(Controller& controller, const Json& request) {
   return {};
 }
 
-// Of these atoms, or (none) of the first kMaxAtoms. Returns an empty text, or what is wrong.
-std::string state_of(const Controller& controller, const std::set<std::string>& names, Json& atoms) {
+// Of these atoms, or (nullopt) of the first kMaxAtoms. Returns an empty text, or what is wrong.
+std::string state_of(const Controller& controller, const std::optional<std::set<std::string>>& names, Json& atoms) {
+  if (names && names->empty()) return {};
   const rt::Image& image = controller.image();
   const Execution& system = controller.system();
   std::set<std::string> wanted;
-  for (const std::string& name : names) {
+  for (const std::string& name : names.value_or(std::set<std::string>())) {
     wanted.insert(rt::whole_path(name));
     if (system.place(rt::whole_path(name)).empty()) return "there is no atom `" + name + "`";
   }
@@ -392,14 +393,15 @@ void handle_line(Controller& controller, const std::string& line, Reply reply) {
   }
   if (what == "state") {
     if (!texts_of(request, "atoms", names)) return refuse("`atoms` is an array of paths");
-    return ask(controller, reply, id, [names](Controller& c, Json& answer) {
+    const std::optional<std::set<std::string>> asked = request.contains("atoms") ? std::optional(names) : std::nullopt;
+    return ask(controller, reply, id, [asked](Controller& c, Json& answer) {
       answer["time"] = c.system().now();
       answer["steps"] = c.system().steps();
       answer["late"] = c.system().late_steps();
       answer["paused"] = c.is_paused();
       answer["ended"] = c.has_ended();
       answer["atoms"] = Json::object();
-      return state_of(c, names, answer["atoms"]);
+      return state_of(c, asked, answer["atoms"]);
     });
   }
   if (what == "candidates") {

@@ -61,6 +61,7 @@ with Served(ROOT / "models/classic/philosophers.bip", "--paused") as model:
     answer = model.ask("state", atoms=["table.phil[0]", "ROOT.table.fork[4]"])
     check("paths with and without ROOT.", {a: v["place"] for a, v in answer["atoms"].items()} == {
         "ROOT.table.phil[0]": "HAS_LEFT", "ROOT.table.fork[4]": "USED"}, answer)
+    check("a state without atoms", model.ask("state", atoms=[])["atoms"] == {}, model.ask("state", atoms=[]))
     answer = model.ask("state", atoms=["table.phil[0]", "table.phil[5]"])
     check("an unknown atom", answer.get("error") == "there is no atom `table.phil[5]`", answer)
     check("a deadlock has no candidates", model.ask("candidates")["count"] == 0)
