@@ -41,13 +41,6 @@ void refuse(Compilation& c, const std::string& what) {
   c.diags.report(Diag::kB1900, c.root_range, what).note(system::first_timed(*c.system));
 }
 
-// What has no answer yet is said. False: it was.
-bool is_answerable(Compilation& c, const verify::Question& question) {
-  const bool is_partial = question.what == verify::QuestionKind::NoLocalDeadlock;
-  if (is_partial) refuse(c, "`--partial` for a model with time");
-  return !is_partial;
-}
-
 // What a location offers depends on the instant.
 void ask(const verify::Property& property, rt::ExploreOptions& options) {
   options.predicate = [&property](const rt::Core& core) { return verify::is_broken(property, core); };
@@ -57,12 +50,14 @@ void ask(const verify::Property& property, rt::ExploreOptions& options) {
   }
 }
 
-// Describes the state at the end of the path.
-std::string broken_text(const rt::Image& image, const verify::Property& property, const rt::TimedPath& path) {
+// Describes the state at the end of the path: by the property that it breaks, or by the atoms that wait there for ever.
+std::string end_text(const rt::Image& image, const verify::Question& question, const rt::ZoneReport& found) {
   rt::Core core(image);
   const auto ignore = [](std::uint64_t, std::uint64_t) {};
-  const std::uint64_t taken = rt::follow_path(core, rt::CounterexampleEnd::State, path, ignore, [] {});
-  return taken == path.steps.size() && !core.fault() ? verify::broken_state(core, property, taken) : std::string();
+  const std::uint64_t taken = rt::follow_path(core, rt::CounterexampleEnd::State, found.match, ignore, [] {});
+  if (taken != found.match.steps.size() || core.fault()) return {};
+  return question.what == verify::QuestionKind::NoLocalDeadlock ? verify::stuck_state(core, found.stuck, taken)
+                                                                : verify::broken_state(core, question.property, taken);
 }
 
 // Parts are small and seen once: the interpreter, whatever back end the model has.
@@ -193,7 +188,11 @@ static Verdict verdict_of_parts(const verify::TimeProof& proof, const verify::Qu
 
 Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify::Question& question,
                      const std::string& note, const verify::CancellationToken& token) {
-  if (!is_answerable(c, question)) return {};
+  const bool asks_partial = question.what == verify::QuestionKind::NoLocalDeadlock;
+  if (asks_partial && request.wants_certificate) {
+    refuse(c, "a certificate of `--partial` for a model with time");
+    return {};
+  }
   if (has_undetermined_values(*c.system)) return unknown_because_of_values(*c.system);
   const verify::CancellationToken cancellation = token.within(request.timeout);
   nlohmann::ordered_json json{{"format", "bipc-verdict"}, {"version", 1}, {"verdict", "unknown"}};
@@ -252,12 +251,13 @@ Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify:
       refused = zones.problem();
       certificate = std::move(zones).rows();
     } else {
-      found = rt::explore_zones(image, options);
+      found = asks_partial ? rt::explore_local_deadlocks(image, options) : rt::explore_zones(image, options);
     }
   }
   const bool asks_errors = question.what == verify::QuestionKind::NoErrors;
+  const bool asks_match = asks_state || asks_partial;
   const bool is_violated = asks_errors  ? found.has_error
-                           : asks_state ? found.has_match
+                           : asks_match ? found.has_match
                                         : found.has_deadlock || found.has_time_lock;
   const bool is_complete = found.end == rt::ExploreEnd::Complete && found.inexact.empty();
   if (request.wants_certificate && !is_violated && found.inexact.empty() && !cancellation.is_cancelled()) {
@@ -276,18 +276,20 @@ Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify:
   }
   const std::string size = rt::counted(found.zones, "zone") + " of " + rt::counted(found.locations, "location");
   if (asks_errors) json["property"] = "errors";
+  if (asks_partial) json["property"] = "partial";
   json["zones"] = found.zones;
   std::string text;
   int exit_code = kUnknown;
   std::optional<FoundRun> run;
   if (is_violated && found.are_paths_known) {
     const rt::FoundPath first = asks_errors  ? rt::FoundPath{rt::CounterexampleEnd::Error, &found.error}
-                                : asks_state ? rt::FoundPath{rt::CounterexampleEnd::State, &found.match}
+                                : asks_match ? rt::FoundPath{rt::CounterexampleEnd::State, &found.match}
                                              : rt::first_of(found);
     rt::CounterexampleText described =
         rt::describe_counterexample(image, rt::MaximalProgress::On, first.end, *first.path, kStepsShown);
-    if (asks_state) described.steps += broken_text(image, question.property, *first.path);
-    json["verdict"] = asks_state                                     ? "violated"
+    if (asks_match) described.steps += end_text(image, question, found);
+    json["verdict"] = asks_partial                                   ? "local deadlock"
+                      : asks_state                                   ? "violated"
                       : first.end == rt::CounterexampleEnd::Error    ? "error"
                       : first.end == rt::CounterexampleEnd::TimeLock ? "time lock"
                                                                      : "deadlock";
@@ -301,11 +303,17 @@ Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify:
       run->trace =
           rt::trace_of_counterexample(image, rt::MaximalProgress::On, first.end, *first.path, rt::TraceFormat::Json);
   } else if (is_complete && !is_violated) {
-    const std::string name = asks_errors ? "error-free" : asks_state ? "holds" : "deadlock-free";
+    const std::string name = asks_errors    ? "error-free"
+                             : asks_partial ? "free of local deadlocks"
+                             : asks_state   ? "holds"
+                                            : "deadlock-free";
     json["verdict"] = name;
     json["method"] = "exhaustive";
+    const std::string what = asks_errors    ? "no error in "
+                             : asks_partial ? "no component waits for ever in "
+                                            : "no deadlock and no time lock in ";
     text = asks_state ? fmt::format("holds: `{}`: true in {}\n", question.property.text, size)
-                      : name + ": no " + (asks_errors ? "error" : "deadlock and no time lock") + " in " + size + '\n';
+                      : name + ": " + what + size + '\n';
     text += error_note(image, found);
     exit_code = kOk;
   } else {

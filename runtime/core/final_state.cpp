@@ -25,6 +25,15 @@ bool is_at_final_places(const Core& core, u32 atom) {
   return true;
 }
 
+bool wants_to_move(const Core& core, u32 atom) {
+  if (is_at_final_places(core, atom)) return false;
+  const Image& image = core.image();
+  for (u32 port = 0; port < image.atom_types[image.atoms[atom].type].ports.size; ++port) {
+    if (core.enabled_transition(atom, port) != kNone) return true;
+  }
+  return false;
+}
+
 bool is_final_state(const Core& core) {
   for (u32 atom = 0; atom < core.image().atoms.size; ++atom) {
     if (!is_at_final_places(core, atom)) return false;

@@ -13,6 +13,10 @@ namespace bip::rt {
 /// Returns whether the atom is marked at final places only.
 [[nodiscard]] bool is_at_final_places(const Core& core, u32 atom);
 
+/// Returns whether some port of the atom has an enabled transition and the atom is not at final places only. If not, it
+/// has terminated, or waits for time.
+[[nodiscard]] bool wants_to_move(const Core& core, u32 atom);
+
 /// Returns whether each atom is marked at final places only. Linear in the places of all atoms, or less.
 [[nodiscard]] bool is_final_state(const Core& core);
 

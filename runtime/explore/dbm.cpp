@@ -45,6 +45,20 @@ bool Zone::meet(const ZoneBound& add) {
   return true;
 }
 
+bool Zone::meet(const Zone& other) {
+  for (u32 i = 0; i < size_; ++i) {
+    for (u32 j = 0; j < size_; ++j) {
+      if (i != j && other.at(i, j) != kInf && !meet(ZoneBound{i, j, other.at(i, j)})) return false;
+    }
+  }
+  return true;
+}
+
+void Zone::let_time_precede() {
+  for (u32 i = 1; i < size_; ++i) bound(0, i) = kInf;
+  BIP_ASSERT(is_canonical(), "before time passed");
+}
+
 void Zone::let_time_pass() {
   for (u32 i = 1; i < size_; ++i) bound(i, 0) = kInf;
   BIP_ASSERT(is_canonical(), "after time passed");
@@ -76,6 +90,24 @@ void Zone::forget_clock(u32 clock) {
     bound(k, clock) = at(k, 0);
   }
   BIP_ASSERT(is_canonical(), "after clock {} was forgotten", clock);
+}
+
+void Zone::free_clock(u32 clock) {
+  BIP_ASSERT(clock != 0 && clock < size_, "clock {} of {}", clock, size_);
+  for (u32 k = 0; k < size_; ++k) {
+    if (k != clock) bound(clock, k) = bound(k, clock) = kInf;
+  }
+  BIP_ASSERT(is_canonical(), "after clock {} became free", clock);
+}
+
+bool Zone::includes(const std::vector<i64>& point) const {
+  BIP_ASSERT(point.size() == size_, "{} clock values for a zone of {}", point.size(), size_);
+  for (u32 i = 0; i < size_; ++i) {
+    for (u32 j = 0; j < size_; ++j) {
+      if (at(i, j) != kInf && point[i] - point[j] > at(i, j)) return false;
+    }
+  }
+  return true;
 }
 
 bool Zone::includes(const Zone& other) const {

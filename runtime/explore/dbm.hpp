@@ -44,6 +44,8 @@ class Zone {
 
   /// Only the points of which the bound holds. False: there are none, and the zone is no longer one. O(clocks^2).
   [[nodiscard]] bool meet(const ZoneBound& bound);
+  /// The points of both; as above. O(clocks^4).
+  [[nodiscard]] bool meet(const Zone& other);
   /// Has it points of which the bound holds, and others?
   [[nodiscard]] bool is_cut_by(const ZoneBound& bound) const {
     return at(bound.i, bound.j) > bound.limit && (at(bound.j, bound.i) == kInf || at(bound.j, bound.i) >= -bound.limit);
@@ -52,12 +54,18 @@ class Zone {
   [[nodiscard]] bool implies(const ZoneBound& bound) const { return at(bound.i, bound.j) <= bound.limit; }
   /// And all that time makes of them.
   void let_time_pass();
+  /// And all from which time leads to them. There is no least point until a bound gives each clock one.
+  void let_time_precede();
   /// Every clock `ticks` further.
   void shift(i64 ticks);
   void set_clock(u32 clock, i64 value);
   /// The clock may be anything from 0 on.
   void forget_clock(u32 clock);
+  /// The clock may be anything; as let_time_precede.
+  void free_clock(u32 clock);
   [[nodiscard]] bool includes(const Zone& other) const;
+  /// [0] of the point is 0.
+  [[nodiscard]] bool includes(const std::vector<i64>& point) const;
   /// A point: the least value of each clock; [0] is 0.
   [[nodiscard]] std::vector<i64> least_point() const;
   /// Can every clock be as large as one likes?

@@ -202,6 +202,11 @@ void ZoneSearch::find_path(const Target& target, TimedPath& path) {
     // point says: zones forget that.
     if (is_reached && (!target.is_bound || end.i != 0)) instants.demand(left, {end.j, end.i, -end.limit});
   }
+  for (u32 i = 0; target.within != nullptr && i < target.within->size(); ++i) {
+    for (u32 j = 0; j < target.within->size(); ++j) {
+      if (i != j && target.within->at(i, j) != Zone::kInf) instants.demand(left, {i, j, target.within->at(i, j)});
+    }
+  }
   if (!target.arcs.empty()) {
     const auto cycle = visited.end() - static_cast<std::ptrdiff_t>(target.arcs.size());
     report_.match_cycle = static_cast<u64>(
@@ -241,7 +246,7 @@ void ZoneSearch::find_path(const Target& target, TimedPath& path) {
     if (core_.time().take(core_.position(choice))) return;
   } else if (target.is_state) {
     // A response that is late is looked for along the path (follow_response).
-    if (response_ == nullptr && !options_.predicate(core_)) return;
+    if (options_.predicate && !options_.predicate(core_)) return;
   } else {
     std::vector<i64> ends;
     if (core_.candidate_count() != 0 || core_.time().wait_limit(ends) != core_.now()) return;

@@ -283,6 +283,15 @@ State Locations::point(const Location& at, const std::vector<i64>& clocks) const
   return state;
 }
 
+Bounds Locations::bounds_of(u32 atom) {
+  Bounds bounds;
+  std::vector<TimedTransition> transitions;
+  if (!is_timed_[atom] || !core_.clock_constraints().timed_transitions(atom, transitions)) return bounds;
+  for (const TimedTransition& transition : transitions) append(atom, transition.when, bounds);
+  sort_unique(bounds);
+  return bounds;
+}
+
 Bounds Locations::all_bounds(const Location& at) const {
   Bounds all = at.cells;
   all.insert(all.end(), at.asked.begin(), at.asked.end());

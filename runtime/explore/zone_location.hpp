@@ -71,6 +71,8 @@ class Locations {
   [[nodiscard]] bool measure(Location& at, const std::vector<i64>& clocks);
   /// A state of the core: the location with these clock values ([0] unused).
   [[nodiscard]] State point(const Location& at, const std::vector<i64>& clocks) const;
+  /// The bounds of the atom's transitions, in the core's state.
+  [[nodiscard]] Bounds bounds_of(u32 atom);
   /// All bounds that matter at the location.
   [[nodiscard]] Bounds all_bounds(const Location& at) const;
 

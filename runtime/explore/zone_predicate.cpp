@@ -6,20 +6,6 @@
 
 namespace bip::rt {
 
-namespace {
-
-// The points of both. False: there are none.
-bool meet_all(Zone& zone, const Zone& other) {
-  for (u32 i = 0; i < zone.size(); ++i) {
-    for (u32 j = 0; j < zone.size(); ++j) {
-      if (i != j && other.at(i, j) != Zone::kInf && !zone.meet({i, j, other.at(i, j)})) return false;
-    }
-  }
-  return true;
-}
-
-}  // namespace
-
 // rest: where the node has no candidate; ends: where time has to stop because of an open bound.
 void ZoneSearch::classify_dead_points(u32 node, const std::vector<Zone>& rest, const std::vector<Zone>& ends) {
   BIP_ASSERT(part_ == nullptr, "a part of a system has no deadlocks of its own");
@@ -44,7 +30,7 @@ void ZoneSearch::classify_dead_points(u32 node, const std::vector<Zone>& rest, c
     }
     for (const Zone& end : ends) {
       Zone common = part;
-      if (meet_all(common, end)) note(time_lock_, has_lock, common.least_point(), false, true);
+      if (common.meet(end)) note(time_lock_, has_lock, common.least_point(), false, true);
     }
     // Where an action may return, it does some time.
     if (!part.is_unbounded() || nodes_[node].is_waking) continue;

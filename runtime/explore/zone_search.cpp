@@ -7,6 +7,7 @@
 #include "runtime/core/final_state.hpp"
 #include "runtime/core/text.hpp"
 #include "runtime/explore/heap_bytes.hpp"
+#include "runtime/explore/zone_moves.hpp"
 
 namespace bip::rt {
 
@@ -78,6 +79,7 @@ bool ZoneSearch::follow_clocks(Zone& zone) {
 bool ZoneSearch::begin() {
   nodes_.clear();
   arcs_.clear();
+  moves_.clear();
   locations_.clear();
   next_ = 0;
   next_look_ = kFirstLook;
@@ -209,12 +211,14 @@ void ZoneSearch::insert(ZoneNode&& node) {
   for (const u32 other : others) {
     if (is_apart ? nodes_[other].zone != node.zone : !nodes_[other].zone.includes(node.zone)) continue;
     if (is_apart) note_arc(node, other);
+    note_arrival(other);
     return;
   }
   std::erase_if(others, [&](u32 other) {
     if (is_apart || !node.zone.includes(nodes_[other].zone)) return false;
     BIP_ASSERT(other < nodes_.size(), "node {}", other);
     nodes_[other].is_covered = other >= next_;
+    if (nodes_[other].is_covered) nodes_[other].covered_by = static_cast<u32>(nodes_.size());
     return true;
   });
   if (report_.zones >= options_.limit) {
@@ -222,6 +226,7 @@ void ZoneSearch::insert(ZoneNode&& node) {
     return;
   }
   if (is_apart) note_arc(node, static_cast<u32>(nodes_.size()));
+  note_arrival(static_cast<u32>(nodes_.size()));
   node_bytes_ -= heap_bytes(others);
   others.push_back(static_cast<u32>(nodes_.size()));
   node_bytes_ += heap_bytes(others) + sizeof(ZoneNode) + node.zone.bytes() + heap_bytes(node.origin);
@@ -272,6 +277,8 @@ bool ZoneSearch::fire(u32 node, const Zone& cell, const std::vector<i64>& point,
   bool is_pending = at.is_pending, is_requested = false;
   const bool was_pending = at.is_pending;
   if (response_ != nullptr) observe(&candidate, is_pending, is_requested);
+  NotedMove move(*this, node, ZoneEdge::Step, cell);
+  move.add_atoms(participants);
   // Whether the state that it leads to has a fault may depend on the clocks: that is asked in each of its cells.
   if (!core_.time().take(position) && !core_.fault().is_of_state) {
     note_error(node, point, ErrorIn::Step, candidate.interaction, candidate.config);
@@ -279,6 +286,7 @@ bool ZoneSearch::fire(u32 node, const Zone& cell, const std::vector<i64>& point,
   }
   Zone zone = cell;
   if (!follow_clocks(zone)) return false;
+  move.add_set_clocks();
   if (response_ != nullptr) {
     observe(nullptr, is_pending, is_requested);
     if (!is_pending) zone.forget_clock(locations_.in_time().i);
@@ -415,6 +423,7 @@ std::vector<Zone> ZoneSearch::take_closed(u32 node, std::vector<Zone>& ahead) {
 void ZoneSearch::pass_time(u32 node, std::vector<Zone>& ahead) {
   const u32 row = nodes_[node].location;
   for (Zone& cell : ahead) {
+    const NotedMove move(*this, node, ZoneEdge::Time, cell);
     enter(row, std::move(cell),
           {.parent = node, .depth = nodes_[node].depth, .edge = ZoneEdge::Time, .origin = {}, .zone = Zone(0)});
   }
@@ -436,6 +445,7 @@ void ZoneSearch::go_on(u32 node) {
     }
     State state = at.state;
     Zone zone = nodes_[node].zone;
+    const NotedMove move(*this, node, ZoneEdge::GoOn, zone);
     enter(locations_.find_or_add(std::move(state), waits, leaders, at.is_pending), std::move(zone),
           {.parent = node, .depth = nodes_[node].depth, .edge = ZoneEdge::GoOn, .origin = {}, .zone = Zone(0)});
   }
@@ -509,9 +519,7 @@ void ZoneSearch::search() {
   }
 }
 
-ZoneReport ZoneSearch::run() {
-  search();
-  find_lasso();
+void ZoneSearch::sum_up() {
   report_.locations = locations_.size();
   report_.bytes = node_bytes_ + locations_.bytes();
   report_.has_deadlock = deadlock_.node != kNone;
@@ -519,6 +527,12 @@ ZoneReport ZoneSearch::run() {
   report_.has_time_lock = time_lock_.node != kNone;
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - started_;
   report_.seconds = spent.count();
+}
+
+ZoneReport ZoneSearch::run() {
+  search();
+  find_lasso();
+  sum_up();
   if (report_.has_deadlock) find_path(deadlock_, report_.deadlock);
   if (report_.has_time_lock) find_path(time_lock_, report_.time_lock);
   if (error_.node != kNone) find_path(error_, report_.error);

@@ -25,8 +25,19 @@ struct ZoneNode {
   bool is_covered = false;    // by a later one, before it was expanded
   bool is_requested = false;  // a request begins to wait, and the observer's clock
   bool is_later = false;      // Step, without a limit: the observer's clock shows that time has passed, and begins
+  u32 covered_by = kNone;     // is_covered: the node that takes its place
   std::vector<i64> origin;    // Step: a point of the parent's zone at which it was taken
   Zone zone;
+};
+
+/// Of a search for local deadlocks: what may happen at points of a node.
+struct ZoneMove {
+  u32 from = 0;
+  ZoneEdge edge = ZoneEdge::Step;
+  Zone part;                              // these points; Time: those a tick later
+  std::vector<std::pair<u32, i64>> sets;  // Step: clocks, and their values afterwards
+  std::vector<u32> atoms;                 // Step: those who move
+  std::vector<u32> to;                    // nodes that have the points to which it leads; none: an error
 };
 
 /// Of a response without a limit: from a node to one that follows, while the same request waits.
@@ -44,6 +55,7 @@ class ZoneSearch {
   ZoneSearch(const Image& image, const ExploreOptions& options, const PartQuestion* part = nullptr,
              const TimedResponse* response = nullptr);
   ZoneReport run();
+  ZoneReport run_for_local_deadlocks();
   /// After it, if the graph is complete and there is no match: all locations that have zones.
   void visit_locations(const ZoneReport& report, const std::function<void(const ListedLocation&)>& visit);
   PartReport run_part();
@@ -58,11 +70,12 @@ class ZoneSearch {
     bool is_error = false, is_step = false;  // is_step: in a step of this interaction
     InteractionId interaction{0u};
     u32 config = 0;
-    bool is_far = false;         // deadlock: however long time passes
-    bool is_state = false;       // it is enough to be there
-    bool is_bound = false;       // just there: at an open bound
-    bool is_idle = false;        // is_far, and steps are possible that need not be taken
-    std::vector<u32> arcs = {};  // followed from the node on, back to it
+    bool is_far = false;           // deadlock: however long time passes
+    bool is_state = false;         // it is enough to be there
+    bool is_bound = false;         // just there: at an open bound
+    bool is_idle = false;          // is_far, and steps are possible that need not be taken
+    std::vector<u32> arcs = {};    // followed from the node on, back to it
+    const Zone* within = nullptr;  // the end is one of these points
   };
   // How a path enters a node.
   struct Visit {
@@ -76,6 +89,7 @@ class ZoneSearch {
   // zone_search.cpp
   bool begin();
   void search();
+  void sum_up();
   void expand(u32 node);
   void enter(u32 location, Zone&& zone, ZoneNode&& label);
   void insert(ZoneNode&& node);
@@ -115,6 +129,12 @@ class ZoneSearch {
   void find_lasso();
   static constexpr u32 kFirstLook = 1024;  // nodes
   [[nodiscard]] bool may_go_on(u32 node, u32 atom);
+  // zone_local_deadlock.cpp
+  /// Notes a move of which insert() learns where it leads, until the object is gone; nothing if nobody asks.
+  class NotedMove;
+  void note_arrival(u32 node);
+  void find_local_deadlock();
+  [[nodiscard]] std::vector<i64> point_of_core() const;
   // zone_part.cpp
   [[nodiscard]] bool is_impossible(u32 row);
   [[nodiscard]] bool is_asked_for(u32 node);
@@ -135,8 +155,11 @@ class ZoneSearch {
   u64 impossible_ = 0;
   std::deque<ZoneNode> nodes_;
   std::vector<ZoneArc> arcs_;  // of a response without a limit
-  u32 next_ = 0;               // the first that was not expanded
-  u32 next_look_ = 0;          // at arcs, when this node has been expanded; then twice as late
+  bool notes_moves_ = false;
+  std::vector<ZoneMove> moves_;
+  u32 move_ = kNone;   // the one that is made
+  u32 next_ = 0;       // the first that was not expanded
+  u32 next_look_ = 0;  // at arcs, when this node has been expanded; then twice as late
   std::size_t node_bytes_ = 0;
   Target deadlock_, time_lock_, error_, match_;
   bool is_node_faulty_ = false;

@@ -45,6 +45,7 @@ struct ZoneReport {
   u32 depth = 0;
   bool has_deadlock = false, has_time_lock = false, has_error = false;
   bool has_match = false;     // options.predicate was true somewhere: the exploration ended there
+  std::vector<u32> stuck;     // of explore_local_deadlocks: these atoms, at the end of `match`
   bool is_match_end = false;  // of a response: the run ends there, at a time lock
   // Of a response without a limit: the steps of `match` from this number on repeat for ever. None of them: time passes
   // for ever after the last one, or is_match_end.
@@ -72,6 +73,13 @@ struct ListedLocation {
 /// holds nowhere. The set of these points is closed under steps and under time, but for steps that end in an error.
 [[nodiscard]] ZoneReport explore_zones(const Image& image, const ExploreOptions& options,
                                        const std::function<void(const ListedLocation&)>& visit);
+
+/// The same, for local deadlocks: has_match says that at the end of `match` an atom wants to move (wants_to_move of
+/// runtime/core/final_state.hpp) and never does, in no run that goes on from there. What is ahead of the points of a
+/// zone is computed backwards along the graph's edges, for one atom after the other, once the graph is complete; a step
+/// that ends in an error moves those who take part in it. Cost: that of the graph, and for each atom about as much
+/// again.
+[[nodiscard]] ZoneReport explore_local_deadlocks(const Image& image, const ExploreOptions& options);
 
 /// A demand: at most `within` ticks after each point of a run at which `request` is true `response` is true. A point is
 /// a state while time passes in it (no candidate), or a step that is taken from it. What they read does not change

@@ -28,9 +28,18 @@ std::string where(const rt::Core& core, std::size_t steps) {
   return out + ')';
 }
 
-std::string stuck_text(const rt::Core& core, const std::vector<u32>& stuck, std::size_t steps) {
+std::string error_text(const rt::Core& core, std::size_t steps) {
+  std::string out = "violated[V0003]: a run-time error can occur   (" + step_count(steps) + '\n';
+  std::string fault = rt::fault_text(core, 0, steps);
+  drop_seed(fault);
+  return out + fault;
+}
+
+}  // namespace
+
+std::string stuck_state(const rt::Core& core, const std::vector<u32>& stuck, std::size_t steps) {
   const std::string who = stuck.size() == 1 ? "1 component waits" : std::to_string(stuck.size()) + " components wait";
-  std::string out = "deadlock[V0004]: " + who + " for ever, whatever the others do   (" + step_count(steps) + '\n';
+  std::string out = "deadlock[V0004]: " + who + " for ever, whatever the others do   (" + where(core, steps) + '\n';
   for (std::size_t k = 0; k < stuck.size() && k < kStuckShown; ++k) {
     const rt::Atom& row = core.image().atoms[stuck[k]];
     const rt::AtomType& type = core.image().atom_types[row.type];
@@ -47,15 +56,6 @@ std::string stuck_text(const rt::Core& core, const std::vector<u32>& stuck, std:
   if (stuck.size() > kStuckShown) out += "  … and " + std::to_string(stuck.size() - kStuckShown) + " more\n";
   return out;
 }
-
-std::string error_text(const rt::Core& core, std::size_t steps) {
-  std::string out = "violated[V0003]: a run-time error can occur   (" + step_count(steps) + '\n';
-  std::string fault = rt::fault_text(core, 0, steps);
-  drop_seed(fault);
-  return out + fault;
-}
-
-}  // namespace
 
 std::string broken_state(const rt::Core& core, const Property& property, std::size_t steps) {
   const char* const fault =
@@ -92,7 +92,7 @@ std::string counterexample_text(const rt::Image& image, const Question& question
   }
   if (!goes_on) return out + error_text(core, choices.size());
   switch (question.what) {
-    case QuestionKind::NoLocalDeadlock: return out + stuck_text(core, found.deadlocked_atoms, choices.size());
+    case QuestionKind::NoLocalDeadlock: return out + stuck_state(core, found.deadlocked_atoms, choices.size());
     case QuestionKind::State: return out + broken_state(core, question.property, choices.size());
     case QuestionKind::DeadlockFreedom:
     case QuestionKind::NoErrors:

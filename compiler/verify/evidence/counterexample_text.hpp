@@ -11,6 +11,9 @@ namespace bip::verify {
 /// about. `steps`: how many led there.
 [[nodiscard]] std::string broken_state(const rt::Core& core, const Property& property, std::size_t steps);
 
+/// Describes the core's state, in which these atoms wait for ever: `deadlock[V0004]: …`. `steps`: as above.
+[[nodiscard]] std::string stuck_state(const rt::Core& core, const std::vector<u32>& stuck, std::size_t steps);
+
 /// A line for each of the atoms: where it is, and its data.
 [[nodiscard]] std::string atoms_text(const rt::Core& core, const std::vector<u32>& atoms);
 

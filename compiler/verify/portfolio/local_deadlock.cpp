@@ -7,15 +7,6 @@
 
 namespace bip::verify {
 
-bool wants_to_move(const rt::Core& core, u32 atom) {
-  if (rt::is_at_final_places(core, atom)) return false;
-  const rt::Image& image = core.image();
-  for (u32 port = 0; port < image.atom_types[image.atoms[atom].type].ports.size; ++port) {
-    if (core.enabled_transition(atom, port) != rt::kNone) return true;
-  }
-  return false;
-}
-
 std::vector<u32> locally_deadlocked_atoms(const Net& net, const rt::Core& core) {
   BIP_ASSERT(net.too_large_atom == kNoRow, "atom {} has too many local states", net.too_large_atom);
   BIP_ASSERT(net.system->atoms.size() == core.image().atoms.size, "net and image of different systems");
@@ -57,7 +48,7 @@ std::vector<u32> locally_deadlocked_atoms(const Net& net, const rt::Core& core) 
   }
   std::vector<u32> stuck;
   for (u32 atom = 0; atom < is_stuck.size(); ++atom) {
-    if (is_stuck[atom] != 0 && wants_to_move(core, atom)) stuck.push_back(atom);
+    if (is_stuck[atom] != 0 && rt::wants_to_move(core, atom)) stuck.push_back(atom);
   }
   return stuck;
 }

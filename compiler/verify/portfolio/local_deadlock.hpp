@@ -12,8 +12,6 @@
 
 namespace bip::verify {
 
-/// Does some port of the atom have an enabled transition? If not, the atom has terminated, or waits for time.
-[[nodiscard]] bool wants_to_move(const rt::Core& core, u32 atom);
 /// Returns the rows of atoms that are in a local deadlock in the core's state, sorted. Sound but incomplete: an atom
 /// that is left out may still be in one. Requires a net whose modes are few enough. Cost: linear in the net per round,
 /// at most one round per atom.

@@ -7,6 +7,7 @@
 
 #include "compiler/analysis/graph_algorithms.hpp"
 #include "compiler/verify/portfolio/local_deadlock.hpp"
+#include "runtime/core/final_state.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
@@ -131,7 +132,7 @@ class Visit {
         return;
       }
       for (u32 atom = 0; atom < image_.atoms.size; ++atom) {
-        if (wants_to_move(core_, atom)) graph_.set_wants(row, atom);
+        if (rt::wants_to_move(core_, atom)) graph_.set_wants(row, atom);
       }
       const std::uint64_t count = core_.candidate_count();
       for (std::uint64_t k = 0; k < count; ++k) {

@@ -673,21 +673,23 @@ u64 Clocks::opened_eager() {
   for (u64 k = 0; k < count; ++k) {
     const Candidate candidate = core_.candidate(core_.enabled.select(k));
     const CandidateTime time = time_of(candidate);
-    if (time.urgency != Urgency::Eager || time.interval.low != now_ || !time.interval.low_open) continue;
-    // Who has just resumed had no transition before.
-    core_.firing.participants(candidate, participant_scratch_);
-    if (std::none_of(participant_scratch_.begin(), participant_scratch_.end(),
-                     [this](const Participant& p) { return now_ != 0 && busy_until_[p.atom] == now_; }))
-      return k;
+    if (time.urgency == Urgency::Eager && time.interval.low == now_ && time.interval.low_open) return k;
   }
   return count;
+}
+
+bool Clocks::advance_while_busy() {
+  for (u32 atom = 0; atom < busy_until_.size(); ++atom) {
+    if (busy_until_[atom] == now_ + 1 && !resume_at(atom, kForever)) return false;
+  }
+  return advance(now_ + 1);
 }
 
 bool Clocks::is_before_eager() {
   if (!has_open_eager_ || next_change() != now_ + 1) return false;
   const State before = core_.snapshot();
   const std::vector<InteractionId> order = core_.enabled.list_order();
-  const bool is_before = advance(now_ + 1) && opened_eager() != core_.enabled.total();
+  const bool is_before = advance_while_busy() && opened_eager() != core_.enabled.total();
   [[maybe_unused]] const bool is_back = core_.restore(before);
   BIP_ASSERT(is_back, "a state that was reached cannot be restored");
   if (core_.keeps_list) core_.enabled.list(order, static_cast<u32>(core_.tables.interactions.size()));
@@ -740,7 +742,7 @@ bool Clocks::fail_late(const Candidate& candidate, i64 last, i64 actual) {
 void Clocks::describe_open_bound() {
   const i64 end = now_;
   const State before = core_.snapshot();
-  if (!advance(end + 1)) return;
+  if (!advance_while_busy()) return;
   core_.firing.participants(core_.candidate(core_.enabled.select(opened_eager())), participant_scratch_);
   Participant eager = participant_scratch_.front();
   for (const Participant& participant : participant_scratch_) {

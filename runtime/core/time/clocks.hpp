@@ -109,8 +109,8 @@ class Clocks {
   /// candidate has no first instant, and would let no time pass at any of its instants. Looks at the next tick and
   /// comes back if a port changes there; the state stays as it is.
   [[nodiscard]] bool is_before_eager();
-  /// Of an instant reached by time alone, a tick after the one before: is it the first of an eager candidate with an
-  /// open bound? Returns the candidate's number, or their count.
+  /// Of an instant reached by time alone, a tick after the one before, with all atoms still busy that were so until
+  /// then: is it the first of an eager candidate with an open bound? Returns the candidate's number, or their count.
   [[nodiscard]] u64 opened_eager();
   /// Can that be, in this model (may_open_eagerly)?
   [[nodiscard]] bool has_open_eager() const { return has_open_eager_; }
@@ -215,6 +215,8 @@ class Clocks {
   void enable_coming(u32 atom);
   bool find_ports(u32 atom, bool is_busy, i64& next, u32& possible);
   i64 draw_resume(i64 first, i64 last);
+  /// To the next tick, as if who goes on there did not yet: in dense time all before it is like that. False: a fault.
+  bool advance_while_busy();
   void describe_open_bound();
   bool fail_clock(u32 atom, const Clock& clock, const Transition* fired, const char* what, double value);
 

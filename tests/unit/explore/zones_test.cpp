@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <map>
 #include <set>
 #include <string>
 
 #include "compiler/interp/interp.hpp"
+#include "runtime/core/final_state.hpp"
 #include "runtime/include/bip/prng.hpp"
 #include "runtime/explore/zone_search.hpp"
 #include "tests/verify/timed_systems.hpp"
@@ -34,13 +36,22 @@ struct Wait {
 struct Tick {
   rt::State state;
   std::vector<Wait> waits;
+  std::size_t row = 0;  // of Ticks::states
+};
+// What leads from one state to another one.
+struct TickMove {
+  std::size_t from = 0, to = kNowhere;  // kNowhere: an error
+  std::vector<u32> atoms;               // those who move
+
+  static constexpr std::size_t kNowhere = ~std::size_t{0};
 };
 
 struct Ticks {
-  std::set<Key> keys;
+  std::map<Key, std::size_t> keys;  // rows of states
   std::vector<rt::State> states;
-  std::vector<rt::State> offers;  // of these, those in which nobody has to go on at this instant
-  std::set<Key> places;           // without the clocks
+  std::vector<std::size_t> offers;  // rows of those in which nobody has to go on at this instant
+  std::vector<TickMove> moves;
+  std::set<Key> places;  // without the clocks
   bool has_deadlock = false, has_lock = false, has_error = false, is_complete = true;
 };
 
@@ -84,7 +95,7 @@ Ticks explore_ticks(const rt::Image& image) {
   std::vector<Tick> todo;
   // The core's state, and who waits there. What a tick does not reach is never reached.
   const auto add = [&](std::vector<Wait> waits) {
-    Tick tick{core.snapshot(), std::move(waits)};
+    Tick tick{core.snapshot(), std::move(waits), found.states.size()};
     normalize(image, tick.state);
     Key key = key_of(image, tick.state);
     for (Wait& wait : tick.waits) {
@@ -92,12 +103,14 @@ Ticks explore_ticks(const rt::Image& image) {
       for (const i64 value : {static_cast<i64>(wait.atom), static_cast<i64>(wait.group), wait.first, wait.last})
         key.push_back(value);
     }
-    if (!found.keys.insert(key).second) return;
+    const auto [known, is_new] = found.keys.try_emplace(key, tick.row);
+    if (!is_new) return known->second;
     found.places.insert(place_of(tick.state));
     found.states.push_back(tick.state);
     if (std::none_of(tick.waits.begin(), tick.waits.end(), [](const Wait& wait) { return wait.last == 0; }))
-      found.offers.push_back(tick.state);
+      found.offers.push_back(tick.row);
     todo.push_back(std::move(tick));
+    return known->second;
   };
   // Who the core made busy until the first instant is held; false: a fault.
   const auto hold = [&](bool is_together, std::vector<Wait>& waits) {
@@ -119,7 +132,7 @@ Ticks explore_ticks(const rt::Image& image) {
     found.has_error = true;
     return found;
   }
-  add(std::move(at_start));
+  (void)add(std::move(at_start));
   std::vector<i64> ends;
   while (!todo.empty()) {
     if (found.states.size() > kMostTicks) {
@@ -143,7 +156,7 @@ Ticks explore_ticks(const rt::Image& image) {
         if (wait.group != group) waits.push_back(wait);
         else is_sound = is_sound && core.time().resume_at(wait.atom, core.now());
       }
-      if (is_sound) add(std::move(waits));
+      if (is_sound) found.moves.push_back({tick.row, add(std::move(waits)), {}});
       else found.has_error = true;
     }
     if (!core.restore(here)) {
@@ -168,7 +181,7 @@ Ticks explore_ticks(const rt::Image& image) {
           --wait.first;
           if (wait.last != rt::kForever) --wait.last;
         }
-        add(std::move(later));
+        found.moves.push_back({tick.row, add(std::move(later)), {}});
       }
     }
     for (u64 k = 0; k < count; ++k) {
@@ -176,16 +189,21 @@ Ticks explore_ticks(const rt::Image& image) {
       const rt::Candidate candidate = core.candidate(k);
       const bool is_together =
           candidate.connector != rt::kNone && core.tables().connector_type(candidate.connector).resume_sync;
+      std::vector<rt::Participant> participants;
+      core.participants(candidate, participants);
+      TickMove move{tick.row, TickMove::kNowhere, {}};
+      for (const rt::Participant& participant : participants) move.atoms.push_back(participant.atom);
       std::vector<Wait> waits = tick.waits;
-      if (core.time().take(core.position(k)) && hold(is_together, waits)) add(std::move(waits));
+      if (core.time().take(core.position(k)) && hold(is_together, waits)) move.to = add(std::move(waits));
       else found.has_error = true;
+      found.moves.push_back(std::move(move));
     }
   }
   return found;
 }
 
 struct ZoneTally {
-  int compared = 0, deadlocks = 0, locks = 0, errors = 0, asked = 0, were_so = 0;
+  int compared = 0, deadlocks = 0, locks = 0, errors = 0, asked = 0, were_so = 0, were_stuck = 0, were_stuck_alone = 0;
   u64 states = 0, zones = 0, walked = 0;
 };
 
@@ -252,8 +270,9 @@ void ask(const rt::Image& image, const Ticks& ticks, u64 seed, ZoneTally& tally)
         has_candidate = has_candidate || at.candidate(k).connector == connector;
       return has_candidate == wants_candidate && (at.enabled_transition(atom, port) != rt::kNone) == wants_port;
     };
-    const bool is_expected = std::any_of(ticks.offers.begin(), ticks.offers.end(),
-                                         [&](const rt::State& state) { return core.restore(state) && is_so(core); });
+    const bool is_expected = std::any_of(ticks.offers.begin(), ticks.offers.end(), [&](std::size_t row) {
+      return core.restore(ticks.states[row]) && is_so(core);
+    });
     const rt::ZoneReport found = rt::explore_zones(
         image, {.limit = 200000, .predicate = is_so, .predicate_connectors = {connector}, .predicate_atoms = {atom}});
     INFO("asked: connector " << connector << (wants_candidate ? "" : " not") << ", port " << port << " of atom " << atom
@@ -263,6 +282,40 @@ void ask(const rt::Image& image, const Ticks& ticks, u64 seed, ZoneTally& tally)
     ++tally.asked;
     tally.were_so += is_expected ? 1 : 0;
   }
+}
+
+// Which atoms want to move in some state, and never do.
+std::set<u32> stuck_atoms(const rt::Image& image, const Ticks& ticks) {
+  rt::Core core(image);
+  std::set<u32> stuck;
+  for (u32 atom = 0; atom < image.atoms.size; ++atom) {
+    std::vector<bool> is_moved(ticks.states.size(), false);
+    for (bool is_changed = true; is_changed;) {
+      is_changed = false;
+      for (const TickMove& move : ticks.moves) {
+        const bool moves = std::find(move.atoms.begin(), move.atoms.end(), atom) != move.atoms.end() ||
+                           (move.to != TickMove::kNowhere && is_moved[move.to]);
+        if (!moves || is_moved[move.from]) continue;
+        is_moved[move.from] = is_changed = true;
+      }
+    }
+    for (const std::size_t row : ticks.offers) {
+      if (!is_moved[row] && core.restore(ticks.states[row]) && rt::wants_to_move(core, atom)) stuck.insert(atom);
+    }
+  }
+  return stuck;
+}
+
+void compare_local_deadlocks(const rt::Image& image, const Ticks& ticks, ZoneTally& tally) {
+  const std::set<u32> stuck = stuck_atoms(image, ticks);
+  const rt::ZoneReport found = rt::explore_local_deadlocks(image, {.limit = 200000});
+  REQUIRE(found.end == rt::ExploreEnd::Complete);
+  REQUIRE(found.has_match == !stuck.empty());
+  REQUIRE(found.are_paths_known);
+  REQUIRE(found.stuck.empty() == stuck.empty());
+  for (const u32 atom : found.stuck) REQUIRE(stuck.count(atom) == 1);
+  if (!stuck.empty()) ++tally.were_stuck;
+  if (found.stuck.size() == 1) ++tally.were_stuck_alone;
 }
 
 void compare(u64 seed, ZoneTally& tally) {
@@ -309,6 +362,7 @@ void compare(u64 seed, ZoneTally& tally) {
   REQUIRE(places == ticks.places);
   if (ticks.has_error && found.zones == 0) return;
   ask(image, ticks, seed, tally);
+  compare_local_deadlocks(image, ticks, tally);
   for (u64 k = 1; k <= 3; ++k) walk(search, image, seed * 8 + k, tally);
 }
 
@@ -322,10 +376,13 @@ TEST_CASE("zone graphs of random timed systems are their behaviour tick by tick"
   WARN("compared " << tally.compared << " (" << tally.states << " states tick by tick, " << tally.zones
                    << " zones), with deadlock " << tally.deadlocks << ", with time lock " << tally.locks
                    << ", with error " << tally.errors << ", states walked " << tally.walked << ", asked " << tally.asked
-                   << ", so " << tally.were_so);
+                   << ", so " << tally.were_so << ", with local deadlock " << tally.were_stuck);
   CHECK(tally.compared > static_cast<int>(runs) / 2);
   CHECK(tally.deadlocks > 0);
   CHECK(tally.locks > 0);
   CHECK(tally.were_so > 0);
   CHECK(tally.were_so < tally.asked);
+  CHECK(tally.were_stuck > 0);
+  CHECK(tally.were_stuck_alone > 0);
+  CHECK(tally.were_stuck < tally.compared);
 }

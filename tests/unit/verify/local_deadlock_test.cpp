@@ -10,6 +10,7 @@
 #include "compiler/interp/interp.hpp"
 #include "compiler/verify/portfolio/local_deadlock_search.hpp"
 #include "compiler/verify/portfolio/local_deadlock.hpp"
+#include "runtime/core/final_state.hpp"
 #include "tests/verify/small_net.hpp"
 #include "tools/gen/compiled.hpp"
 #include "tools/gen/description.hpp"
@@ -46,7 +47,7 @@ bool visit(const verify::Net& net, const rt::Image& image, std::vector<Node>& no
     REQUIRE(core.restore(state));
     nodes[row].at_once = verify::locally_deadlocked_atoms(net, core);
     for (u32 atom = 0; atom < image.atoms.size; ++atom) {
-      if (verify::wants_to_move(core, atom)) nodes[row].wants.insert(atom);
+      if (rt::wants_to_move(core, atom)) nodes[row].wants.insert(atom);
     }
     const std::uint64_t count = core.candidate_count();
     for (std::uint64_t k = 0; k < count; ++k) {
