@@ -671,17 +671,15 @@ i64 Clocks::wait_limit(std::vector<i64>& ends) {
 u64 Clocks::opened_eager() {
   const u64 count = core_.enabled.total();
   for (u64 k = 0; k < count; ++k) {
-    const Candidate candidate = core_.candidate(core_.enabled.select(k));
-    const CandidateTime time = time_of(candidate);
+    const CandidateTime time = time_of(core_.candidate(core_.enabled.select(k)));
     if (time.urgency == Urgency::Eager && time.interval.low == now_ && time.interval.low_open) return k;
   }
   return count;
 }
 
 bool Clocks::advance_while_busy() {
-  for (u32 atom = 0; atom < busy_until_.size(); ++atom) {
+  for (u32 atom = 0; atom < busy_until_.size(); ++atom)
     if (busy_until_[atom] == now_ + 1 && !resume_at(atom, kForever)) return false;
-  }
   return advance(now_ + 1);
 }
 
