@@ -81,6 +81,7 @@ struct Control {
     Plan,     // an instant: plan your steps up to it, and say Planned
     Instant,  // the instant to which time passes, and its number among the steps
     Finish,   // say your last state, then wait. A second one: how the run ended, steps
+    Written,  // all steps up to this one are written
     Beat,     // to a node: say where your clock is. To the launcher: clock, steps, credit that is not spent
     // To the launcher.
     Ready,

@@ -35,6 +35,7 @@ bool Node::start(const State& state) {
   partial.drop_held();
   start_locks();
   link_whole();
+  link_compiled();
   return true;
 }
 
@@ -221,6 +222,7 @@ void Node::link_whole() {
   const Tables& tables = core_.tables();
   const PartialState& partial = *core_.partial().state();
   whole_steps_.assign(static_cast<u32>(tables.interactions.size()), WholeSteps::None);
+  has_whole_ = false;
   if (core_.is_timed() || has_split()) return;
   // By atom: is it at home on this node, are all of its interactions coordinated here, and do no guards of other
   // interactions read its data?
@@ -250,6 +252,68 @@ void Node::link_whole() {
     const bool is_told_apart =
         std::any_of(ports.begin(), ports.end(), [&](u32 port) { return sets.is_told_apart[port] != 0; });
     whole_steps_[interaction] = is_told_apart ? WholeSteps::WithHistory : WholeSteps::Plain;
+    has_whole_ = true;
+  }
+}
+
+// Not with rules: compiled steps do not keep up what rules hide.
+void Node::link_compiled() {
+  const CompiledSteps& steps = core_.steps();
+  has_compiled_ = false;
+  is_all_compiled_ = true;
+  compiled_histories_ = 0;
+  history_noted_.assign(core_.image().atoms.size, 0);
+  noting_ = 1;
+  if (!steps.has_steps() || core_.priorities().count != 0 || !core_.enabled().is_listed()) return;
+  is_compiled_.assign(static_cast<u32>(whole_steps_.size()), 0);
+  for (const InteractionId interaction : core_.tables().interactions.ids()) {
+    if (distribution_.coordinator_of[interaction] != self_) continue;
+    if (whole_steps_[interaction] == WholeSteps::None || !steps.has_step(interaction)) {
+      is_all_compiled_ = false;
+      continue;
+    }
+    is_compiled_[interaction] = 1;
+    has_compiled_ = true;
+    if (whole_steps_[interaction] != WholeSteps::WithHistory) continue;
+    for (const u32 port : ports_of_whole(core_.tables().interactions[interaction])) {
+      u64& is_counted = history_noted_[core_.tables().port_atom[port]];
+      if (distribution_.sets.is_told_apart[port] == 0 || is_counted == noting_) continue;
+      is_counted = noting_;
+      ++compiled_histories_;
+    }
+  }
+}
+
+u64 Node::take_compiled(Prng& prng, u64 limit, InteractionId& drawn) {
+  BIP_ASSERT(has_compiled(), "{} steps without compiled code", limit);
+  limit = std::min(limit, kMostCompiled);
+  drawn = {};
+  bool is_sound = true;
+  const u64 done = is_all_compiled_ ? core_.steps().run(
+                                          prng, limit, [] { return false; }, is_sound)
+                                    : core_.steps().run_among(is_compiled_, prng, limit, drawn);
+  BIP_ASSERT(is_sound, "a compiled step of {} met a fault", done);
+  if (compiled_histories_ != 0) note_last_histories(done);
+  return done;
+}
+
+// note_histories of the steps that the core took last: backwards, as the last one of each atom tells.
+void Node::note_last_histories(u64 steps) {
+  BIP_ASSERT(steps <= FiringHistory::kSize, "{} steps", steps);
+  const Tables& tables = core_.tables();
+  const FiringHistory& fired = core_.history();
+  ++noting_;
+  u32 left = compiled_histories_;
+  for (u64 k = 0; k < steps && left != 0; ++k) {
+    const InteractionId interaction = fired.before_last(k);
+    if (whole_steps_[interaction] != WholeSteps::WithHistory) continue;
+    for (const u32 port : ports_of_whole(tables.interactions[interaction])) {
+      const u32 atom = tables.port_atom[port];
+      if (distribution_.sets.is_told_apart[port] == 0 || history_noted_[atom] == noting_) continue;
+      history_noted_[atom] = noting_;
+      history_[atom] = tables.connector_of(interaction);
+      --left;
+    }
   }
 }
 

@@ -108,6 +108,17 @@ class Node {
   /// As begin, and runs all actions of the step, which is_whole, at once: when it returns the step has ended. False: by
   /// a fault. It is not added to `landed`: note_landed does that.
   bool take_whole(EnabledSet::Position at, u64 step);
+  /// Are there steps that take_whole could take, and that have compiled code? Changes for the worse only: when the node
+  /// is observed.
+  [[nodiscard]] bool has_compiled() const { return has_compiled_ && !observer_; }
+  /// Takes such steps, drawn uniformly, by their compiled code, kMostCompiled at most. Ends when it draws another
+  /// interaction, `drawn`, which is not taken; then no atom may move before its candidate is begun or drawn again. None
+  /// was drawn: nothing is enabled, or the limit is reached. Returns how many. They do not fault, and are not added to
+  /// `landed`.
+  u64 take_compiled(Prng& prng, u64 limit, InteractionId& drawn);
+  static constexpr u64 kMostCompiled = 1024;
+  /// Can any step be taken by take_whole?
+  [[nodiscard]] bool has_whole() const { return has_whole_ && !observer_; }
   /// Of such a step: appends the atoms that take part, and the step to `landed`, once for each.
   void note_landed(InteractionId interaction, u64 step, std::vector<u32>& atoms);
   /// The interaction of a split set that must begin next, as all that it needs is locked here: the caller chooses one
@@ -179,8 +190,10 @@ class Node {
   void take(const Wake& wake);
   void land_evaluated();
   void link_whole();
+  void link_compiled();
   [[nodiscard]] Span<u32> ports_of_whole(const InteractionInfo& info) const;
   void note_histories(InteractionId interaction);
+  void note_last_histories(u64 steps);
   void come_to_rest(u32 atom);
   void change(u32 atom);
   void receive(const Offer& offer);
@@ -248,6 +261,14 @@ class Node {
   std::vector<Unevaluated> unevaluated_;
   std::vector<u32> enabled_, ports_, changed_;  // scratch
   IndexVector<InteractionId, WholeSteps> whole_steps_;
+  bool has_whole_ = false;
+  // Steps that are taken by compiled code: are there any, are all that can begin here, of how many atoms do they tell
+  // moves apart?
+  bool has_compiled_ = false, is_all_compiled_ = false;
+  u32 compiled_histories_ = 0;
+  IndexVector<InteractionId, std::uint8_t> is_compiled_;
+  std::vector<u64> history_noted_;  // by atom: by which call of note_histories
+  u64 noting_ = 0;
   NodeCounts counts_;
   Moment moment_;
   NodeObserver observer_;

@@ -35,7 +35,7 @@ class Station {
   /// station.
   Station(Fabric& fabric, const Codec& codec, u32 self, u32 peers);
 
-  [[nodiscard]] Link& link(u32 peer) { return ends_[peer].link; }
+  [[nodiscard]] const Link& link(u32 peer) const { return ends_[peer].link; }
   void say(u32 peer, Message message) { ends_[peer].link.say(std::move(message)); }
   /// Appends what is due.
   void take(const Arrival& arrival, i64 now, std::vector<ReceivedMessage>& heard);

@@ -19,6 +19,7 @@
 #include "runtime/engine/node_team.hpp"
 #include "runtime/engine/silence_watch.hpp"
 #include "runtime/engine/step_merge.hpp"
+#include "runtime/engine/unwritten_steps.hpp"
 #include "runtime/engine/waker.hpp"
 
 namespace bip::rt {
@@ -357,6 +358,7 @@ class Launcher {
       case Control::Kind::Limit:
       case Control::Kind::Plan:
       case Control::Kind::Instant:
+      case Control::Kind::Written:
       case Control::Kind::Finish: return;
     }
   }
@@ -660,6 +662,11 @@ class Launcher {
   // Asks nodes that rest how far they are, if steps of others wait for it.
   void write(i64 now) {
     if (!has_fault_ && cut_ == ~u64{0}) merge_.write_ready();
+    // Before more is written nothing more begins (unwritten_steps.hpp).
+    if (merge_.written_bytes() - told_bytes_ >= written_to_tell(members_.size())) {
+      told_bytes_ = merge_.written_bytes();
+      say_all(Control::Kind::Written, {merge_.last_written()});
+    }
     if (merge_.waiting() == 0 || phase_ == RunPhase::Ending) {
       stale_at_ = 0;
       return;
@@ -684,6 +691,7 @@ class Launcher {
     for (const Member& member : members_) result_.use.push_back({member.steps, member.cpu, member.is_lost});
     result_.checkpoints = checkpoints_.count();
     result_.checkpoint = checkpoints_.steps();
+    result_.most_waiting_bytes = merge_.most_waiting_bytes();
     if (has_fault_) {
       result_.end = End::Fault;
       add_time(core_, std::move(time_), last_);
@@ -781,6 +789,7 @@ class Launcher {
   u64 cut_ = ~u64{0};  // no step after this one is written
   u64 lost_after_ = 0;
   std::string how_;
+  u64 told_bytes_ = 0;  // of written steps that the nodes know of
   i64 beat_at_ = 0, stale_at_ = 0, ask_at_ = 0, patience_until_ = kForever;
   // Scratch.
   std::vector<Arrival> arrivals_;

@@ -19,13 +19,13 @@ constexpr i64 kSendWhile = 100000;           // ns of actions after which what i
 constexpr i64 kBeforeLook = 100000;          // ns of steps of atoms at home here before the node looks what came
 constexpr u64 kQuickSteps = 32;              // steps from one reading of the clock to the next, if actions are short
 constexpr i64 kQuick = 3000;                 // ns of a step up to which they are
+constexpr u64 kLeastChunk = 64;              // compiled steps from one reading of the clock to the next
 constexpr i64 kLastWords = 2000000000;       // ns to wait for the launcher to hear them
 constexpr i64 kLook = 1000000000;            // ns between looks whether the launcher is there
 constexpr int kGoodbyes = 4, kGoodbye = 50;  // ms
 constexpr i64 kLonger = 2000000000;          // ns that the launcher, which waits for all, is waited for longer
 constexpr i64 kLeastParked = 1000000, kMostParked = 1000000000;  // ns for which an attempt waits before it is refused
 constexpr std::size_t kMostBegun = 256;                          // steps before what is ready is sent
-constexpr std::size_t kMostUnsaid = 100000;                      // messages to the launcher: then nothing begins
 
 // Cuts the number that is not known yet out of the text; returns 1 + its place, or 0.
 u64 cut_number(std::string& text) {
@@ -62,6 +62,7 @@ NodeProcess::NodeProcess(const NodeSetup& setup, Fabric& fabric)
       is_remote_(setup.options.deployment != nullptr && setup.self != 0),
       sent_(launcher_, 0),
       received_(launcher_, 0),
+      chunk_(kLeastChunk),
       quiet_(node_.core().is_timed() ? 0 : kQuiet) {}
 
 bool NodeProcess::run(const State& initial) {
@@ -216,6 +217,7 @@ void NodeProcess::take_control(const Control& control) {
       if (!is_finished_) return say_last_state();
       if (control.numbers.size() == 2) told_end_ = control.numbers[0], told_steps_ = control.numbers[1];
       return;
+    case Control::Kind::Written: return unwritten_.remove_up_to(number);
     case Control::Kind::Beat: return say(Control::Kind::Beat, {station_.clock(), steps_, cpu_spent()});
     case Control::Kind::Ready:
     case Control::Kind::Idle:
@@ -273,7 +275,10 @@ bool NodeProcess::has_worked(i64 now) {
     if (is_quick_ && steps < kQuickSteps && !must_end) continue;
     const i64 read_before = now;
     now = wall_clock();
-    is_quick_ = now - read_before < kQuick * static_cast<i64>(std::max<u64>(steps, 1));
+    const i64 taken = now - read_before;
+    is_quick_ = taken < kQuick * static_cast<i64>(std::max<u64>(steps, 1));
+    if (taken < kBeforeLook / 4 && steps >= chunk_) chunk_ = std::min(2 * chunk_, Node::kMostCompiled);
+    else if (taken > kBeforeLook / 2) chunk_ = std::max(chunk_ / 2, kLeastChunk);
     if (must_end || now >= until) return true;
     steps_before = steps_;
   }
@@ -284,7 +289,8 @@ bool NodeProcess::has_worked(i64 now) {
 // a whole; where they are long, all that other nodes are to do begins before them. False: there was nothing.
 bool NodeProcess::has_taken_turn() {
   std::size_t begun = 0;
-  while (begun < kMostBegun && (has_tried() || has_begun())) ++begun;
+  const u64 most = steps_ + kMostBegun;
+  while (begun < kMostBegun && steps_ < most && (has_tried() || has_begun())) ++begun;
   post();
   if (node_.work_count() != 0 && begun != 0 && has_unsent_) send(wall_clock());
   const std::size_t works = node_.work_count();
@@ -322,12 +328,75 @@ bool NodeProcess::has_tried() {
   return true;
 }
 
+// A node of which too much waits to be written does not rest: it begins more when that is written.
+bool NodeProcess::may_begin() {
+  is_full_ = false;
+  if (is_halted_ || is_paused_ || node_.is_stopped()) return false;
+  is_full_ = unwritten_.bytes() >= most_unwritten(launcher_);
+  return !is_full_;
+}
+
+// What is written about a step needs the state before it.
+bool NodeProcess::takes_many() const {
+  return is_quick_ && !writes_ && credit_ != 0 && !drawn_.is_valid() && node_.has_whole();
+}
+
+// Steps of atoms at home here, one after the other. No other node learns of them, so that they share one instant of the
+// clock.
+bool NodeProcess::has_taken_many() {
+  const bool is_compiled = scheduler_.is_uniform() && node_.has_compiled();
+  const u64 most = steps_before_collection(node_.core(), std::min(credit_, is_compiled ? chunk_ : u64{kQuickSteps}));
+  station_.tick_clock();
+  const u64 done = is_compiled ? node_.take_compiled(scheduler_.prng(), most, drawn_) : take_whole_steps(most);
+  BIP_ASSERT(done <= most, "{} steps of {}", done, most);
+  if (done == 0) return false;
+  if (credit_ != ~u64{0}) credit_ -= done;
+  steps_ += done;
+  if (watch_) watch_->note_steps();
+  return true;
+}
+
+// The same steps as compiled ones, one by one.
+u64 NodeProcess::take_whole_steps(u64 most) {
+  Core& core = node_.core();
+  const u64 step = step_at(station_.clock(), setup_.self);
+  u64 done = 0;
+  while (done < most && core.candidate_count() != 0) {
+    const EnabledSet::Position at = scheduler_.choose(core);
+    if (!node_.is_whole(at.interaction)) {
+      drawn_ = at.interaction;
+      break;
+    }
+    ++done;
+    scheduler_.fired(at.interaction);
+    if (!node_.take_whole(at, step)) break;
+  }
+  return done;
+}
+
+// Chooses what begins next: what is locked, what was drawn before, or anew. False: nothing can.
+bool NodeProcess::has_chosen(EnabledSet::Position& at) {
+  Core& core = node_.core();
+  const InteractionId drawn = std::exchange(drawn_, {});
+  const InteractionId locked = node_.locked_interaction();
+  if (locked.is_valid()) {
+    at = scheduler_.choose_of(core, locked);
+    return true;
+  }
+  if (!drawn.is_valid() || core.enabled().weight(drawn) == 0) return time_.choose(scheduler_, core, at);
+  at = scheduler_.choose_of(core, drawn);
+  return Scheduler::find_decided(core, at);
+}
+
 bool NodeProcess::has_begun() {
   EnabledSet::Position at{};
-  if (is_halted_ || is_paused_ || node_.is_stopped() || station_.link(launcher_).unsaid() > kMostUnsaid) return false;
-  const InteractionId locked = node_.locked_interaction();
-  if (locked.is_valid()) at = scheduler_.choose_of(node_.core(), locked);
-  wants_ = locked.is_valid() || time_.choose(scheduler_, node_.core(), at);
+  if (!may_begin()) return false;
+  if (takes_many() && has_taken_many()) {
+    wants_ = false;
+    if (!node_.outbox().empty()) post();
+    return true;
+  }
+  wants_ = has_chosen(at);
   if (!wants_) return false;
   if (credit_ == 0) {
     if (!has_asked_) say(Control::Kind::Want, {});
@@ -357,6 +426,7 @@ bool NodeProcess::has_begun() {
     std::vector<u64> numbers{step, at.interaction.value, cut_number(text_.out), cut_number(text_.trace)};
     for (const u32 atom : atoms_) numbers.push_back(setup_.distribution.home(atom));
     if (is_evaluated) numbers.push_back(setup_.self);
+    unwritten_.add(step, record_bytes(text_));
     say(Control::Kind::Begun, std::move(numbers), {std::move(text_.out), std::move(text_.trace)});
   }
   if (!node_.outbox().empty()) post();
@@ -431,7 +501,7 @@ u64 NodeProcess::sum_of_open(const std::vector<u64>& counts) {
 
 // Of a node that rests for a while: what the launcher must know to tell the end of the run.
 void NodeProcess::report(i64 now) {
-  if (node_.has_parked()) {
+  if (node_.has_parked() || is_full_) {
     is_idle_ = false;
     idle_since_ = 0;
     return;

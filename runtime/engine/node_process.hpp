@@ -18,6 +18,7 @@
 #include "runtime/engine/output.hpp"
 #include "runtime/engine/scheduler.hpp"
 #include "runtime/engine/stall_watch.hpp"
+#include "runtime/engine/unwritten_steps.hpp"
 
 namespace bip::rt {
 
@@ -71,6 +72,11 @@ class NodeProcess {
   [[nodiscard]] bool has_taken_turn();
   [[nodiscard]] bool has_tried();
   [[nodiscard]] bool has_begun();
+  [[nodiscard]] bool may_begin();
+  [[nodiscard]] bool takes_many() const;
+  [[nodiscard]] bool has_taken_many();
+  [[nodiscard]] u64 take_whole_steps(u64 most);
+  [[nodiscard]] bool has_chosen(EnabledSet::Position& at);
   void describe(EnabledSet::Position at);
   void post();
   void send(i64 now);
@@ -109,11 +115,15 @@ class NodeProcess {
   u64 credit_ = 0;  // steps that may begin
   u64 steps_ = 0, border_steps_ = 0;
   bool wants_ = false, has_asked_ = false;
+  UnwrittenSteps unwritten_;
+  bool is_full_ = false;  // they are too many
   bool is_halted_ = false, is_paused_ = false, is_idle_ = false, is_finished_ = false;
   std::vector<u64> sent_, received_;  // by node: offers, begins, stops
   std::deque<Held> held_;
   // Since the last send: is there a message to anyone, or to another node?
   bool has_unsent_ = false, has_mail_ = false;
+  u64 chunk_;              // compiled steps to take before the clock is read
+  InteractionId drawn_;    // while many steps were taken, and not taken: what begins next
   bool is_quick_ = false;  // do steps take so little time that the clock is not read after each?
   // Attempts that were parked here: until when, and their numbers (Node::Parking).
   using ParkedUntil = std::pair<i64, u64>;

@@ -463,6 +463,9 @@ void RunLoop::print_node_statistics() {
     std::fprintf(files_.err, "frames %llu, sent again %llu, bytes %llu, refused %llu; nodes there after %.3f s\n",
                  number(network.frames), number(network.again), number(distributed_.bytes),
                  number(distributed_.refused), static_cast<double>(distributed_.started) / 1e9);
+    if (writes_)
+      std::fprintf(files_.err, "bytes of steps before they were written: %llu at most\n",
+                   number(distributed_.most_waiting_bytes));
     print_processor_use();
     return;
   }

@@ -6,10 +6,8 @@
 
 namespace bip::rt {
 
-bool Scheduler::choose_decided(Core& core, EnabledSet::Position& at) {
+bool Scheduler::find_decided(const Core& core, EnabledSet::Position& at) {
   const std::uint64_t count = core.candidate_count();
-  if (count == 0) return false;
-  at = choose(core);
   BIP_ASSERT(core.enabled().has(at), "interaction {} is no candidate", at.interaction);
   if (core.partial().is_decided(at.interaction)) return true;
   std::uint64_t k = core.enabled().number(at);

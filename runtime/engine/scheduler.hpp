@@ -38,7 +38,14 @@ class Scheduler {
     return core.enabled().drawn(count == 1 ? 0 : prng_.below(count));
   }
   /// The first candidate from the policy's on that may begin in this partial state. False: there is none.
-  bool choose_decided(Core& core, EnabledSet::Position& at);
+  bool choose_decided(Core& core, EnabledSet::Position& at) {
+    if (core.candidate_count() == 0) return false;
+    at = choose(core);
+    return find_decided(core, at);
+  }
+  /// The first candidate from `at` on that may begin in this partial state, in canonical order, cyclically. False:
+  /// there is none.
+  static bool find_decided(const Core& core, EnabledSet::Position& at);
   /// Returns a candidate of an interaction that has some.
   EnabledSet::Position choose_of(const Core& core, InteractionId interaction) {
     const u32 count = core.enabled().weight(interaction);

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 
+#include "bip/assert.hpp"
 #include "runtime/engine/node_process.hpp"
+#include "runtime/engine/unwritten_steps.hpp"
 
 namespace bip::rt {
 
@@ -35,6 +37,8 @@ bool StepMerge::take_begun(u32 node, const Control& control) {
   flight.out_number = control.numbers[2];
   flight.trace_number = control.numbers[3];
   flight.text = {control.texts[0], control.texts[1]};
+  waiting_bytes_ += record_bytes(flight.text);
+  most_waiting_bytes_ = std::max(most_waiting_bytes_, waiting_bytes_);
   for (std::size_t i = kHead; i < control.numbers.size(); ++i) add(flight, static_cast<u32>(control.numbers[i]), 1);
   bounds_[node] = step;
   return true;
@@ -71,6 +75,11 @@ void StepMerge::write_until(u64 step) {
 void StepMerge::write_first() {
   const auto first = flights_.begin();
   Flight& flight = first->second;
+  const u64 bytes = record_bytes(flight.text);
+  BIP_ASSERT(bytes <= waiting_bytes_ && first->first > last_written_, "step {} after {}", first->first, last_written_);
+  waiting_bytes_ -= bytes;
+  written_bytes_ += bytes;
+  last_written_ = first->first;
   const std::string number = std::to_string(written_);
   if (flight.out_number != 0) flight.text.out.insert(flight.out_number - 1, number);
   if (flight.trace_number != 0) flight.text.trace.insert(flight.trace_number - 1, number);

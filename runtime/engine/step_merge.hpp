@@ -34,10 +34,15 @@ class StepMerge {
   void write_ready();
   /// Up to this step, whether its parts have ended or not.
   void write_until(u64 step);
-  /// Forgets the steps after this one that are not written.
-  void cut_after(u64 step) { flights_.erase(flights_.upper_bound(step), flights_.end()); }
   [[nodiscard]] u64 written() const { return written_; }
   [[nodiscard]] std::size_t waiting() const { return flights_.size(); }
+  /// Of those that are not written: bytes (record_bytes), now and at most so far.
+  [[nodiscard]] u64 waiting_bytes() const { return waiting_bytes_; }
+  [[nodiscard]] u64 most_waiting_bytes() const { return most_waiting_bytes_; }
+  /// Of those that are written.
+  [[nodiscard]] u64 written_bytes() const { return written_bytes_; }
+  /// The last one that is written; 0: none is.
+  [[nodiscard]] u64 last_written() const { return last_written_; }
   /// The first one that is not written. Requires that there is one.
   [[nodiscard]] u64 first_waiting() const { return flights_.begin()->first; }
 
@@ -59,7 +64,8 @@ class StepMerge {
   std::vector<u64> bounds_;  // by node
   std::vector<bool> is_lost_;
   std::map<u64, Flight> flights_;
-  u64 written_ = 0;
+  u64 written_ = 0, last_written_ = 0;
+  u64 waiting_bytes_ = 0, most_waiting_bytes_ = 0, written_bytes_ = 0;
 };
 
 }  // namespace bip::rt

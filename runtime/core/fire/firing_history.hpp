@@ -20,6 +20,10 @@ class FiringHistory {
   void remember(InteractionId interaction) { ring_[std::exchange(at_, (at_ + 1) % kSize)] = interaction.value; }
   /// Returns the last `count` interactions, at most kSize of them, in the order of their firing.
   [[nodiscard]] std::vector<InteractionId> recent(u64 count) const;
+  /// The k-th before the one that fired last, k < kSize; of those that fired.
+  [[nodiscard]] InteractionId before_last(u64 k) const {
+    return InteractionId(ring_[(at_ + kSize - 1 - static_cast<u32>(k)) % kSize]);
+  }
   /// Returns by atom the interaction of the last step in which it may have taken part; none: not known.
   [[nodiscard]] std::vector<InteractionId> last_of_atoms(const Tables& tables) const;
 

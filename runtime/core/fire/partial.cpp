@@ -186,7 +186,7 @@ bool PartialSteps::take_whole(EnabledSet::Position at, u64 step) {
   p.step = step;
   p.noted = false;
   // No guard waits for these atoms and no other node gets their offers: their last steps are never read.
-  core_.fault = {};
+  if (core_.fault) core_.fault = {};
   const bool is_sound = core_.firing.fire(core_.candidate(at));
   if (!is_sound && !p.noted) note_fault(step, 0);
   return is_sound;

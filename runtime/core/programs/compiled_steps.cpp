@@ -261,6 +261,8 @@ u64 CompiledSteps::run_watched(Choose& given, u64 limit, bool (*is_stopped)(), b
 
 bool CompiledSteps::close_run(u32 count) {
   core_.enabled.close_list(count);
+  // What is marked waits for atoms that are away, and no step touched it.
+  if (core_.partial.is_on()) return true;
   const DirectInteractions& direct = core_.ports.direct();
   if (core_.priorities.tables().count != 0 && !direct.is_direct.empty()) {
     for (const InteractionId interaction : IdRange<InteractionId>(direct.below, direct.is_direct.size())) {
@@ -360,6 +362,34 @@ u64 CompiledSteps::run(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound,
   const u64 done = profile == nullptr ? run_watched(drawn, limit, is_stopped, sound, none)
                                       : run_watched(drawn, limit, is_stopped, sound, *profile);
   prng = drawn.numbers;
+  return done;
+}
+
+u64 CompiledSteps::run_among(const IndexVector<InteractionId, std::uint8_t>& takes, Prng& prng, u64 limit,
+                             InteractionId& drawn) {
+  BIP_ASSERT(core_.partial.is_on() && core_.priorities.tables().count == 0, "{} rules",
+             core_.priorities.tables().count);
+  EnabledSet::List list = core_.enabled.open_list();
+  StepState s = state_of(list);
+  Prng numbers = prng;
+  u32* const history = core_.history.ring();
+  u32 history_at = core_.history.next();
+  drawn = {};
+  u64 done = 0;
+  for (; done < limit && s.count != 0; ++done) {
+    const InteractionId interaction(s.members[s.count == 1 ? 0 : numbers.below(s.count)]);
+    if (takes[interaction] == 0) {
+      drawn = interaction;
+      break;
+    }
+    const CompiledRun& run = runs_[run_of_[interaction]];
+    history[history_at] = interaction.value;
+    history_at = (history_at + 1) % FiringHistory::kSize;
+    run.fn(s, run.operands, run.index_of(interaction));
+  }
+  prng = numbers;
+  core_.history.set_next(history_at);
+  core_.enabled.close_list(s.count);
   return done;
 }
 

@@ -65,6 +65,11 @@ class CompiledSteps {
   /// Takes up to `limit` steps, drawn as EnabledSet::drawn does; returns how many. Asks is_stopped now and then. sound:
   /// false after a fault.
   u64 run(Prng& prng, u64 limit, bool (*is_stopped)(), bool& sound, Profile* profile = nullptr);
+  /// The same in a partial state (PartialSteps), without rules, while it draws interactions that `takes` has, each with
+  /// a step function: `drawn` is the first other one, which is not taken; none if there was none. No step faults.
+  u64 run_among(const IndexVector<InteractionId, std::uint8_t>& takes, Prng& prng, u64 limit, InteractionId& drawn);
+  /// Has the interaction a step function?
+  [[nodiscard]] bool has_step(InteractionId interaction) const { return has_steps() && run_of_[interaction] != kNone; }
   /// The same, chosen by order. Needs the ordered list.
   u64 run(StepOrder& order, u64 limit, bool (*is_stopped)(), bool& sound, Profile* profile = nullptr);
   /// Has every interaction a step function?
