@@ -85,9 +85,9 @@ struct Control {
     Beat,     // to a node: say where your clock is. To the launcher: clock, steps, credit that is not spent
     // To the launcher.
     Ready,
-    Idle,     // sent, received, clock, steps
+    Idle,     // sent, received, clock, steps, Credits that came
     Want,     // it could begin a step, and has no credit
-    Counted,  // round, sent, received, 1 if idle
+    Counted,  // round, sent, received, 1 if idle, Credits that came
     Return,   // credit
     Begun,    // step, and the home of each part; texts
     Landed,   // steps of which a part has ended

@@ -41,6 +41,7 @@ struct Member {
   u64 sent = 0, received = 0, steps = 0;
   u64 cpu = 0;      // microseconds, as last heard
   u64 granted = 0;  // credit, but for what it gave back
+  u64 credits = 0;  // messages that gave it
 };
 
 class Launcher {
@@ -239,16 +240,23 @@ class Launcher {
 
   [[nodiscard]] bool is_limited() const { return options_.limit != kInfinite; }
 
+  // Of a node that rested when so many messages of credit had come: a later one lets it go on.
+  static bool has_all_credit(const Member& member, u64 credits) { return credits == member.credits; }
+
   void grant(u32 node, u64 credit) {
     if (credit == 0) return;
     say(node, Control::Kind::Credit, {credit});
     members_[node].granted += credit;
+    ++members_[node].credits;
     members_[node].wants = members_[node].is_idle = false;
     pool_ -= credit;
   }
 
   void share_out() {
-    if (!is_limited()) return say_all(Control::Kind::Credit, {kInfinite});
+    if (!is_limited()) {
+      for (Member& member : members_) ++member.credits;
+      return say_all(Control::Kind::Credit, {kInfinite});
+    }
     pool_ = options_.limit;
     const u64 share = pool_ / (2 * members_.size());
     for (u32 node = 0; node < members_.size(); ++node) grant(node, share);
@@ -288,7 +296,7 @@ class Launcher {
         if (gathering_) gathering_->note_in_run(heard.from);
         return;
       case Control::Kind::Idle:
-        member.is_idle = true;
+        member.is_idle = has_all_credit(member, number(4));
         member.sent = number(0);
         member.received = number(1);
         member.steps = number(3);
@@ -309,7 +317,7 @@ class Launcher {
         member.has_counted = true;
         member.sent = number(1);
         member.received = number(2);
-        if (number(3) == 0) member.is_idle = false;
+        if (number(3) == 0 || !has_all_credit(member, number(4))) member.is_idle = false;
         return end_round();
       case Control::Kind::Return: {
         const u64 given = std::min(number(0), member.granted);

@@ -172,6 +172,7 @@ void NodeProcess::take_control(const Control& control) {
   switch (control.kind) {
     case Control::Kind::Credit:
       credit_ = number > ~u64{0} - credit_ ? ~u64{0} : credit_ + number;
+      ++credits_;
       has_asked_ = false;
       is_idle_ = false;
       return;
@@ -509,14 +510,15 @@ void NodeProcess::report(i64 now) {
   if (is_idle_) {
     if (idle_since_ == 0 || now - idle_since_ < quiet_) return;
     idle_since_ = 0;
-    return say(Control::Kind::Idle, {sum_of_open(sent_), sum_of_open(received_), station_.clock(), steps_});
+    return say(Control::Kind::Idle, {sum_of_open(sent_), sum_of_open(received_), station_.clock(), steps_, credits_});
   }
   is_idle_ = true;
   idle_since_ = now;
 }
 
 void NodeProcess::count(u64 round) {
-  say(Control::Kind::Counted, {round, sum_of_open(sent_), sum_of_open(received_), is_idle_ && held_.empty() ? 1u : 0u});
+  say(Control::Kind::Counted,
+      {round, sum_of_open(sent_), sum_of_open(received_), is_idle_ && held_.empty() ? 1u : 0u, credits_});
 }
 
 void NodeProcess::say_state() {

@@ -112,7 +112,8 @@ class NodeProcess {
   std::string why_;
   u64 told_end_ = kNotTold, told_steps_ = 0;
 
-  u64 credit_ = 0;  // steps that may begin
+  u64 credit_ = 0;   // steps that may begin
+  u64 credits_ = 0;  // messages that gave some
   u64 steps_ = 0, border_steps_ = 0;
   bool wants_ = false, has_asked_ = false;
   UnwrittenSteps unwritten_;

@@ -187,7 +187,7 @@ bool PartialSteps::take_whole(EnabledSet::Position at, u64 step) {
   p.noted = false;
   // No guard waits for these atoms and no other node gets their offers: their last steps are never read.
   if (core_.fault) core_.fault = {};
-  const bool is_sound = core_.firing.fire(core_.candidate(at));
+  const bool is_sound = core_.firing.take(at);
   if (!is_sound && !p.noted) note_fault(step, 0);
   return is_sound;
 }

@@ -25,6 +25,7 @@
 #include "runtime/engine/replay_record.hpp"
 #include "runtime/engine/simulated.hpp"
 #include "runtime/engine/step_merge.hpp"
+#include "runtime/engine/unwritten_steps.hpp"
 #include "runtime/trace/recorded.hpp"
 #include "tests/unit/base/contents.hpp"
 #include "tests/unit/runtime/helpers.hpp"
@@ -1119,9 +1120,35 @@ TEST_CASE("a step that a node tells of is one, or is refused") {
   CHECK(merge.written() == 0);
   CHECK(is_taken({first, 0, 2, 0}, {"at the end ", ""}));
   CHECK(is_taken({second, 0, 1, 1}, {" steps before", ""}));
+  const u64 bytes = record_bytes({"at the end ", ""}) + record_bytes({" steps before", ""});
+  CHECK(merge.waiting_bytes() == bytes);
   merge.write_until(second);
   CHECK(merge.written() == 2);
+  CHECK(merge.last_written() == second);
+  CHECK(merge.waiting_bytes() == 0);
+  CHECK(merge.written_bytes() == bytes);
+  CHECK(merge.most_waiting_bytes() == bytes);
   std::fclose(out);
+}
+
+TEST_CASE("a node counts what is not written of its steps, and is told often enough to go on") {
+  for (const std::size_t nodes : {std::size_t{1}, std::size_t{4}, std::size_t{kMostNodes}}) {
+    const u64 most = most_unwritten(nodes), each = record_bytes({"a step\n", ""});
+    CHECK(most * nodes <= kMostUnwritten);
+    UnwrittenSteps steps;
+    u64 last = 0;
+    while (steps.bytes() < most) steps.add(last += 3, each);
+    CHECK(steps.bytes() == last / 3 * each);
+    // All but the last steps, of so many bytes that the launcher does not say yet that they are written.
+    const u64 untold = written_to_tell(nodes) / each + 1;
+    steps.remove_up_to(last - 3 * untold);
+    CHECK(steps.bytes() < most / 2);
+    CHECK(steps.bytes() >= untold * each);
+    steps.remove_up_to(last - 1);
+    CHECK(steps.bytes() != 0);
+    steps.remove_up_to(last);
+    CHECK(steps.bytes() == 0);
+  }
 }
 
 TEST_CASE("split sets: what one coordinator's interactions take is offered to it, what is shared is locked") {
