@@ -299,6 +299,75 @@ def test_checkpoints(folder, draws, runs):
         second.unlink()
 
 
+def cpu(pid):
+    """Nanoseconds of all threads of a process."""
+    return sum(int((task / "schedstat").read_text().split()[0]) for task in pathlib.Path(f"/proc/{pid}/task").iterdir())
+
+
+def come_to_rest(processes, seconds=60):
+    """Waits until the processes take less than a hundredth of a processor."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        before = [cpu(pid) for pid in processes]
+        time.sleep(0.5)
+        if all(cpu(pid) - then < 5_000_000 for pid, then in zip(processes, before)):
+            return True
+    return False
+
+
+def test_unwritten(folder):
+    """While a node or the launcher stands still, the others go on until what they say of their steps fills its room, and no further; then all go on to the exact limit."""
+    most, limit = 64 << 20, 1_000_000
+    for who, how, codes in (("node", signal.SIGCONT, {0}), ("node", signal.SIGKILL, {1}), ("node, go-on", signal.SIGKILL, {0, 1}), ("launcher", signal.SIGCONT, {0})):
+        options = ["--on-loss=go-on"] if who.endswith("go-on") else []
+        run = Run(folder, MODELS / "bench/pingpong.bip", "Pairs(64)", "--nodes", "4", "--seed", "3", "--limit", str(limit), *options)
+        processes = run.nodes(4)
+        silent = run.process.pid if who == "launcher" else processes[1]
+        os.kill(silent, signal.SIGSTOP)
+        what = f"the {who} stands still, then signal {int(how)}"
+        check(come_to_rest([pid for pid in processes if pid != silent]), f"{what}: the others wait")
+        check(run.process.poll() is None, f"{what}: the run has not ended")
+        os.kill(silent, how)
+        steps = run.check(codes, what)
+        check(steps == limit or (how == signal.SIGKILL and not options), f"{what}: the limit is reached", run.out + run.err)
+        held = re.search(r"^bytes of steps before they were written: (\d+) at most$", run.err, re.M)
+        # Three of four nodes fill theirs; each may be one step above it.
+        check(held is not None and int(held[1]) <= most + 4096 and (who == "launcher" or int(held[1]) > most // 2), f"{what}: what waits is bounded", run.err)
+
+
+def test_credit(folder):
+    """A node that takes all steps alone is given what the other one does not need, while the launcher is far behind."""
+    place = folder / "alone.place"
+    place.write_text("node 1\nnode 2\n* on 1\n")
+    for seed in range(4):
+        run = Run(folder, MODELS / "bench/pingpong.bip", "Pairs(256)", "--placement", str(place), "--seed", str(seed), "--limit", "250000")
+        check(run.check({0}, "one node takes all steps") == 250000, "one node takes all steps: the limit is exact", run.out + run.err)
+
+
+def test_many_steps(folder):
+    """Local steps of a run that writes none are taken many at once: the limit is exact, and a checkpoint is a state from which other nodes go on."""
+    place = folder / "alone.place"
+    place.write_text("node 1\nnode 2\n* on 1\n")
+    for model, root, policy in (("philosophers", "Table(12)", "uniform"), ("philosophers", "Table(12)", "fair"), ("ring", "Ring(9)", "uniform"), ("pingpong", "Pairs(8)", "first")):
+        path = MODELS / "bench" / f"{model}.bip"
+        command = [BIPC, "run", "--engine=distributed", "--silent", "--placement", str(place), "--seed", "3", "--policy", policy, "--root", root]
+        done = subprocess.run([*command, "--limit", "1234567", str(path)], capture_output=True, text=True)
+        check(done.returncode == 0 and "limit: 1234567 steps" in done.stdout, f"{model}, {policy}: the limit is exact", done.stdout + done.stderr)
+        saved = folder / "many.checkpoint"
+        process = subprocess.Popen([*command, "--checkpoint", "100ms", "--checkpoint-file", str(saved), str(path)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        end = time.monotonic() + 30
+        while not saved.exists() and time.monotonic() < end:
+            time.sleep(0.01)
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=60)
+        check(process.returncode == 130 and saved.exists(), f"{model}, {policy}: it is interrupted after a checkpoint", out + err)
+        run = Run(folder, path, root, "--nodes", "4", "--seed", "3", "--limit", "2000", "--resume", str(saved))
+        run.resumed = saved
+        run.check({0}, f"{model}, {policy}: four nodes go on")
+        check(re.search(r"^frames .* refused 0;", run.err, re.M) is not None, f"{model}, {policy}: no message is refused", run.err)
+        saved.unlink()
+
+
 def test_frames(folder):
     """A frame takes all messages that are ready together: with 100 interactions in flight between two nodes there are some 60 messages to a frame."""
     place = folder / "two.place"
@@ -359,6 +428,9 @@ def main():
         test_long_actions(folder)
         test_orphans(folder)
         test_checkpoints(folder, draws, options.runs)
+        test_unwritten(folder)
+        test_credit(folder)
+        test_many_steps(folder)
         test_frames(folder)
         test_errors(folder)
     check(sockets() <= before, "no socket is left")
