@@ -94,6 +94,14 @@ bool begins_interpreted(const Compilation& c, const RunArguments& a) {
          !uses_ffi(c);
 }
 
+// A node takes steps many at once by their machine code, if it writes none; that pays for what it costs to compile.
+Optimisation optimisation_of(const RunArguments& a) {
+  constexpr std::uint64_t kWorthwhile = std::uint64_t{1} << 20;
+  const bool takes_many = a.run.engine == rt::Engine::Distributed && a.run.silent && !a.run.debug &&
+                          a.run.trace_path.empty() && a.run.limit >= kWorthwhile;
+  return a.optimisation == Optimisation::Auto && takes_many ? Optimisation::O2 : a.optimisation;
+}
+
 // How a place of the model is shown below a run-time error: with its line, if the text was read.
 std::string show_place(const Compilation& c, rt::SourceLine at, const diag::Palette& colors) {
   const FileId file(at.file);
@@ -156,7 +164,7 @@ int command_run(const RunArguments& arguments) {
   if (ready) c.lowered->calls_rows = profiles;
   const bool tiered = ready && !profiles && begins_interpreted(c, arguments);
   ready = ready && (tiered ? executor.prepare_tiered(c)
-                           : executor.prepare(c, arguments.backend, arguments.optimisation,
+                           : executor.prepare(c, arguments.backend, optimisation_of(arguments),
                                               arguments.for_debuggers ? ForDebuggers::Yes : ForDebuggers::No));
   if (const int code = report(c); code != 0 || !ready) return code;
   release_instances(c);

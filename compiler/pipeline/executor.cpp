@@ -53,7 +53,9 @@ bool Executor::prepare(Compilation& c, Backend backend, Optimisation optimisatio
   if (backend != Backend::Interp || uses_ffi(c)) warn_of_unusable_cache(c, cache_of(c));
   if (!load_ffi(c, cache_of(c))) return false;
   lowered_ = c.lowered.get();
-  if (backend != Backend::Interp && (backend == Backend::Jit || !c.lowered->units.empty())) {
+  // With -O2 steps have code even if nothing else has.
+  const bool has_code = !c.lowered->units.empty() || optimisation == Optimisation::O2;
+  if (backend != Backend::Interp && (backend == Backend::Jit || has_code)) {
     const Result<JitPlugin> plugin = load_jit();
     if (plugin) {
       const jit::OptLevel level = opt_level(*c.lowered, optimisation);

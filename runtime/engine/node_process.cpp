@@ -19,7 +19,7 @@ constexpr i64 kSendWhile = 100000;           // ns of actions after which what i
 constexpr i64 kBeforeLook = 100000;          // ns of steps of atoms at home here before the node looks what came
 constexpr u64 kQuickSteps = 32;              // steps from one reading of the clock to the next, if actions are short
 constexpr i64 kQuick = 3000;                 // ns of a step up to which they are
-constexpr u64 kLeastChunk = 64;              // compiled steps from one reading of the clock to the next
+constexpr u64 kLeastChunk = 64;              // steps that are taken at once, at least
 constexpr i64 kLastWords = 2000000000;       // ns to wait for the launcher to hear them
 constexpr i64 kLook = 1000000000;            // ns between looks whether the launcher is there
 constexpr int kGoodbyes = 4, kGoodbye = 50;  // ms
@@ -346,7 +346,7 @@ bool NodeProcess::takes_many() const {
 // clock.
 bool NodeProcess::has_taken_many() {
   const bool is_compiled = scheduler_.is_uniform() && node_.has_compiled();
-  const u64 most = steps_before_collection(node_.core(), std::min(credit_, is_compiled ? chunk_ : u64{kQuickSteps}));
+  const u64 most = steps_before_collection(node_.core(), std::min(credit_, chunk_));
   station_.tick_clock();
   const u64 done = is_compiled ? node_.take_compiled(scheduler_.prng(), most, drawn_) : take_whole_steps(most);
   BIP_ASSERT(done <= most, "{} steps of {}", done, most);
@@ -357,12 +357,18 @@ bool NodeProcess::has_taken_many() {
   return true;
 }
 
-// The same steps as compiled ones, one by one.
+// The same steps as compiled ones, one by one. Their actions may call C++ and take long without notice.
 u64 NodeProcess::take_whole_steps(u64 most) {
   Core& core = node_.core();
   const u64 step = step_at(station_.clock(), setup_.self);
   u64 done = 0;
+  i64 until = 0;
   while (done < most && core.candidate_count() != 0) {
+    if (done % kQuickSteps == 0 && done != 0) {
+      const i64 now = wall_clock();
+      if (until == 0) until = now + kBeforeLook / 4;
+      if (now >= until) break;
+    }
     const EnabledSet::Position at = scheduler_.choose(core);
     if (!node_.is_whole(at.interaction)) {
       drawn_ = at.interaction;

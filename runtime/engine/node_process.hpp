@@ -123,7 +123,7 @@ class NodeProcess {
   std::deque<Held> held_;
   // Since the last send: is there a message to anyone, or to another node?
   bool has_unsent_ = false, has_mail_ = false;
-  u64 chunk_;              // compiled steps to take before the clock is read
+  u64 chunk_;              // steps to take at once
   InteractionId drawn_;    // while many steps were taken, and not taken: what begins next
   bool is_quick_ = false;  // do steps take so little time that the clock is not read after each?
   // Attempts that were parked here: until when, and their numbers (Node::Parking).

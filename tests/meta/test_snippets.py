@@ -9,7 +9,8 @@
 - ```bip fences: `bipc check` must accept them (`bip fail`: must report an error; `bip fragment`: not a whole file,
   skipped). `<!-- file: name.bip -->` in the line before a fence also writes it to that file for later commands,
   whatever its language. `<!-- as models/x.bip -->`: the fence is that file without the comment at its head; later commands find the file as x.bip.
-- `<!-- picture: bipc graph x.bip -->` in the line before an image: the command writes that picture, byte for byte; `--update-pictures` writes the image.
+- `<!-- picture: bipc graph x.bip -->` in the line before an image: the command writes that picture, byte for byte; `--update-pictures` writes the image. So does one of
+  `tools/node_pictures`.
 - explain pages: the wrong example must give the page's code, the right one must not give it and must have no error.
   a plain fence is as a right one. ```genom fences by `bipc genom`, ```rules by `bipc rules --prove`, B codes by `bipc check`, R codes by `bipc run` (`<!-- run: arguments -->` in the line before adds some), V codes only
   have to compile.
@@ -35,7 +36,7 @@ VERIFIES = re.compile(r"""^bipc verify ((?:'[^']*'|[^|;&'])*)""")
 NOT_RUN = re.compile(r"^(tools/(build|test|setup)|\.ci/|apt|sudo|git|cmake|ninja|cd|export|dot|tests/)\b")
 FENCE = re.compile(r"^( *)```(\w+)?[ ]*(.*)$")
 NOTE = re.compile(r"^\s*<!-- (file:|run:|as) ?(.*?) ?-->\s*$")
-PICTURE = re.compile(r"^<!-- picture: (bipc .*?) -->\n!\[[^\]]*\]\(([^)]+)\)", re.M)
+PICTURE = re.compile(r"^<!-- picture: ((?:bipc|tools/node_pictures) .*?) -->\n!\[[^\]]*\]\(([^)]+)\)", re.M)
 HEAD = re.compile(r"\A(?://.*\n)+\n?")
 TIMEOUT = 120
 UPDATES_PICTURES = "--update-pictures" in sys.argv
