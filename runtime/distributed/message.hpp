@@ -90,6 +90,8 @@ struct Control {
     Counted,  // round, sent, received, 1 if idle, Credits that came
     Return,   // credit
     Begun,    // step, and the home of each part; texts
+    Took,     // step; of each of the steps that it took as a whole one after the other, which share this number:
+              // interaction, numbers as of Begun, lengths of its texts; the texts of all
     Landed,   // steps of which a part has ended
     Fault,    // step, order, code, atom, connector, port, and two places in files; texts
     Atom,     // a state: atom, place, marks, history, 1 if an attempt holds it; its variables, and with time its clocks

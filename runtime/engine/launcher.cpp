@@ -332,6 +332,13 @@ class Launcher {
         ++member.steps;
         if (writes_ && !merge_.take_begun(heard.from, *control)) ++odd_;
         return;
+      case Control::Kind::Took: {
+        member.is_idle = false;
+        const u64 steps = writes_ ? merge_.take_many(heard.from, *control) : 0;
+        member.steps += steps;
+        if (steps == 0) ++odd_;
+        return;
+      }
       case Control::Kind::Landed:
         if (writes_) merge_.take_landed(heard.from, numbers);
         return;

@@ -20,6 +20,8 @@ constexpr i64 kBeforeLook = 100000;          // ns of steps of atoms at home her
 constexpr u64 kQuickSteps = 32;              // steps from one reading of the clock to the next, if actions are short
 constexpr i64 kQuick = 3000;                 // ns of a step up to which they are
 constexpr u64 kLeastChunk = 64;              // steps that are taken at once, at least
+constexpr u64 kMostTold = 256;               // steps that the launcher is told of at once
+constexpr std::size_t kMostText = 1u << 15;  // bytes of their text
 constexpr i64 kLastWords = 2000000000;       // ns to wait for the launcher to hear them
 constexpr i64 kLook = 1000000000;            // ns between looks whether the launcher is there
 constexpr int kGoodbyes = 4, kGoodbye = 50;  // ms
@@ -226,6 +228,7 @@ void NodeProcess::take_control(const Control& control) {
     case Control::Kind::Counted:
     case Control::Kind::Return:
     case Control::Kind::Begun:
+    case Control::Kind::Took:
     case Control::Kind::Landed:
     case Control::Kind::Fault:
     case Control::Kind::Atom:
@@ -337,18 +340,15 @@ bool NodeProcess::may_begin() {
   return !is_full_;
 }
 
-// What is written about a step needs the state before it.
-bool NodeProcess::takes_many() const {
-  return is_quick_ && !writes_ && credit_ != 0 && !drawn_.is_valid() && node_.has_whole();
-}
+bool NodeProcess::takes_many() const { return is_quick_ && credit_ != 0 && !drawn_.is_valid() && node_.has_whole(); }
 
 // Steps of atoms at home here, one after the other. No other node learns of them, so that they share one instant of the
-// clock.
+// clock. What is written about a step needs the state before it: then there is no compiled code for many.
 bool NodeProcess::has_taken_many() {
-  const bool is_compiled = scheduler_.is_uniform() && node_.has_compiled();
-  const u64 most = steps_before_collection(node_.core(), std::min(credit_, chunk_));
-  station_.tick_clock();
-  const u64 done = is_compiled ? node_.take_compiled(scheduler_.prng(), most, drawn_) : take_whole_steps(most);
+  const bool is_compiled = !writes_ && scheduler_.is_uniform() && node_.has_compiled();
+  const u64 most = steps_before_collection(node_.core(), std::min(credit_, writes_ ? kMostTold : chunk_));
+  const u64 step = step_at(station_.tick_clock(), setup_.self);
+  const u64 done = is_compiled ? node_.take_compiled(scheduler_.prng(), most, drawn_) : take_whole_steps(step, most);
   BIP_ASSERT(done <= most, "{} steps of {}", done, most);
   if (done == 0) return false;
   if (credit_ != ~u64{0}) credit_ -= done;
@@ -357,13 +357,21 @@ bool NodeProcess::has_taken_many() {
   return true;
 }
 
-// The same steps as compiled ones, one by one. Their actions may call C++ and take long without notice.
-u64 NodeProcess::take_whole_steps(u64 most) {
+// The same steps as compiled ones, one by one. Their actions may call C++ and take long without notice. A step with a
+// fault has a number of its own, behind the others'.
+u64 NodeProcess::take_whole_steps(u64 step, u64 most) {
   Core& core = node_.core();
-  const u64 step = step_at(station_.clock(), setup_.self);
+  const u64 faulty = step_at(station_.tick_clock(), setup_.self);
+  std::vector<u64> numbers{step};
+  StepText told;
   u64 done = 0;
   i64 until = 0;
-  while (done < most && core.candidate_count() != 0) {
+  const auto say_told = [&] {
+    if (!writes_ || done == 0) return;
+    unwritten_.add(step, record_bytes(told, done));
+    say(Control::Kind::Took, std::move(numbers), {std::move(told.out), std::move(told.trace)});
+  };
+  while (done < most && core.candidate_count() != 0 && told.out.size() + told.trace.size() < kMostText) {
     if (done % kQuickSteps == 0 && done != 0) {
       const i64 now = wall_clock();
       if (until == 0) until = now + kBeforeLook / 4;
@@ -374,11 +382,39 @@ u64 NodeProcess::take_whole_steps(u64 most) {
       drawn_ = at.interaction;
       break;
     }
-    ++done;
+    if (writes_) describe(at);
     scheduler_.fired(at.interaction);
-    if (!node_.take_whole(at, step)) break;
+    if (!node_.take_whole(at, faulty)) {
+      say_told();
+      if (writes_) say_whole(at.interaction, faulty);
+      return done + 1;
+    }
+    ++done;
+    if (!writes_) continue;
+    const u64 out_number = cut_number(text_.out), trace_number = cut_number(text_.trace);
+    numbers.insert(numbers.end(),
+                   {at.interaction.value, out_number, trace_number, text_.out.size(), text_.trace.size()});
+    told.out += text_.out;
+    told.trace += text_.trace;
   }
+  say_told();
   return done;
+}
+
+// Of a step that was taken as a whole.
+void NodeProcess::say_whole(InteractionId interaction, u64 step) {
+  atoms_.clear();
+  node_.note_landed(interaction, step, atoms_);
+  say_begun(interaction, step, false);
+}
+
+// Of the step that was described: where its parts are.
+void NodeProcess::say_begun(InteractionId interaction, u64 step, bool is_evaluated) {
+  std::vector<u64> numbers{step, interaction.value, cut_number(text_.out), cut_number(text_.trace)};
+  for (const u32 atom : atoms_) numbers.push_back(setup_.distribution.home(atom));
+  if (is_evaluated) numbers.push_back(setup_.self);
+  unwritten_.add(step, record_bytes(text_));
+  say(Control::Kind::Begun, std::move(numbers), {std::move(text_.out), std::move(text_.trace)});
 }
 
 // Chooses what begins next: what is locked, what was drawn before, or anew. False: nothing can.
@@ -429,13 +465,7 @@ bool NodeProcess::has_begun() {
     border_steps_ += is_border ? 1 : 0;
   }
   ++steps_;
-  if (writes_) {
-    std::vector<u64> numbers{step, at.interaction.value, cut_number(text_.out), cut_number(text_.trace)};
-    for (const u32 atom : atoms_) numbers.push_back(setup_.distribution.home(atom));
-    if (is_evaluated) numbers.push_back(setup_.self);
-    unwritten_.add(step, record_bytes(text_));
-    say(Control::Kind::Begun, std::move(numbers), {std::move(text_.out), std::move(text_.trace)});
-  }
+  if (writes_) say_begun(at.interaction, step, is_evaluated);
   if (!node_.outbox().empty()) post();
   return true;
 }

@@ -75,7 +75,9 @@ class NodeProcess {
   [[nodiscard]] bool may_begin();
   [[nodiscard]] bool takes_many() const;
   [[nodiscard]] bool has_taken_many();
-  [[nodiscard]] u64 take_whole_steps(u64 most);
+  [[nodiscard]] u64 take_whole_steps(u64 step, u64 most);
+  void say_whole(InteractionId interaction, u64 step);
+  void say_begun(InteractionId interaction, u64 step, bool is_evaluated);
   [[nodiscard]] bool has_chosen(EnabledSet::Position& at);
   void describe(EnabledSet::Position at);
   void post();

@@ -19,29 +19,61 @@ void StepMerge::add(Flight& flight, u32 node, int parts) {
   flight.open.emplace_back(node, parts);
 }
 
+// A number stands before a character of its text, or behind the last one.
+bool StepMerge::is_step(const Step& step) const {
+  return step.interaction.value < core_.tables().interactions.size() && step.out_number <= step.out_size + 1 &&
+         step.trace_number <= step.trace_size + 1;
+}
+
+void StepMerge::add_waiting(const Flight& flight) {
+  waiting_bytes_ += record_bytes(flight.text, flight.steps.size());
+  most_waiting_bytes_ = std::max(most_waiting_bytes_, waiting_bytes_);
+}
+
 bool StepMerge::take_begun(u32 node, const Control& control) {
   constexpr std::size_t kHead = 4;
-  if (control.numbers.size() < kHead || control.texts.size() != 2) return false;
-  const u64 step = control.numbers[0];
-  if (node_of_step(step) != node || step <= bounds_[node] || control.numbers[1] >= core_.tables().interactions.size())
+  const std::vector<u64>& numbers = control.numbers;
+  if (numbers.size() < kHead || control.texts.size() != 2) return false;
+  const u64 number = numbers[0];
+  if (node_of_step(number) != node || number <= bounds_[node] || numbers[1] >= core_.tables().interactions.size())
     return false;
-  // A number stands before a character of its text, or behind the last one.
-  if (control.numbers[2] > control.texts[0].size() + 1 || control.numbers[3] > control.texts[1].size() + 1)
+  const Step step{InteractionId(numbers[1]), numbers[2], numbers[3], control.texts[0].size(), control.texts[1].size()};
+  if (!is_step(step)) return false;
+  if (std::any_of(numbers.begin() + kHead, numbers.end(), [this](u64 home) { return home >= bounds_.size(); }))
     return false;
-  if (std::any_of(control.numbers.begin() + kHead, control.numbers.end(),
-                  [this](u64 home) { return home >= bounds_.size(); }))
-    return false;
-  Flight& flight = flights_[step];
+  Flight& flight = flights_[number];
   flight.is_told = true;
-  flight.interaction = InteractionId(control.numbers[1]);
-  flight.out_number = control.numbers[2];
-  flight.trace_number = control.numbers[3];
+  flight.steps.push_back(step);
   flight.text = {control.texts[0], control.texts[1]};
-  waiting_bytes_ += record_bytes(flight.text);
-  most_waiting_bytes_ = std::max(most_waiting_bytes_, waiting_bytes_);
-  for (std::size_t i = kHead; i < control.numbers.size(); ++i) add(flight, static_cast<u32>(control.numbers[i]), 1);
-  bounds_[node] = step;
+  add_waiting(flight);
+  for (std::size_t i = kHead; i < numbers.size(); ++i) add(flight, static_cast<u32>(numbers[i]), 1);
+  bounds_[node] = number;
   return true;
+}
+
+u64 StepMerge::take_many(u32 node, const Control& control) {
+  constexpr std::size_t kEach = 5;
+  const std::vector<u64>& numbers = control.numbers;
+  if (numbers.size() <= kEach || numbers.size() % kEach != 1 || control.texts.size() != 2) return 0;
+  const u64 number = numbers[0];
+  if (node_of_step(number) != node || number <= bounds_[node] || flights_.contains(number)) return 0;
+  Flight flight{true, {}, {control.texts[0], control.texts[1]}, {}};
+  // Of the texts, what is left for those to come.
+  u64 out = flight.text.out.size(), trace = flight.text.trace.size();
+  for (std::size_t i = 1; i < numbers.size(); i += kEach) {
+    if (numbers[i] >= core_.tables().interactions.size()) return 0;
+    const Step step{InteractionId(numbers[i]), numbers[i + 1], numbers[i + 2], numbers[i + 3], numbers[i + 4]};
+    if (step.out_size > out || step.trace_size > trace || !is_step(step)) return 0;
+    out -= step.out_size;
+    trace -= step.trace_size;
+    flight.steps.push_back(step);
+  }
+  if (out != 0 || trace != 0) return 0;
+  add_waiting(flight);
+  const u64 count = flight.steps.size();
+  flights_.emplace(number, std::move(flight));
+  bounds_[node] = number;
+  return count;
 }
 
 void StepMerge::take_landed(u32 node, const std::vector<u64>& steps) {
@@ -75,18 +107,27 @@ void StepMerge::write_until(u64 step) {
 void StepMerge::write_first() {
   const auto first = flights_.begin();
   Flight& flight = first->second;
-  const u64 bytes = record_bytes(flight.text);
+  const u64 bytes = record_bytes(flight.text, flight.steps.size());
   BIP_ASSERT(bytes <= waiting_bytes_ && first->first > last_written_, "step {} after {}", first->first, last_written_);
   waiting_bytes_ -= bytes;
   written_bytes_ += bytes;
   last_written_ = first->first;
-  const std::string number = std::to_string(written_);
-  if (flight.out_number != 0) flight.text.out.insert(flight.out_number - 1, number);
-  if (flight.trace_number != 0) flight.text.trace.insert(flight.trace_number - 1, number);
-  core_.remember(flight.interaction);
-  output_.put_of_node(flight.text, distribution_.placement.nodes[node_of_step(first->first)]);
+  const std::string& node = distribution_.placement.nodes[node_of_step(first->first)];
+  std::size_t out = 0, trace = 0;
+  StepText text;
+  for (const Step& step : flight.steps) {
+    text.out.assign(flight.text.out, out, step.out_size);
+    text.trace.assign(flight.text.trace, trace, step.trace_size);
+    out += step.out_size;
+    trace += step.trace_size;
+    const std::string number = std::to_string(written_);
+    if (step.out_number != 0) text.out.insert(step.out_number - 1, number);
+    if (step.trace_number != 0) text.trace.insert(step.trace_number - 1, number);
+    core_.remember(step.interaction);
+    output_.put_of_node(text, node);
+    ++written_;
+  }
   flights_.erase(first);
-  ++written_;
 }
 
 }  // namespace bip::rt

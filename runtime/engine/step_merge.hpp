@@ -25,6 +25,8 @@ class StepMerge {
 
   /// Control::Kind::Begun of a node. False: it is none.
   bool take_begun(u32 node, const Control& control);
+  /// Control::Kind::Took of a node. Returns how many steps; 0: it is none.
+  u64 take_many(u32 node, const Control& control);
   void take_landed(u32 node, const std::vector<u64>& steps);
   /// The node will tell of no step up to this one any more.
   void raise_bound(u32 node, u64 step) { bounds_[node] = std::max(bounds_[node], step); }
@@ -47,15 +49,22 @@ class StepMerge {
   [[nodiscard]] u64 first_waiting() const { return flights_.begin()->first; }
 
  private:
-  struct Flight {
-    bool is_told = false;
+  struct Step {
     InteractionId interaction;
     u64 out_number = 0, trace_number = 0;  // 1 + where it belongs in the text; 0: nowhere
-    StepText text;
+    u64 out_size = 0, trace_size = 0;      // of its text
+  };
+  // Steps with one number: one, or several of a node.
+  struct Flight {
+    bool is_told = false;
+    std::vector<Step> steps;
+    StepText text;                          // of all
     std::vector<std::pair<u32, int>> open;  // node, parts there that have not ended
   };
   static void add(Flight& flight, u32 node, int parts);
   [[nodiscard]] bool has_ended(const Flight& flight) const;
+  [[nodiscard]] bool is_step(const Step& step) const;
+  void add_waiting(const Flight& flight);
   void write_first();
 
   Core& core_;

@@ -317,7 +317,7 @@ def come_to_rest(processes, seconds=60):
 
 def test_unwritten(folder):
     """While a node or the launcher stands still, the others go on until what they say of their steps fills its room, and no further; then all go on to the exact limit."""
-    most, limit = 64 << 20, 1_000_000
+    most, limit = 64 << 20, 2_000_000
     for who, how, codes in (("node", signal.SIGCONT, {0}), ("node", signal.SIGKILL, {1}), ("node, go-on", signal.SIGKILL, {0, 1}), ("launcher", signal.SIGCONT, {0})):
         options = ["--on-loss=go-on"] if who.endswith("go-on") else []
         run = Run(folder, MODELS / "bench/pingpong.bip", "Pairs(64)", "--nodes", "4", "--seed", "3", "--limit", str(limit), *options)
@@ -331,8 +331,8 @@ def test_unwritten(folder):
         steps = run.check(codes, what)
         check(steps == limit or (how == signal.SIGKILL and not options), f"{what}: the limit is reached", run.out + run.err)
         held = re.search(r"^bytes of steps before they were written: (\d+) at most$", run.err, re.M)
-        # Three of four nodes fill theirs; each may be one step above it.
-        check(held is not None and int(held[1]) <= most + 4096 and (who == "launcher" or int(held[1]) > most // 2), f"{what}: what waits is bounded", run.err)
+        # Three of four nodes fill theirs; each may be above it by what it says at once.
+        check(held is not None and int(held[1]) <= most + (1 << 20) and (who == "launcher" or int(held[1]) > most // 2), f"{what}: what waits is bounded", run.err)
 
 
 def test_credit(folder):

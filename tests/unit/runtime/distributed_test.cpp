@@ -1128,6 +1128,26 @@ TEST_CASE("a step that a node tells of is one, or is refused") {
   CHECK(merge.waiting_bytes() == 0);
   CHECK(merge.written_bytes() == bytes);
   CHECK(merge.most_waiting_bytes() == bytes);
+  const auto many = [&](std::vector<u64> numbers, std::vector<std::string> texts) {
+    return merge.take_many(0, Control{Control::Kind::Took, std::move(numbers), std::move(texts)});
+  };
+  const u64 third = step_at(3, 0);
+  CHECK(many({third}, {"", ""}) == 0);
+  CHECK(many({third, 0, 0, 0, 1}, {"a", ""}) == 0);
+  CHECK(many({second, 0, 0, 0, 1, 0}, {"a", ""}) == 0);
+  CHECK(many({step_at(3, 1), 0, 0, 0, 1, 0}, {"a", ""}) == 0);
+  CHECK(many({third, 1000, 0, 0, 1, 0}, {"a", ""}) == 0);
+  // A number behind its own text; lengths that are not those of the texts.
+  CHECK(many({third, 0, 3, 0, 1, 0, 0, 0, 0, 1, 0}, {"ab", ""}) == 0);
+  CHECK(many({third, 0, 0, 0, 1, 0, 0, 0, 0, 2, 0}, {"ab", ""}) == 0);
+  CHECK(many({third, 0, 0, 0, 1, 0}, {"ab", ""}) == 0);
+  CHECK(many({third, 0, 0, 0, 1, 0}, {"a", "b"}) == 0);
+  CHECK(many({third, 0, 0, 0, 1, ~u64{0}}, {"a", "b"}) == 0);
+  CHECK(many({third, 0, 2, 0, 1, 0, 0, 1, 0, 1, 0}, {"ab", ""}) == 2);
+  CHECK(many({third, 0, 0, 0, 1, 0}, {"a", ""}) == 0);
+  CHECK(merge.waiting_bytes() == record_bytes({"ab", ""}, 2));
+  merge.write_until(third);
+  CHECK(merge.written() == 4);
   std::fclose(out);
 }
 
