@@ -11,6 +11,7 @@
 #include "runtime/distributed/station.hpp"
 #include "runtime/engine/checkpoints.hpp"
 #include "runtime/engine/collect_strings.hpp"
+#include "runtime/engine/fault_message.hpp"
 #include "runtime/engine/gathering.hpp"
 #include "runtime/engine/interrupt.hpp"
 #include "runtime/engine/loss_story.hpp"
@@ -381,26 +382,13 @@ class Launcher {
   static u64 bound_of(u64 clock) { return step_at(clock, kMostNodes - 1); }
 
   void take_fault(const Control& control) {
-    if (control.numbers.size() != 12 || control.texts.size() != 4) return;
-    const std::vector<u64>& numbers = control.numbers;
-    if (has_fault_ && (fault_step_ < numbers[0] || (fault_step_ == numbers[0] && fault_order_ <= numbers[1]))) return;
-    const auto row = [&](std::size_t k) { return static_cast<u32>(numbers[k]); };
-    const auto place = [&](std::size_t k) {
-      return row(k) < core_.image().files.size ? SourceLine{row(k), row(k + 1), row(k + 2)} : SourceLine{};
-    };
+    std::optional<FaultOfStep> told = read_fault_message(control, core_.image());
+    if (!told) return;
+    if (has_fault_ && (fault_step_ < told->step || (fault_step_ == told->step && fault_order_ <= told->order))) return;
     has_fault_ = true;
-    fault_step_ = numbers[0];
-    fault_order_ = numbers[1];
-    fault_ = {static_cast<FaultCode>(std::min<u64>(numbers[2], static_cast<u64>(FaultCode::UntriedDraw))),
-              row(3) < core_.image().atoms.size ? row(3) : kNone,
-              row(4) < core_.image().connectors.size ? row(4) : kNone,
-              row(5),
-              place(6),
-              place(9),
-              control.texts[0],
-              control.texts[1],
-              control.texts[2],
-              control.texts[3]};
+    fault_step_ = told->step;
+    fault_order_ = told->order;
+    fault_ = std::move(told->fault);
   }
 
   void take_atom(u32 node, const Control& control) {

@@ -7,6 +7,7 @@
 
 #include "bip/assert.hpp"
 #include "runtime/engine/collect_strings.hpp"
+#include "runtime/engine/fault_message.hpp"
 #include "runtime/engine/interrupt.hpp"
 #include "runtime/engine/waker.hpp"
 
@@ -510,11 +511,8 @@ void NodeProcess::report_fault() {
   if (!state.fault || (state.fault_step == fault_step_ && state.fault_order == fault_order_)) return;
   fault_step_ = state.fault_step;
   fault_order_ = state.fault_order;
-  const Fault& fault = state.fault;
-  say(Control::Kind::Fault,
-      {fault_step_, fault_order_, static_cast<u64>(fault.code), fault.atom, fault.connector, fault.port, fault.loc.file,
-       fault.loc.line, fault.loc.column, fault.other.file, fault.other.line, fault.other.column},
-      {fault.what, fault.rule, fault.places, fault.data});
+  station_.say(launcher_, fault_message(fault_step_, fault_order_, state.fault));
+  has_unsent_ = true;
 }
 
 void NodeProcess::free_strings() {

@@ -18,9 +18,9 @@ import sys
 import tempfile
 import time
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-BUILD = pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build")
-BIPC = os.environ.get("BIPC") or str(BUILD / "bipc")
+import test_hosts
+from test_hosts import BIPC, BUILD, ROOT, check
+
 MODELS = ROOT / "models"
 # model, root, steps at most
 CASES = [
@@ -53,18 +53,6 @@ FAULTY = """package m
   end
 end
 """
-
-passed = failed = 0
-
-
-def check(is_right, what, details=""):
-    global passed, failed
-    passed += bool(is_right)
-    if not is_right:
-        failed += 1
-        print(f"FAILED: {what}\n{details}", flush=True)
-    return is_right
-
 
 def sockets():
     return set(pathlib.Path(os.environ.get("TMPDIR", "/tmp")).glob("bipc-nodes-*"))
@@ -434,8 +422,8 @@ def main():
         test_frames(folder)
         test_errors(folder)
     check(sockets() <= before, "no socket is left")
-    print(f"{passed} passed, {failed} failed")
-    return 1 if failed else 0
+    print(f"{test_hosts.passed} passed, {test_hosts.failed} failed")
+    return 1 if test_hosts.failed else 0
 
 
 if __name__ == "__main__":

@@ -17,7 +17,7 @@ import tempfile
 import time
 
 import test_hosts
-from test_hosts import BIPC, MODEL, check
+from test_hosts import BIPC, BUILD, MODEL, check
 
 TABLE = "Table(6)"
 NAMES = ["lab", "field", "mast"]
@@ -225,6 +225,9 @@ def test_units(hosts):
 
 
 def main():
+    if not (BUILD / "libbipc_zmq.so").exists():
+        print("skipped: start scripts of deployments: libzmq3-dev was not there when bipc was built\n0 passed, 0 failed")
+        return 0
     with tempfile.TemporaryDirectory() as folder:
         hosts = Hosts(pathlib.Path(folder).resolve())
         for test in (test_run, test_files, test_again, test_refused, test_interrupt, test_killed, test_no_host, test_units):
