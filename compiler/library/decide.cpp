@@ -235,7 +235,7 @@ Verdict decide(const VerifyRequest& request, Compilation& c, const verify::Quest
     verdict.certificate = verify::certificate(portfolio, question, decision, *c.system, c.root_name);
   said.text += error_remark(c, question, decision, portfolio, limits);
   const VerifyStats stats{decision.engine, seconds, decision.candidates(),
-                          request.reuses && cache.is_on() ? &proofs : nullptr};
+                          request.reuses && cache.is_on() ? &proofs : nullptr, &decision.permuted};
   const VerifyStats* shown = request.stats ? &stats : nullptr;
   verdict.exit_code = said.exit_code;
   std::string run_data;

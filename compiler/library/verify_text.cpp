@@ -76,7 +76,8 @@ std::string method_text(const Compilation& c, const verify::Question& question, 
                                        count_of(c.system->connectors.size(), "connector"));
   const std::string invariants = count_of(d.invariants().size(), "invariant");
   const auto visited = [&] {
-    return fmt::format(": {} all {}\n", found_by_visit(question.what), count_of(d.states, "reachable state"));
+    return fmt::format(": {} all {}{}\n", found_by_visit(question.what), count_of(d.states, "reachable state"),
+                       d.permuted.empty() ? "" : " up to symmetry");
   };
   return std::visit(
       verify::EvidenceVisitor{
@@ -195,6 +196,7 @@ std::string verdict_json(const VerdictText& v, const verify::Question& question,
              },
              d.evidence);
   if (d.states != 0) json["states"] = d.states;
+  if (!d.permuted.empty()) json["symmetry"] = d.permuted;
   if (const verify::Counterexample* found = d.counterexample()) json["steps"] = found->choices.size();
   if (v.left_out != 0) json["left_out"] = v.left_out;
   if (v.decided && !v.decided->way_out.empty()) {
@@ -230,6 +232,9 @@ std::string stats_text(const VerifyStats& stats) {
   const std::string engine = stats.engine == nullptr ? "not decided" : fmt::format("decided by {}", stats.engine);
   std::string text = fmt::format("{} in {:.2f} s of the processor, after {}\n", engine, stats.seconds,
                                  count_of(stats.candidates, "candidate"));
+  if (stats.permuted != nullptr && !stats.permuted->empty())
+    text += fmt::format("symmetry: states that differ only by a permutation count once; interchangeable are {}\n",
+                        fmt::join(*stats.permuted, ", "));
   if (stats.cache == nullptr) return text + "proofs of earlier runs: not used\n";
   const verify::ReuseCounts& n = stats.cache->counts;
   text += fmt::format("proofs of earlier runs: {} in {}", count_of(n.recalled, "row"), count_of(n.files, "file"));

@@ -52,12 +52,13 @@ struct VerifyStats {
   double seconds = 0;  // of the processor
   std::uint64_t candidates = 0;
   const verify::ProofCache* cache = nullptr;
+  const std::vector<std::string>* permuted = nullptr;  // groups of equal components, of a search up to symmetry
 };
 /// Returns the verdict as one line of JSON; `stats` may be null; `run`: of counterexample_json, may be empty.
 [[nodiscard]] std::string verdict_json(const VerdictText& text, const verify::Question& question,
                                        const verify::Decision& d, const VerifyStats* stats,
                                        const std::string& run = {});
-/// Returns two lines: the engine that decided, time and candidates; reuse of proofs.
+/// Returns a line each: the engine that decided, time and candidates; the symmetry that a search used; reuse of proofs.
 [[nodiscard]] std::string stats_text(const VerifyStats& stats);
 
 }  // namespace bip::library

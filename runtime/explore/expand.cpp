@@ -24,7 +24,9 @@ void Expander::put(const u64* state, u32 label, Outbox& out) {
   else list.insert(list.end(), state, state + words);
 }
 
-void Expander::emit(InteractionId interaction, u32 row, const u64* state, Outbox& out, Result& result) {
+// `multiplicity`: of the step, among those that symmetry identifies.
+void Expander::emit(InteractionId interaction, u32 row, u64 multiplicity, const u64* state, Outbox& out,
+                    Result& result) {
   BIP_ASSERT(row != kNothing && row < outcomes_.size(), "outcome {} of {}", row, outcomes_.size());
   const Outcome outcome = outcomes_[row];
   BIP_ASSERT(outcome.first + outcome.count <= effects_.size(), "effects from {}", outcome.first);
@@ -41,7 +43,7 @@ void Expander::emit(InteractionId interaction, u32 row, const u64* state, Outbox
       result.has_error = true;
       continue;
     }
-    ++result.steps;
+    result.steps += multiplicity;
     put(next_.data(), effect.label, out);
   }
 }
@@ -83,16 +85,20 @@ Expander::Result Expander::expand_by_core(const u64* state, Outbox& out) {
   }
   const u64 count = core_->candidate_count();
   result.is_deadlock = count == 0;
+  const Symmetry* const symmetry = space_.symmetry;
+  if (symmetry != nullptr) symmetry->find_equal_members(state, space_.layout, equal_members_);
   // Rules hide what tables tell of; an interaction with one candidate is hidden or not, so its table serves.
   const bool may_look_up =
       !space_.shapes.calls_cpp && space_.shapes.watched.items.empty() && space_.image->sites.size == 0;
   for (u64 k = 0; k < count; ++k) {
     const InteractionId interaction = core_->candidate(k).interaction;
+    const u64 multiplicity = symmetry == nullptr ? 1 : symmetry->multiplicity(interaction, equal_members_);
+    if (multiplicity == 0) continue;
     if (may_look_up && space_.shapes.interactions[interaction].is_rendezvous) {
       const u32 row = outcome_of(interaction, state);
       if (row == kUnknown) return result;
       // Tables are filled by another core, which has no rules: this one stays where it is.
-      emit(interaction, row, state, out, result);
+      emit(interaction, row, multiplicity, state, out, result);
       continue;
     }
     const u32 label = space_.labels == nullptr ? kNone : space_.labels->of(*core_, core_->candidate(k));
@@ -112,7 +118,7 @@ Expander::Result Expander::expand_by_core(const u64* state, Outbox& out) {
           }
           space_.layout.set(next_.data(), atom, number);
         }
-        ++result.steps;
+        result.steps += multiplicity;
         put(next_.data(), label, out);
       }
       goes_on = script.advance();
@@ -132,12 +138,16 @@ Expander::Result Expander::find_successors(const u64* state, Outbox& out) {
   const std::size_t kept_effects = effects_.size(), kept_pieces = pieces_.size(), kept_outcomes = outcomes_.size();
   if (space_.stubborn == nullptr && shapes.dominators.items.empty()) {
     bool any = false;
+    const Symmetry* const symmetry = space_.symmetry;
+    if (symmetry != nullptr) symmetry->find_equal_members(state, space_.layout, equal_members_);
     for (const InteractionId interaction : shapes.interactions.ids()) {
+      const u64 multiplicity = symmetry == nullptr ? 1 : symmetry->multiplicity(interaction, equal_members_);
+      if (multiplicity == 0) continue;
       const u32 row = outcome_of(interaction, state);
       if (row == kNothing) continue;
       if (row == kUnknown) return result;
       any = true;
-      emit(interaction, row, state, out, result);
+      emit(interaction, row, multiplicity, state, out, result);
       if (is_too_narrow_) return result;
     }
     result.is_deadlock = !any;
@@ -162,7 +172,7 @@ Expander::Result Expander::find_successors(const u64* state, Outbox& out) {
     for (const InteractionId interaction : chosen_) {
       const u32 row = outcome_of(interaction, state);
       if (row == kUnknown) return result;
-      emit(interaction, row, state, out, result);
+      emit(interaction, row, 1, state, out, result);
     }
   }
   forget_unkept(kept_outcomes, kept_effects, kept_pieces);

@@ -126,7 +126,7 @@ class Expander {
   bool read_effect(Core& core, InteractionId interaction, u32 label, const u64* state);
   bool is_sound(InteractionId interaction, const u64* state);
   void put(const u64* state, u32 label, Outbox& out);
-  void emit(InteractionId interaction, u32 outcome, const u64* state, Outbox& out, Result& result);
+  void emit(InteractionId interaction, u32 outcome, u64 multiplicity, const u64* state, Outbox& out, Result& result);
   Result find_successors(const u64* state, Outbox& out);
   [[nodiscard]] bool is_final(const u64* state);
   Result expand_moves(u64 state, Outbox& out);
@@ -161,6 +161,7 @@ class Expander {
   std::vector<u64> next_, canonical_, symmetry_scratch_;
   IndexVector<InteractionId, u32> outcome_row_;  // of the state at hand
   std::vector<InteractionId> chosen_;
+  std::vector<u32> equal_members_;  // Symmetry: of the state at hand
   StubbornScratch stubborn_scratch_;
 };
 

@@ -64,7 +64,8 @@ void Exploration::begin() {
   space_.layout = Layout(*space_.locals);
   if (options_.reduction == StateReduction::Por) stubborn_ = std::make_unique<Stubborn>(core, space_.shapes);
   if (options_.reduction == StateReduction::Symmetry) {
-    symmetry_ = std::make_unique<Symmetry>(image_, *space_.locals);
+    symmetry_ = std::make_unique<Symmetry>(image_, *space_.locals, options_.symmetry);
+    symmetry_->index_interactions(space_.shapes);
     report_.groups = symmetry_->names();
   }
   space_.stubborn = stubborn_.get();

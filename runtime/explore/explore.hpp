@@ -7,6 +7,7 @@
 // successors need for a moment. Limits are kept: a report that a limit ended has what is known then, marked as partial.
 #pragma once
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,18 @@ struct ExploreProgress {
   u64 states = 0, expanded = 0, steps = 0, deadlocks = 0, errors = 0, matches = 0;
   u32 depth = 0;
   std::size_t bytes = 0;
+};
+/// Atoms that change places: by atom, the other one.
+using AtomExchange = std::map<u32, u32>;
+/// What restricts the exchanges of components that symmetry reduction uses.
+struct SymmetryLimits {
+  // Does the predicate hold in a state exactly if it holds after this exchange? Empty: after each. The connectors that
+  // it reads are given apart: they are mapped to themselves.
+  std::function<bool(const AtomExchange&)> preserves_predicate;
+  std::vector<u32> named_atoms;       // that the predicate names, ascending: these are expected to be individuals
+  std::vector<u32> fixed_connectors;  // that the predicate names
+  u64 work = ~u64{0};                 // numbers that are compared; beyond, nothing is interchangeable
+  u64 work_per_exchange = 0;          // of preserves_predicate
 };
 struct ExploreOptions {
   MaximalProgress progress = MaximalProgress::On;
@@ -37,6 +50,7 @@ struct ExploreOptions {
   // places and data alone.
   std::vector<u32> predicate_connectors, predicate_atoms;
   std::vector<u32> predicate_reads;  // without zones and connectors: all atoms that it reads
+  SymmetryLimits symmetry;           // of StateReduction::Symmetry
   // Rows of the cells of data on which nothing depends but themselves: states that differ in these alone count as one.
   // The predicate reads none of them.
   std::vector<VariableId> unread_cells;
@@ -71,8 +85,8 @@ struct ExploreReport {
   std::vector<std::string> groups;  // Symmetry: what is interchangeable
 };
 
-/// Returns why the image cannot be explored with the reduction, or an empty text. Both reductions may leave out states
-/// where the predicate holds.
+/// Returns why the image cannot be explored with the reduction, or an empty text. Partial order reduction may leave out
+/// states where the predicate holds; symmetry reduction too, unless `symmetry` says which exchanges preserve it.
 [[nodiscard]] std::string reduction_problem(const Image& image, const ExploreOptions& options);
 
 /// Explores all reachable states of an image that has its code. With C++ in the model one thread works, and equal

@@ -17,8 +17,8 @@ std::string reduction_problem(const Image& image, const ExploreOptions& options)
     const bool may_fault = !shapes_of(core, options.progress).watched.items.empty();
     return may_fault ? "a guard of a connector may end in a run-time error, which depends on the order of steps" : "";
   }
-  const Locals locals(core);
-  if (Symmetry(image, locals).is_trivial())
+  const Locals locals(core, options.unread_cells);
+  if (Symmetry(image, locals, options.symmetry).is_trivial())
     return "no two members of an array are interchangeable: same arguments, and connectors that stay the same when the "
            "two change places";
   return {};

@@ -27,7 +27,8 @@ struct Family {
 
 class SymmetryDetector {
  public:
-  SymmetryDetector(const Image& image, const Locals& locals) : image_(image), locals_(locals) {
+  SymmetryDetector(const Image& image, const Locals& locals, const SymmetryLimits& limits)
+      : image_(image), locals_(locals), limits_(limits) {
     owner_.assign(image.cell_count, {kNone, 0});
     for (u32 atom = 0; atom < image.atoms.size; ++atom) {
       for (u32 variable = 0; variable < image.atom_types[image.atoms[atom].type].variables.size; ++variable) {
@@ -107,9 +108,9 @@ class SymmetryDetector {
     return columns;
   }
 
-  // Does exchanging the members map connectors onto connectors?
-  bool is_automorphism(const std::vector<u32>& a, const std::vector<u32>& b) const {
-    std::map<u32, u32> exchange;
+  // Does exchanging the members map connectors onto connectors, and preserve the predicate?
+  bool is_automorphism(const std::vector<u32>& a, const std::vector<u32>& b) {
+    AtomExchange exchange;
     std::set<u32> connectors;
     for (std::size_t k = 0; k < a.size(); ++k) {
       if (locals_.class_of(a[k]) != locals_.class_of(b[k])) return false;
@@ -118,20 +119,34 @@ class SymmetryDetector {
       connectors.insert(connectors_of_[a[k]].begin(), connectors_of_[a[k]].end());
       connectors.insert(connectors_of_[b[k]].begin(), connectors_of_[b[k]].end());
     }
+    work_ += limits_.work_per_exchange;
+    if (!has_work_left() || (limits_.preserves_predicate && !limits_.preserves_predicate(exchange))) return false;
+    for (const u32 connector : limits_.fixed_connectors) {
+      if (key_of(connector, {}) != key_of(connector, exchange)) return false;
+    }
     std::vector<Key> before, after;
     for (const u32 connector : connectors) {
       before.push_back(key_of(connector, {}));
       after.push_back(key_of(connector, exchange));
+      work_ += before.back().size();
+      if (!has_work_left()) return false;
     }
     std::sort(before.begin(), before.end());
     std::sort(after.begin(), after.end());
     return before == after;
   }
+  bool has_work_left() const { return work_ <= limits_.work; }
+  // Does the predicate name an atom of the member?
+  bool is_named(const std::vector<u32>& column) const {
+    return std::any_of(column.begin(), column.end(), [&](u32 atom) {
+      return std::binary_search(limits_.named_atoms.begin(), limits_.named_atoms.end(), atom);
+    });
+  }
 
  private:
   // What a connector is: type, ports, data that it names. Where nothing tells its ports apart their order does not
   // count.
-  Key key_of(u32 connector, const std::map<u32, u32>& exchange) const {
+  Key key_of(u32 connector, const AtomExchange& exchange) const {
     const Connector& row = image_.connectors[connector];
     const ConnectorType& type = image_.connector_types[row.type];
     const auto image_of = [&](u32 atom) {
@@ -168,7 +183,7 @@ class SymmetryDetector {
     }
     return key;
   }
-  void append_ref(const PortRef& ref, const std::map<u32, u32>& exchange, Key& key) const {
+  void append_ref(const PortRef& ref, const AtomExchange& exchange, Key& key) const {
     if (ref.choice != kNone) {
       key.push_back(2);
       for (const PortRef& port : image_.choices[ref.choice].ports) append_ref(port, exchange, key);
@@ -184,6 +199,8 @@ class SymmetryDetector {
 
   const Image& image_;
   const Locals& locals_;
+  const SymmetryLimits& limits_;
+  u64 work_ = 0;
   IndexVector<VariableId, std::pair<u32, u32>> owner_;  // atom, and which of its variables
   std::vector<std::vector<u32>> connectors_of_;         // by atom: those that run
   bool is_too_deep_ = false;
@@ -191,39 +208,40 @@ class SymmetryDetector {
 
 }  // namespace
 
-Symmetry::Symmetry(const Image& image, const Locals& locals) {
+Symmetry::Symmetry(const Image& image, const Locals& locals, const SymmetryLimits& limits) {
   if (image.priorities.size != 0) return;
-  const SymmetryDetector finder(image, locals);
+  SymmetryDetector finder(image, locals, limits);
   const std::vector<Family> families = finder.families();
   std::set<u32> taken;
   const auto try_together = [&](const std::vector<const Family*>& together) {
     const std::vector<std::vector<u32>> columns = finder.columns(together, taken);
     std::vector<std::vector<std::size_t>> parts;
+    std::size_t unnamed_parts = 0;
     for (std::size_t k = 0; k < columns.size(); ++k) {
       auto part = parts.begin();
       while (part != parts.end() && !finder.is_automorphism(columns[part->front()], columns[k])) ++part;
-      if (part != parts.end()) part->push_back(k);
-      else if (parts.size() == kGroupsOfFamily) return false;
-      else parts.push_back({k});
+      if (part != parts.end()) {
+        part->push_back(k);
+        continue;
+      }
+      // What the predicate names may well be an individual.
+      if (!finder.is_named(columns[k]) && ++unnamed_parts > kGroupsOfFamily) return false;
+      parts.push_back({k});
     }
+    if (!finder.has_work_left()) return false;
     bool any = false;
     for (const std::vector<std::size_t>& part : parts) {
       if (part.size() < 2) continue;
       any = true;
-      Group group{static_cast<u32>(part.size()), static_cast<u32>(columns[part[0]].size()), {}};
-      for (const std::size_t k : part) group.atoms.insert(group.atoms.end(), columns[k].begin(), columns[k].end());
+      Group group{static_cast<u32>(part.size()), static_cast<u32>(columns[part[0]].size()), {}, {}, {}};
+      for (const Family* family : together)
+        group.array += (group.array.empty() ? "" : " with ") + std::string(relative(family->name.c_str()));
+      for (const std::size_t k : part) {
+        group.atoms.insert(group.atoms.end(), columns[k].begin(), columns[k].end());
+        group.indices.push_back(std::next(together[0]->members.begin(), static_cast<std::ptrdiff_t>(k))->first);
+      }
       taken.insert(group.atoms.begin(), group.atoms.end());
       groups_.push_back(std::move(group));
-      std::string name;
-      for (const Family* family : together) {
-        name += (name.empty() ? "" : " with ") + std::string(relative(family->name.c_str())) + "[";
-        for (std::size_t k = 0; k < part.size(); ++k) {
-          name += k == 0 ? "" : ",";
-          append_number(name, std::next(family->members.begin(), static_cast<std::ptrdiff_t>(part[k]))->first);
-        }
-        name += "]";
-      }
-      names_.push_back(std::move(name));
     }
     return any;
   };
@@ -241,32 +259,132 @@ Symmetry::Symmetry(const Image& image, const Locals& locals) {
     if (together.size() > 1) (void)try_together(together);
     left = std::move(others);
   }
+  name_groups();
+}
+
+void Symmetry::name_groups() {
+  names_.clear();
+  for (const Group& group : groups_) {
+    std::string indices;
+    for (const u32 index : group.indices) {
+      indices += indices.empty() ? "[" : ",";
+      append_number(indices, index);
+    }
+    indices += ']';
+    std::string name = group.array;
+    for (std::size_t at = name.find(" with "); at != std::string::npos; at = name.find(" with ", at)) {
+      name.insert(at, indices);
+      at += indices.size() + 1;
+    }
+    names_.push_back(name + indices);
+  }
+}
+
+void Symmetry::fix_first_members() {
+  for (Group& group : groups_) {
+    --group.members;
+    group.atoms.erase(group.atoms.begin(), group.atoms.begin() + group.width);
+    group.indices.erase(group.indices.begin());
+  }
+  std::erase_if(groups_, [](const Group& group) { return group.members < 2; });
+  name_groups();
+}
+
+std::vector<u32> Symmetry::permuted_atoms() const {
+  std::vector<u32> atoms;
+  for (const Group& group : groups_) atoms.insert(atoms.end(), group.atoms.begin(), group.atoms.end());
+  return atoms;
+}
+
+// Sorts the members of a group by the numbers of their atoms. Returns whether they were in another order.
+template <class Get, class Set>
+bool Symmetry::sort_members(const Group& group, const Get& get, const Set& set, std::vector<u64>& scratch) {
+  const u32 width = group.width;
+  BIP_ASSERT(group.atoms.size() == std::size_t{group.members} * width, "{} atoms", group.atoms.size());
+  scratch.resize(std::size_t{group.members} * (width + 1));
+  u64* values = scratch.data() + group.members;  // scratch begins with the order
+  bool is_sorted = true;
+  const auto less = [&](u64 a, u64 b) {
+    return std::lexicographical_compare(values + a * width, values + (a + 1) * width, values + b * width,
+                                        values + (b + 1) * width);
+  };
+  for (u32 member = 0; member < group.members; ++member) {
+    scratch[member] = member;
+    for (u32 k = 0; k < width; ++k)
+      values[std::size_t{member} * width + k] = get(group.atoms[std::size_t{member} * width + k]);
+    is_sorted = is_sorted && (member == 0 || !less(member, member - 1));
+  }
+  if (is_sorted) return false;
+  std::sort(scratch.begin(), scratch.begin() + group.members, less);
+  for (u32 member = 0; member < group.members; ++member) {
+    const u64* from = values + scratch[member] * width;
+    for (u32 k = 0; k < width; ++k) set(group.atoms[std::size_t{member} * width + k], static_cast<u32>(from[k]));
+    BIP_ASSERT(member == 0 || !less(scratch[member], scratch[member - 1]), "member {} is not in order", member);
+  }
+  return true;
 }
 
 void Symmetry::normalize(u64* state, const Layout& layout, std::vector<u64>& scratch) const {
   for (const Group& group : groups_) {
-    const u32 width = group.width;
-    BIP_ASSERT(group.atoms.size() == std::size_t{group.members} * width, "{} atoms", group.atoms.size());
-    scratch.resize(std::size_t{group.members} * (width + 1));
-    u64* values = scratch.data() + group.members;  // scratch begins with the order
-    bool is_sorted = true;
-    const auto less = [&](u64 a, u64 b) {
-      return std::lexicographical_compare(values + a * width, values + (a + 1) * width, values + b * width,
-                                          values + (b + 1) * width);
-    };
-    for (u32 member = 0; member < group.members; ++member) {
-      scratch[member] = member;
-      for (u32 k = 0; k < width; ++k)
-        values[std::size_t{member} * width + k] = layout.get(state, group.atoms[std::size_t{member} * width + k]);
-      is_sorted = is_sorted && (member == 0 || !less(member, member - 1));
+    (void)sort_members(
+        group, [&](u32 atom) { return layout.get(state, atom); },
+        [&](u32 atom, u32 number) { layout.set(state, atom, number); }, scratch);
+  }
+}
+
+bool Symmetry::normalize(std::vector<u32>& numbers, std::vector<u64>& scratch) const {
+  bool has_changed = false;
+  for (const Group& group : groups_) {
+    has_changed = sort_members(
+                      group, [&](u32 atom) { return numbers[atom]; },
+                      [&](u32 atom, u32 number) { numbers[atom] = number; }, scratch) ||
+                  has_changed;
+  }
+  return has_changed;
+}
+
+void Symmetry::index_interactions(const Shapes& shapes) {
+  u32 atoms = 0;
+  for (const Group& group : groups_)
+    atoms = std::max(atoms, 1 + *std::max_element(group.atoms.begin(), group.atoms.end()));
+  // By atom: its group and its member.
+  std::vector<std::pair<u32, u32>> place_of(atoms, {kNone, 0});
+  u32 base = 0;
+  for (u32 row = 0; row < groups_.size(); ++row) {
+    const Group& group = groups_[row];
+    for (u32 k = 0; k < group.atoms.size(); ++k) place_of[group.atoms[k]] = {row, base + k / group.width};
+    base += group.members;
+  }
+  lone_members_.assign(shapes.interactions.size(), {});
+  for (const InteractionId interaction : shapes.interactions.ids()) {
+    std::map<u32, std::set<u32>> members_of_group;
+    for (const u32 atom : shapes.atoms_of(interaction)) {
+      if (atom < atoms && place_of[atom].first != kNone)
+        members_of_group[place_of[atom].first].insert(place_of[atom].second);
     }
-    if (is_sorted) continue;
-    std::sort(scratch.begin(), scratch.begin() + group.members, less);
+    for (const auto& [group, members] : members_of_group) {
+      if (members.size() == 1) lone_members_[interaction].push_back(*members.begin());
+    }
+  }
+}
+
+void Symmetry::find_equal_members(const u64* state, const Layout& layout, std::vector<u32>& counts) const {
+  counts.clear();
+  for (const Group& group : groups_) {
+    std::size_t first = counts.size();
+    counts.resize(first + group.members, 0);
+    const auto are_equal = [&](u32 a, u32 b) {
+      for (u32 k = 0; k < group.width; ++k) {
+        if (layout.get(state, group.atoms[std::size_t{a} * group.width + k]) !=
+            layout.get(state, group.atoms[std::size_t{b} * group.width + k]))
+          return false;
+      }
+      return true;
+    };
+    const std::size_t base = first;
     for (u32 member = 0; member < group.members; ++member) {
-      const u64* from = values + scratch[member] * width;
-      for (u32 k = 0; k < width; ++k)
-        layout.set(state, group.atoms[std::size_t{member} * width + k], static_cast<u32>(from[k]));
-      BIP_ASSERT(member == 0 || !less(scratch[member], scratch[member - 1]), "member {} is not in order", member);
+      if (member != 0 && !are_equal(member - 1, member)) first = base + member;
+      ++counts[first];
     }
   }
 }

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "compiler/verify/evidence/evidence.hpp"
 #include "compiler/verify/portfolio/question.hpp"
@@ -10,13 +11,14 @@ namespace bip::verify {
 
 struct Decision {
   Outcome outcome = Outcome::Unknown;
-  Evidence evidence;             // Holds, Violated: what confirms it
-  StructuralFacts facts;         // hold, whatever the outcome; the evidence may rest on them
-  std::uint64_t states = 0;      // visited by the last search
-  u32 frames = 0;                // of IC3
-  std::string fault;             // a run-time error that a search met and that was not asked about
-  std::string reason;            // Unknown
-  const char* engine = nullptr;  // name of the engine with the verdict; null: none
+  Evidence evidence;                  // Holds, Violated: what confirms it
+  StructuralFacts facts;              // hold, whatever the outcome; the evidence may rest on them
+  std::uint64_t states = 0;           // visited by the last search
+  std::vector<std::string> permuted;  // groups of equal components that the last search permuted: `states` are fewer
+  u32 frames = 0;                     // of IC3
+  std::string fault;                  // a run-time error that a search met and that was not asked about
+  std::string reason;                 // Unknown
+  const char* engine = nullptr;       // name of the engine with the verdict; null: none
 
   /// Returns how many candidates for a bad state the solver proposed before the invariants excluded all or one stayed.
   [[nodiscard]] std::uint64_t candidates() const { return facts.proof ? facts.proof->candidates : 0; }

@@ -25,6 +25,7 @@ struct EngineResult {
   Retry retry = Retry::Useful;
   std::string reason;                   // Unknown
   std::optional<std::uint64_t> states;  // visited by a search
+  std::vector<std::string> permuted;    // by a search up to symmetry: groups of equal components
   std::optional<u32> frames;            // of IC3
   std::string fault;                    // a run-time error that a search met and that was not asked about
 };

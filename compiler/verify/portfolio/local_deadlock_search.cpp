@@ -3,11 +3,14 @@
 #include "compiler/verify/portfolio/local_deadlock_search.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <unordered_map>
 
 #include "compiler/analysis/graph_algorithms.hpp"
 #include "compiler/verify/portfolio/local_deadlock.hpp"
+#include "compiler/verify/portfolio/search_symmetry.hpp"
 #include "runtime/core/final_state.hpp"
+#include "runtime/explore/symmetry.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
@@ -99,10 +102,40 @@ class Graph {
   std::vector<BitWord> later_;          // by component: who can still move
 };
 
+// Replaces states by their representatives under permutations of equal components, one of each group fixed.
+class Orbits {
+ public:
+  explicit Orbits(const rt::Core& core)
+      : locals_(core), symmetry_(core.image(), locals_, symmetry_limits()), numbers_(core.image().atoms.size, 0) {
+    symmetry_.fix_first_members();
+    permuted_ = symmetry_.permuted_atoms();
+  }
+  [[nodiscard]] const std::vector<std::string>& names() const { return symmetry_.names(); }
+  [[nodiscard]] const std::vector<u32>& permuted() const { return permuted_; }
+  // `state` is the core's.
+  void normalize(const rt::Core& core, rt::State& state) {
+    for (const u32 atom : permuted_) numbers_[atom] = locals_.number(atom, core);
+    if (!symmetry_.normalize(numbers_, scratch_)) return;
+    for (const u32 atom : permuted_) locals_.write(atom, numbers_[atom], state);
+  }
+
+ private:
+  rt::Locals locals_;
+  rt::Symmetry symmetry_;
+  std::vector<u32> permuted_, numbers_;
+  std::vector<std::uint64_t> scratch_;
+};
+
 class Visit {
  public:
-  Visit(const Net& net, const rt::Image& image, const SearchLimits& limits)
-      : net_(net), image_(image), limits_(limits), core_(image), graph_(image.atoms.size) {}
+  Visit(const Net& net, const rt::Image& image, const SearchLimits& limits, SymmetryUse symmetry)
+      : net_(net), image_(image), limits_(limits), core_(image), graph_(image.atoms.size) {
+    is_followed_.assign(image.atoms.size, 1);
+    if (symmetry == SymmetryUse::None) return;
+    orbits_.emplace(core_);
+    for (const u32 atom : orbits_->permuted()) is_followed_[atom] = 0;
+    result_.permuted = orbits_->names();
+  }
 
   LocalDeadlockResult run() {
     SearchResult& found = result_.search;
@@ -132,7 +165,7 @@ class Visit {
         return;
       }
       for (u32 atom = 0; atom < image_.atoms.size; ++atom) {
-        if (rt::wants_to_move(core_, atom)) graph_.set_wants(row, atom);
+        if (is_followed_[atom] != 0 && rt::wants_to_move(core_, atom)) graph_.set_wants(row, atom);
       }
       const std::uint64_t count = core_.candidate_count();
       for (std::uint64_t k = 0; k < count; ++k) {
@@ -164,6 +197,7 @@ class Visit {
   // The core's state, perhaps new, reached by a step. True: an atom is stuck in it, which its candidates show.
   bool enter(u32 parent, u32 choice) {
     rt::State state = core_.snapshot();
+    if (orbits_) orbits_->normalize(core_, state);
     std::string key = state_key(state);
     const std::size_t size = 2 * key.size() + 200;
     const auto [at, is_new] = rows_.try_emplace(std::move(key), static_cast<u32>(visited_.size()));
@@ -184,13 +218,41 @@ class Visit {
   void confirm(u32 row) {
     SearchResult& found = result_.search;
     const std::string wanted = key_at(row);
-    for (u32 at = row; at != 0; at = visited_[at].parent) found.choices.push_back(visited_[at].choice);
-    std::reverse(found.choices.begin(), found.choices.end());
+    std::vector<u32> path;
+    for (u32 at = row; at != 0; at = visited_[at].parent) path.push_back(at);
+    std::reverse(path.begin(), path.end());
     rt::Core core(image_);
     bool is_there = core.initialize();
-    for (std::uint64_t k : found.choices) is_there = is_there && k < core.candidate_count() && core.fire(k);
-    found.end = is_there && state_key(core.snapshot()) == wanted ? SearchEnd::Found : SearchEnd::Limit;
+    for (const u32 at : path) is_there = is_there && (orbits_ ? step_to(core, at) : step_by(core, visited_[at].choice));
+    found.end = is_there && key_of(core) == wanted ? SearchEnd::Found : SearchEnd::Limit;
     if (found.end == SearchEnd::Limit) found.limit = "a state that was found could not be entered again";
+    // Permutations of the path are undone: in its last state others may be the ones that wait.
+    if (found.end == SearchEnd::Found && orbits_ && net_.too_large_atom == kNoRow) {
+      std::vector<u32> stuck = locally_deadlocked_atoms(net_, core);
+      if (!stuck.empty()) result_.stuck = std::move(stuck);
+    }
+  }
+  bool step_by(rt::Core& core, std::uint64_t choice) {
+    result_.search.choices.push_back(choice);
+    return choice < core.candidate_count() && core.fire(choice);
+  }
+  // By the first candidate that leads to a state that the row represents.
+  bool step_to(rt::Core& core, u32 row) {
+    const std::string wanted = key_at(row);
+    const rt::State before = core.snapshot();
+    const std::uint64_t count = core.candidate_count();
+    for (std::uint64_t k = 0; k < count; ++k) {
+      if (k != 0 && !core.restore(before)) return false;
+      if (!core.fire(k) || key_of(core) != wanted) continue;
+      result_.search.choices.push_back(k);
+      return true;
+    }
+    return false;
+  }
+  [[nodiscard]] std::string key_of(const rt::Core& core) {
+    rt::State state = core.snapshot();
+    if (orbits_) orbits_->normalize(core, state);
+    return state_key(state);
   }
   [[nodiscard]] std::string key_at(u32 row) const {
     for (const auto& [key, at] : rows_) {
@@ -205,6 +267,8 @@ class Visit {
   rt::Core core_;
   Graph graph_;
   LocalDeadlockResult result_;
+  std::optional<Orbits> orbits_;           // none: all states are their own representatives
+  std::vector<std::uint8_t> is_followed_;  // by atom: no permutation moves it
   std::unordered_map<std::string, u32> rows_;
   std::vector<Visited> visited_;
   std::vector<rt::State> states_;  // emptied when their steps have been taken
@@ -214,8 +278,9 @@ class Visit {
 
 }  // namespace
 
-LocalDeadlockResult find_local_deadlock(const Net& net, const rt::Image& image, const SearchLimits& limits) {
-  return Visit(net, image, limits).run();
+LocalDeadlockResult find_local_deadlock(const Net& net, const rt::Image& image, const SearchLimits& limits,
+                                        SymmetryUse symmetry) {
+  return Visit(net, image, limits, symmetry).run();
 }
 
 }  // namespace bip::verify

@@ -9,6 +9,7 @@
 #include "compiler/verify/portfolio/induction_engines.hpp"
 #include "compiler/verify/portfolio/local_lemma_engine.hpp"
 #include "compiler/verify/portfolio/search_engines.hpp"
+#include "compiler/verify/portfolio/search_symmetry.hpp"
 #include "compiler/verify/portfolio/small_instance_engine.hpp"
 #include "compiler/verify/portfolio/structural_engines.hpp"
 #include "runtime/include/bip/assert.hpp"
@@ -39,6 +40,11 @@ struct PortfolioRow {
 bool has_no_plainer_proof(const ProofContext& context) {
   return context.cached.method != ProofMethod::Invariants && context.cached.method != ProofMethod::Induction;
 }
+// Up to permutations of equal components the states may be few, however many components there are.
+bool is_symmetric(const ProofContext& context) {
+  return !context.limits.wants_certificate && context.parts.has_code() &&
+         has_symmetry(context.question, context.parts.image());
+}
 bool takes_turns_with_search(const ProofContext& context) {
   return context.limits.may_search && context.parts.is_searchable();
 }
@@ -55,6 +61,7 @@ constexpr PortfolioRow kRows[] = {
     {&kPortUseEngine, {ShareOf::TimeLeft, 1.0 / 4}, WhenOver::Attempt, has_no_plainer_proof},
     {&kInvariantEngine, {}, WhenOver::Attempt},
     {&kFirstSearchEngine, {}, WhenOver::Attempt},
+    {&kExhaustiveEngine, kFirstTurn, WhenOver::Skip, is_symmetric},
     {&kLocalizedEngine, {ShareOf::TimeOfLongEngines, 1.0 / 3}},
     {&kAffineEngine, kThird},
     {&kExhaustiveEngine, kFirstTurn},
@@ -110,7 +117,10 @@ class PortfolioRun {
   bool attempt(const Engine& engine, const Budget& budget) {
     EngineResult found = engine.attempt(context_, budget, cancellation_);
     if (found.retry == Retry::Pointless) given_up_.push_back(&engine);
-    if (found.states) decision_.states = *found.states;
+    if (found.states) {
+      decision_.states = *found.states;
+      decision_.permuted = std::move(found.permuted);
+    }
     if (found.frames) decision_.frames = *found.frames;
     if (decision_.fault.empty()) decision_.fault = std::move(found.fault);
     if (found.outcome == Outcome::Unknown) {

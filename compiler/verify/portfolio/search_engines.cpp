@@ -3,11 +3,13 @@
 
 #include <atomic>
 
+#include "compiler/base/log.hpp"
 #include "compiler/system/system_ids.hpp"
 #include "compiler/verify/evidence/reached_states.hpp"
 #include "compiler/verify/net/unread_data.hpp"
 #include "compiler/verify/portfolio/local_deadlock_search.hpp"
 #include "compiler/verify/portfolio/random_runs.hpp"
+#include "compiler/verify/portfolio/search_symmetry.hpp"
 #include "runtime/explore/explore.hpp"
 #include "runtime/include/bip/assert.hpp"
 
@@ -105,8 +107,13 @@ EngineResult search_all(ProofContext& context, const Budget& budget, const Cance
     options.predicate_connectors = connectors_of(question.property);
   }
   options.is_stopped = [&] { return is_found || share.is_over(); };
+  // A certificate lists the states themselves.
+  if (!context.limits.wants_certificate) use_symmetry(question, image, options);
   rt::ExploreReport all = rt::explore_states(image, options);
   result.states = all.states;
+  result.permuted = all.groups;
+  for ([[maybe_unused]] const std::string& group : all.groups)
+    BIP_LOG(Portfolio, 1, "states up to permutations of {}", group);
   if (!asks_errors && all.has_error) result.fault = fault_of(image, all.error);
   const bool has_bad = asks_errors ? all.has_error : asks_state ? all.has_match : all.has_deadlock;
   if (has_bad && all.are_paths_known) {
@@ -140,8 +147,20 @@ EngineResult search_local_deadlock(ProofContext& context, const Budget& budget, 
     return result;
   }
   if (!context.parts.has_code()) return result;
-  LocalDeadlockResult found = find_local_deadlock(context.parts.net(), context.parts.image(),
-                                                  search_limits(context, cancellation.within(budget.seconds)));
+  const Net& net = context.parts.net();
+  const rt::Image& image = context.parts.image();
+  SearchLimits limits = search_limits(context, cancellation.within(budget.seconds));
+  const bool may_permute = !context.limits.wants_certificate && has_symmetry(image);
+  // Without symmetry, all components that wait are known: so for as long as that is cheap.
+  if (may_permute) limits.states = kFirstStates;
+  LocalDeadlockResult found = find_local_deadlock(net, image, limits);
+  if (may_permute && found.search.end == SearchEnd::Limit && found.search.states >= limits.states) {
+    limits.states = ~std::uint64_t{0};
+    found = find_local_deadlock(net, image, limits, SymmetryUse::Permute);
+    result.permuted = found.permuted;
+    for ([[maybe_unused]] const std::string& group : found.permuted)
+      BIP_LOG(Portfolio, 1, "states up to permutations of {}", group);
+  }
   result.states = found.search.states;
   result.fault = std::move(found.search.fault);
   switch (found.search.end) {
