@@ -1,10 +1,13 @@
 // bip-verify-check: random systems, each asked three questions (deadlock, run-time errors, a random property), the
 // prover's verdicts against a visit of all states.
 //
-//   bip-verify-check --from S --count N [--states N] [--seconds S] [--out DIR] [--sort nets|models|sizes]
+//   bip-verify-check --from S --count N [--states N] [--seconds S] [--out DIR] [--sort nets|models|sizes|equal]
 //
 // Of every fourth seed (--sort sizes: of all) a system with an array is asked, too, and answered by what small
 // instances of it teach; a proof must agree with the visit.
+//
+// Of every fourth seed (--sort equal: of all) a system with equal components is asked, and answered by searches up to
+// symmetry: their verdicts must be those of the visit of all states.
 //
 // Of every fifth seed the questions are asked again with kept proofs: as they were left, damaged, and forged under a
 // right hash. Answers must be the same; what forged proofs led to is given to certcheck, too.
@@ -25,13 +28,18 @@
 #include "compiler/system/bsys.hpp"
 #include "compiler/verify/evidence/certificate.hpp"
 #include "compiler/verify/evidence/counterexample_text.hpp"
+#include "compiler/verify/portfolio/local_deadlock_search.hpp"
 #include "compiler/verify/portfolio/local_lemma_engine.hpp"
+#include "compiler/verify/portfolio/search_engines.hpp"
+#include "compiler/verify/portfolio/search_symmetry.hpp"
 #include "compiler/verify/portfolio/small_instance_engine.hpp"
 #include "tests/verify/random_property.hpp"
 #include "tests/verify/relevance_oracle.hpp"
 #include "tests/verify/sized_net.hpp"
 #include "tests/verify/small_net.hpp"
+#include "tests/verify/symmetric_net.hpp"
 #include "tests/verify/tampering.hpp"
+#include "tests/verify/waiting_oracle.hpp"
 #include "tools/gen/compiled.hpp"
 #include "tools/gen/description.hpp"
 
@@ -43,7 +51,7 @@ struct Options {
   std::uint64_t from = 1, count = 100, states = 5000;
   double seconds = 1;
   std::string out, print;
-  bool nets = true, models = true, sizes = true;
+  bool nets = true, models = true, sizes = true, equal = true;
 };
 struct Totals {
   std::uint64_t systems = 0, questions = 0, too_large = 0, holds = 0, violated = 0, open_proofs = 0, unknown = 0,
@@ -51,6 +59,10 @@ struct Totals {
   std::uint64_t decided = 0;                  // answers of the prover
   std::uint64_t learnt = 0, learnt_from = 0;  // proofs by small instances; questions
   std::uint64_t local = 0;                    // proofs by local lemmas
+  // Searches up to symmetry; those that permuted components, and how many of these found a bad state; states, and those
+  // that were saved.
+  std::uint64_t symmetric = 0, permuted = 0, permuted_violated = 0, orbits = 0, orbits_saved = 0;
+  std::uint64_t permuted_stuck = 0;
   std::uint64_t reused = 0, whole = 0, rows = 0, forged_rows = 0;
   verify::test::RelevanceCounts relevance;
 };
@@ -98,6 +110,37 @@ class Check {
     int number = 0;
     for (const verify::Question* question : {&deadlock, &errors, &state})
       one(c, *question, name + '-' + std::to_string(number++));
+  }
+
+  // A system with equal components: searches up to symmetry against a visit of all states.
+  void equal(const std::string& name, std::uint64_t seed) {
+    name_ = name;
+    const verify::test::SymmetricNet net = verify::test::symmetric_net(seed);
+    const gen::Compiled c = gen::compile_texts({net.text});
+    if (!c.problem.empty()) {
+      fail("does not compile: " + c.problem);
+      return;
+    }
+    ++t_.systems;
+    const interp::Interpreter interpreter(*c.lowered);
+    std::vector<std::string> asked{"deadlock", "errors"};
+    asked.insert(asked.end(), net.properties.begin(), net.properties.end());
+    for (std::size_t number = 0; number < asked.size(); ++number) {
+      verify::Question question;
+      question.what = number == 0   ? verify::QuestionKind::DeadlockFreedom
+                      : number == 1 ? verify::QuestionKind::NoErrors
+                                    : verify::QuestionKind::State;
+      if (question.what == verify::QuestionKind::State) {
+        Result<verify::Property> parsed = verify::parse_property(asked[number], *c.system);
+        if (!parsed) {
+          fail("property `" + asked[number] + "`: " + parsed.error());
+          return;
+        }
+        question.property = std::move(*parsed);
+      }
+      search_up_to_symmetry(c, question, asked[number]);
+    }
+    wait_up_to_symmetry(c);
   }
 
   // A system whose array is longer than those that it is learnt from.
@@ -167,6 +210,67 @@ class Check {
     ++t_.failed;
     std::printf("FAILED %s: %s\n", name_.c_str(), what.c_str());
     std::fflush(stdout);
+  }
+
+  verify::SearchLimits limits_of_visit() const {
+    return {.cancellation = verify::within_seconds(20), .megabytes = 1000, .states = o_.states, .report = {}};
+  }
+
+  void search_up_to_symmetry(const gen::Compiled& c, const verify::Question& question, const std::string& asked) {
+    const verify::Net net = verify::build_net(*c.system);
+    const rt::Image& image = c.lowered->image;
+    const verify::SearchResult all = verify::search(net, image, verify::goal_of(question), {}, limits_of_visit());
+    if (all.end == verify::SearchEnd::Limit) {
+      ++t_.too_large;
+      return;
+    }
+    verify::SystemParts parts(*c.system, image, verify::StateAccess::Searchable, [] { return true; });
+    verify::PortfolioLimits few;
+    few.cancellation = verify::within_seconds(20);
+    few.megabytes = 1000;
+    const verify::Report report = [](const char*, std::uint64_t, const char*) {};
+    verify::ProofContext context{parts, question, few, report, nullptr, {}, {}};
+    const verify::EngineResult found = verify::kExhaustiveEngine.attempt(context, {}, few.cancellation);
+    const bool is_violated = all.end == verify::SearchEnd::Found;
+    ++t_.symmetric;
+    if (!found.permuted.empty()) {
+      ++t_.permuted;
+      t_.permuted_violated += is_violated ? 1 : 0;
+      if (!is_violated && found.states) {
+        t_.orbits += *found.states;
+        t_.orbits_saved += all.states - std::min(all.states, *found.states);
+      }
+    }
+    if (found.outcome == verify::Outcome::Unknown) fail(asked + ": no answer up to symmetry: " + found.reason);
+    else if ((found.outcome == verify::Outcome::Violated) != is_violated)
+      fail(asked + (is_violated ? ": holds up to symmetry, but a bad state is reachable"
+                                : ": violated up to symmetry, but all states are fine"));
+    const auto* const run = std::get_if<verify::Counterexample>(&found.evidence);
+    if (run != nullptr && !verify::reaches(image, verify::goal_of(question), run->choices))
+      fail(asked + ": the way cannot be taken");
+  }
+
+  void wait_up_to_symmetry(const gen::Compiled& c) {
+    const rt::Image& image = c.lowered->image;
+    if (!verify::has_symmetry(image)) return;
+    const verify::Net net = verify::build_net(*c.system);
+    if (net.too_large_atom != verify::kNoRow) return;
+    const verify::LocalDeadlockResult all = verify::find_local_deadlock(net, image, limits_of_visit());
+    if (all.search.end == verify::SearchEnd::Limit) return;
+    const verify::LocalDeadlockResult few =
+        verify::find_local_deadlock(net, image, limits_of_visit(), verify::SymmetryUse::Permute);
+    ++t_.symmetric;
+    if (few.search.end != all.search.end) {
+      fail(few.search.end == verify::SearchEnd::Limit ? "local deadlock: no answer up to symmetry: " + few.search.limit
+                                                      : "local deadlock: another answer up to symmetry");
+      return;
+    }
+    if (few.search.end != verify::SearchEnd::Found) return;
+    ++t_.permuted_stuck;
+    if (few.search.choices.size() != all.search.choices.size()) fail("local deadlock: another length up to symmetry");
+    if (const std::string problem = verify::test::check_waiting(image, few.search.choices, few.stuck, o_.states);
+        !problem.empty())
+      fail("local deadlock up to symmetry: " + problem);
   }
 
   void one(const gen::Compiled& c, const verify::Question& question, const std::string& file) {
@@ -310,6 +414,7 @@ int main(int argc, char** argv) {
       o.nets = std::strcmp(value, "nets") == 0;
       o.models = std::strcmp(value, "models") == 0;
       o.sizes = std::strcmp(value, "sizes") == 0;
+      o.equal = std::strcmp(value, "equal") == 0;
     }
   }
   Totals t;
@@ -321,6 +426,7 @@ int main(int argc, char** argv) {
     if (o.nets) check.system("values" + std::to_string(seed), {verify::test::value_net(seed)}, seed);
     if (o.nets && (seed % 2 == 0 || !o.print.empty()))
       check.system("counters" + std::to_string(seed), {verify::test::counter_net(seed)}, seed);
+    if (o.equal && o.print.empty() && (seed % 4 == 0 || !o.nets)) check.equal("equal" + std::to_string(seed), seed);
     if (o.sizes && o.print.empty() && (seed % 4 == 0 || !o.nets)) check.sized("sizes" + std::to_string(seed), seed);
     if (o.models) check.system("model" + std::to_string(seed), gen::print_packages(gen::generate(seed)), seed);
   }
@@ -336,6 +442,16 @@ int main(int argc, char** argv) {
               n(t.relevance.left_out), n(t.relevance.decided), n(t.relevance.inevitable));
   std::printf("small instances: %llu questions, %llu proofs with lemmas learnt from them, %llu by local lemmas\n",
               n(t.learnt_from), n(t.learnt), n(t.local));
+  std::printf(
+      "symmetry: %llu searches, %llu permuted components (%llu violated, %llu waited), %llu states instead of %llu\n",
+      n(t.symmetric), n(t.permuted), n(t.permuted_violated), n(t.permuted_stuck), n(t.orbits),
+      n(t.orbits + t.orbits_saved));
+  constexpr std::uint64_t kManySymmetric = 200;
+  if (t.symmetric >= kManySymmetric && (t.permuted == 0 || t.permuted == t.symmetric || t.permuted_violated == 0 ||
+                                        t.permuted_stuck == 0 || t.orbits_saved == 0)) {
+    ++t.failed;
+    std::printf("FAILED: of %llu searches none permuted components with each answer\n", n(t.symmetric));
+  }
   // Of so many systems some have answers; a run without is no test.
   constexpr std::uint64_t kMany = 20;
   if (o.print.empty() && (o.nets || o.models) && t.systems >= kMany &&
