@@ -33,19 +33,23 @@ struct PortfolioRow {
   const Engine* engine;
   Share share = {};
   WhenOver when_over = WhenOver::Skip;
-  bool (*is_due)(const ProofContext& context) = [](const ProofContext&) { return true; };
+  bool (*is_due)(ProofContext& context) = [](ProofContext&) { return true; };
 };
 
 // What the cache says was proved without port uses is likely to be again.
-bool has_no_plainer_proof(const ProofContext& context) {
+bool has_no_plainer_proof(ProofContext& context) {
   return context.cached.method != ProofMethod::Invariants && context.cached.method != ProofMethod::Induction;
 }
 // Up to permutations of equal components the states may be few, however many components there are.
-bool is_symmetric(const ProofContext& context) {
-  return !context.limits.wants_certificate && context.parts.has_code() &&
-         has_symmetry(context.question, context.parts.image());
+bool is_symmetric(ProofContext& context) {
+  if (!context.is_symmetric) {
+    context.is_symmetric = !context.limits.wants_certificate && context.parts.has_code() &&
+                           has_symmetry(context.question, context.parts.image());
+  }
+  return *context.is_symmetric;
 }
-bool takes_turns_with_search(const ProofContext& context) {
+bool is_not_symmetric(ProofContext& context) { return !is_symmetric(context); }
+bool takes_turns_with_search(ProofContext& context) {
   return context.limits.may_search && context.parts.is_searchable();
 }
 
@@ -68,7 +72,9 @@ constexpr PortfolioRow kRows[] = {
     {&kIc3Engine, kFirstTurn, WhenOver::Skip, takes_turns_with_search},
     {&kLocalLemmaEngine, {ShareOf::TimeLeft, 1.0 / 3, 6}},
     {&kRandomRunsEngine, {ShareOf::TimeLeft, 1.0 / 8, 5}},
-    {&kSmallInstanceEngine, {ShareOf::TimeLeft, 3.0 / 4}},
+    {&kSmallInstanceEngine, {ShareOf::TimeLeft, 3.0 / 4}, WhenOver::Skip, is_not_symmetric},
+    {&kSmallInstanceEngine, {ShareOf::TimeLeft, 1.0 / 4}, WhenOver::Skip, is_symmetric},
+    {&kExhaustiveEngine, {ShareOf::TimeLeft, 2.0 / 3}, WhenOver::Skip, is_symmetric},
     {&kExhaustiveEngine, kSecondTurn},
     {&kIc3Engine, kSecondTurn, WhenOver::Skip, takes_turns_with_search},
     {&kIc3Engine, kThird},

@@ -77,6 +77,7 @@ struct ProofContext {
   InductionStage induction = InductionStage::Untried;
   CachedLemmaUse cached_lemmas = CachedLemmaUse::Try;
   const SmallInstances* small_instances = nullptr;  // of the model; null: there are none
+  std::optional<bool> is_symmetric = std::nullopt;  // may a search permute components? absent: not yet asked
 
   /// Is the cached proof about this very system?
   [[nodiscard]] bool is_cached_system() const { return cache != nullptr && cache->counts.is_whole; }
