@@ -190,7 +190,7 @@ Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify:
                      const std::string& note, const verify::CancellationToken& token) {
   const bool asks_partial = question.what == verify::QuestionKind::NoLocalDeadlock;
   if (asks_partial && request.wants_certificate) {
-    refuse(c, "a certificate of `--partial` for a model with time");
+    refuse(c, "a certificate for `--partial` of a model with time");
     return {};
   }
   if (has_undetermined_values(*c.system)) return unknown_because_of_values(*c.system);

@@ -23,6 +23,7 @@ MODELS, GOLDENS = ROOT / "models", ROOT / "tests/golden/verify"
 TIMEOUT = 300
 
 LANE = "never (into[0]@FULL || into[0]@FULL_NEXT) && into[0].round != out[0].round && into[0].bit != out[0].bit"
+AGREEMENT = "never proposer[0]@CHOSEN && proposer[1]@CHOSEN && proposer[0].value != proposer[1].value"
 # By row of the table: model, arguments, what becomes of it, how a line of the certificate begins.
 ROWS = {
     "deadlock-free, error-free, `never` and `always` of a state: by invariants or induction": [
@@ -31,6 +32,8 @@ ROWS = {
     "the same, by a visit of all states": [
         ("sizes/semaphore.bip", ["--root", "Shared(3)", "--property", "errors"], "accepted", None),
         ("free_by_exhaustion.golden", [], "counted", "method exhaustive")],
+    "the same, by a visit up to [symmetry](#symmetry)": [
+        ("scaling/paxos.bip", ["--root", "Synod(6, 2)", "--property", AGREEMENT], "accepted", "state ")],
     "the same, of a model whose C++ was left out": [
         ("unread_cpp.golden", ["--property", "never a.n > 5"], "accepted", "method induction")],
     "properties of runs, invariants that look back": [
@@ -50,6 +53,8 @@ ROWS = {
         ("sizes/token_ring.bip", ["--for-all", "n"], "accepted", None)],
     "`--partial`": [
         ("classic/philosophers_safe.bip", ["--root", "Table(3)", "--partial"], "accepted", "state ")],
+    "`--partial` of a model with time": [
+        ("timed/two_rods.bip", ["--partial"], "refused", None)],
 }
 
 
