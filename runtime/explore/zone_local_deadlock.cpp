@@ -3,8 +3,9 @@
 // For one atom, the points from which a run moves it are the least set that has those at which it takes part in a step,
 // and those from which time, a step or a busy atom that goes on leads into the set. Sets are lists of zones by node;
 // before a step lie the points that are in the set once the step has set their clocks (Bouajjani, Tripakis, Yovine
-// 1997). All operations are exact, for time goes by ticks. A zone has points that it only forgot to leave out; what can
-// happen from them can happen from others of the zone, so they are looked for a path only to be passed over.
+// 1997). All operations are exact, for time goes by ticks. A zone also has points that it only forgot to leave out:
+// what can happen from such a point can happen from another one of the zone, but no path leads to it, so several are
+// tried.
 #include <algorithm>
 
 #include "bip/assert.hpp"
@@ -15,7 +16,6 @@ namespace bip::rt {
 
 namespace {
 
-// To how many points a path is looked for: of a point that a zone only has because it forgot, none leads there.
 constexpr std::size_t kMostPaths = 256;
 constexpr u32 kNodesPerLook = 256;  // at the clock
 
@@ -41,18 +41,20 @@ class PointsBefore {
     }
   }
 
-  // is_over: asked now and then. False: it was.
+  // is_over: asked now and then, with the bytes of the zones. False: it was.
   template <class IsOver>
   bool find(u32 atom, const IsOver& is_over) {
     for (std::vector<Zone>& zones : points_) zones.clear();
     todo_.clear();
+    bytes_ = 0;
     for (const ZoneMove& move : moves_) {
       if (std::find(move.atoms.begin(), move.atoms.end(), atom) != move.atoms.end()) add(move.from, move.part);
     }
     for (u32 count = 0; !todo_.empty(); ++count) {
-      if (count % kNodesPerLook == 0 && is_over()) return false;
+      if (count % kNodesPerLook == 0 && is_over(bytes_)) return false;
       const auto [node, zone] = std::move(todo_.back());
       todo_.pop_back();
+      bytes_ -= zone.bytes();
       for (const u32 row : into_[node]) step_back(moves_[row], zone);
     }
     return true;
@@ -70,8 +72,13 @@ class PointsBefore {
     std::vector<Zone> rest{zone};
     subtract_all(rest, known);
     if (rest.empty()) return;
-    std::erase_if(known, [&](const Zone& other) { return zone.includes(other); });
+    std::erase_if(known, [&](const Zone& other) {
+      if (!zone.includes(other)) return false;
+      bytes_ -= other.bytes();
+      return true;
+    });
     known.push_back(zone);
+    bytes_ += 2 * zone.bytes();
     todo_.emplace_back(node, std::move(zone));
   }
 
@@ -102,6 +109,7 @@ class PointsBefore {
   std::vector<std::vector<u32>> into_;     // by node: moves
   std::vector<std::vector<Zone>> points_;  // by node
   std::vector<std::pair<u32, Zone>> todo_;
+  std::size_t bytes_ = 0;
 };
 
 }  // namespace
@@ -117,7 +125,11 @@ void ZoneSearch::find_local_deadlock() {
   };
   std::vector<StuckPoints> found;
   PointsBefore before(nodes_, moves_);
-  const auto is_stopped = [this] { return is_over(); };
+  const std::size_t graph_bytes = node_bytes_;
+  const auto is_stopped = [&](std::size_t bytes) {
+    node_bytes_ = graph_bytes + bytes;
+    return is_over();
+  };
   for (u32 atom = 0; atom < image_.atoms.size; ++atom) {
     if (!before.find(atom, is_stopped)) return;
     for (u32 node = 0; node < nodes_.size(); ++node) {
