@@ -180,7 +180,7 @@ static Verdict verdict_of_parts(const verify::TimeProof& proof, const verify::Qu
   std::string text = proof_text(proof, question);
   text += remark;
   text += note;
-  json["verdict"] = question.what == verify::QuestionKind::State ? "holds" : "deadlock-free";
+  json["verdict"] = name_of(question.what, Finding::Holds);
   json["method"] = "parts";
   json["text"] = text;
   return verdict_of(json, text + stats, kOk);
@@ -288,11 +288,8 @@ Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify:
     rt::CounterexampleText described =
         rt::describe_counterexample(image, rt::MaximalProgress::On, first.end, *first.path, kStepsShown);
     if (asks_match) described.steps += end_text(image, question, found);
-    json["verdict"] = asks_partial                                   ? "local deadlock"
-                      : asks_state                                   ? "violated"
-                      : first.end == rt::CounterexampleEnd::Error    ? "error"
-                      : first.end == rt::CounterexampleEnd::TimeLock ? "time lock"
-                                                                     : "deadlock";
+    json["verdict"] =
+        first.end == rt::CounterexampleEnd::TimeLock ? "time lock" : name_of(question.what, Finding::Violated);
     json["steps"] = first.path->steps.size();
     if (request.wants_run)
       add_run(json, rt::counterexample_json(image, rt::MaximalProgress::On, first.end, *first.path));
@@ -303,10 +300,7 @@ Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify:
       run->trace =
           rt::trace_of_counterexample(image, rt::MaximalProgress::On, first.end, *first.path, rt::TraceFormat::Json);
   } else if (is_complete && !is_violated) {
-    const std::string name = asks_errors    ? "error-free"
-                             : asks_partial ? "free of local deadlocks"
-                             : asks_state   ? "holds"
-                                            : "deadlock-free";
+    const std::string name = name_of(question.what, Finding::Holds);
     json["verdict"] = name;
     json["method"] = "exhaustive";
     const std::string what = asks_errors    ? "no error in "

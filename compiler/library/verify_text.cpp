@@ -27,20 +27,6 @@ std::string count_of(std::size_t count, const char* what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
-enum class Finding : std::uint8_t { Holds, Violated };
-
-const char* name_of(verify::QuestionKind asked, Finding finding) {
-  const bool holds = finding == Finding::Holds;
-  switch (asked) {
-    case verify::QuestionKind::DeadlockFreedom: return holds ? "deadlock-free" : "deadlock";
-    case verify::QuestionKind::NoErrors: return holds ? "error-free" : "error";
-    case verify::QuestionKind::NoLocalDeadlock: return holds ? "free of local deadlocks" : "local deadlock";
-    case verify::QuestionKind::State:
-    case verify::QuestionKind::Runs: return holds ? "holds" : "violated";
-  }
-  BIP_UNREACHABLE("a question of no kind");
-}
-
 const char* found_by_visit(verify::QuestionKind asked) {
   switch (asked) {
     case verify::QuestionKind::DeadlockFreedom: return "no deadlock among";
@@ -147,6 +133,18 @@ std::string unknown_text(const Compilation& c, const verify::Decision& d, const 
 }
 
 }  // namespace
+
+const char* name_of(verify::QuestionKind asked, Finding finding) {
+  const bool holds = finding == Finding::Holds;
+  switch (asked) {
+    case verify::QuestionKind::DeadlockFreedom: return holds ? "deadlock-free" : "deadlock";
+    case verify::QuestionKind::NoErrors: return holds ? "error-free" : "error";
+    case verify::QuestionKind::NoLocalDeadlock: return holds ? "free of local deadlocks" : "local deadlock";
+    case verify::QuestionKind::State:
+    case verify::QuestionKind::Runs: return holds ? "holds" : "violated";
+  }
+  BIP_UNREACHABLE("a question of no kind");
+}
 
 std::string error_note(const std::string& fault) {
   return fmt::format("note: this holds, but a run can end with an error: {}\n", fault);

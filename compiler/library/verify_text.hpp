@@ -11,6 +11,10 @@ namespace bip::library {
 
 using namespace pipeline;
 
+enum class Finding : std::uint8_t { Holds, Violated };
+/// The verdict's name in text and JSON: "deadlock-free", "deadlock", "holds" …
+[[nodiscard]] const char* name_of(verify::QuestionKind asked, Finding finding);
+
 struct VerdictText {
   int exit_code = 0;
   std::string name;  // "deadlock-free", "violated", "unknown" …

@@ -131,12 +131,14 @@ std::string state_of(const Controller& controller, const std::optional<std::set<
   const rt::Image& image = controller.image();
   const Execution& system = controller.system();
   std::set<std::string> wanted;
-  for (const std::string& name : names.value_or(std::set<std::string>())) {
-    wanted.insert(rt::whole_path(name));
-    if (system.place(rt::whole_path(name)).empty()) return "there is no atom `" + name + "`";
+  if (names) {
+    for (const std::string& name : *names) {
+      wanted.insert(rt::whole_path(name));
+      if (system.place(rt::whole_path(name)).empty()) return "there is no atom `" + name + "`";
+    }
   }
   for (const rt::Atom& atom : image.atoms) {
-    if (!wanted.empty() && !wanted.contains(atom.path())) continue;
+    if (names && !wanted.contains(atom.path())) continue;
     if (atoms.size() == kMaxAtoms) break;
     const rt::AtomType& type = image.atom_types[atom.type];
     const std::uint32_t hidden = rt::visible_variables(type);

@@ -29,7 +29,8 @@ struct DistributedResult : SimulatedResult {
   u64 bytes = 0, refused = 0;  // of frames; frames and connections
   std::vector<NodeUse> use;    // by node
   i64 started = 0;             // ns until all nodes were there
-  u64 most_waiting_bytes = 0;  // of steps that the nodes had told, and that were not written yet
+  u64 most_waiting_bytes =
+      0;  // greatest size, at any time, of steps that nodes had reported and that waited to be written
 };
 
 /// Of an initialized core. Leaves the core in the last state; core.fault() has the fault, if there is one.

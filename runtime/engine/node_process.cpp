@@ -20,9 +20,9 @@ constexpr i64 kSendWhile = 100000;           // ns of actions after which what i
 constexpr i64 kBeforeLook = 100000;          // ns of steps of atoms at home here before the node looks what came
 constexpr u64 kQuickSteps = 32;              // steps from one reading of the clock to the next, if actions are short
 constexpr i64 kQuick = 3000;                 // ns of a step up to which they are
-constexpr u64 kLeastChunk = 64;              // steps that are taken at once, at least
-constexpr u64 kMostTold = 256;               // steps that the launcher is told of at once
-constexpr std::size_t kMostText = 1u << 15;  // bytes of their text
+constexpr u64 kLeastChunk = 64;              // steps of a batch, at least
+constexpr u64 kMostTold = 256;               // steps in one message to the launcher, at most
+constexpr std::size_t kMostText = 1u << 15;  // bytes of text in such a message: then no step is added
 constexpr i64 kLastWords = 2000000000;       // ns to wait for the launcher to hear them
 constexpr i64 kLook = 1000000000;            // ns between looks whether the launcher is there
 constexpr int kGoodbyes = 4, kGoodbye = 50;  // ms

@@ -21,7 +21,7 @@ inline constexpr u64 kMostUnwritten = u64{64} << 20;
 /// The launcher says what is written after so many bytes: often enough that no node waits for that alone.
 [[nodiscard]] constexpr u64 written_to_tell(std::size_t nodes) { return most_unwritten(nodes) / 8; }
 
-/// What the launcher needs for so many steps with one number, with the tables around them.
+/// Bytes that the launcher holds for `steps` steps that share one number and this text, its tables included.
 [[nodiscard]] inline u64 record_bytes(const StepText& text, u64 steps = 1) {
   constexpr u64 kTables = 192, kStep = 64;
   return kTables + kStep * steps + text.out.size() + text.trace.size();

@@ -234,8 +234,7 @@ Symmetry::Symmetry(const Image& image, const Locals& locals, const SymmetryLimit
       if (part.size() < 2) continue;
       any = true;
       Group group{static_cast<u32>(part.size()), static_cast<u32>(columns[part[0]].size()), {}, {}, {}};
-      for (const Family* family : together)
-        group.array += (group.array.empty() ? "" : " with ") + std::string(relative(family->name.c_str()));
+      for (const Family* family : together) group.arrays.emplace_back(relative(family->name.c_str()));
       for (const std::size_t k : part) {
         group.atoms.insert(group.atoms.end(), columns[k].begin(), columns[k].end());
         group.indices.push_back(std::next(together[0]->members.begin(), static_cast<std::ptrdiff_t>(k))->first);
@@ -271,12 +270,9 @@ void Symmetry::name_groups() {
       append_number(indices, index);
     }
     indices += ']';
-    std::string name = group.array;
-    for (std::size_t at = name.find(" with "); at != std::string::npos; at = name.find(" with ", at)) {
-      name.insert(at, indices);
-      at += indices.size() + 1;
-    }
-    names_.push_back(name + indices);
+    std::string name;
+    for (const std::string& array : group.arrays) name += (name.empty() ? "" : " with ") + array + indices;
+    names_.push_back(std::move(name));
   }
 }
 

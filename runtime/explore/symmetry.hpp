@@ -55,10 +55,10 @@ class Symmetry {
 
  private:
   struct Group {
-    u32 members = 0, width = 0;  // width: atoms of a member
-    std::vector<u32> atoms;      // member after member
-    std::string array;           // "worker", "client with session"
-    std::vector<u32> indices;    // by member
+    u32 members = 0, width = 0;       // width: atoms of a member
+    std::vector<u32> atoms;           // member after member
+    std::vector<std::string> arrays;  // "worker"; of members of several arrays "client", "session"
+    std::vector<u32> indices;         // by member
   };
   template <class Get, class Set>
   static bool sort_members(const Group& group, const Get& get, const Set& set, std::vector<u64>& scratch);

@@ -130,7 +130,8 @@ class ZoneSearch {
   static constexpr u32 kFirstLook = 1024;  // nodes
   [[nodiscard]] bool may_go_on(u32 node, u32 atom);
   // zone_local_deadlock.cpp
-  /// Notes a move of which insert() learns where it leads, until the object is gone; nothing if nobody asks.
+  /// Records a ZoneMove for as long as the object lives: insert() adds the nodes to which it leads. Does nothing unless
+  /// notes_moves_ is set.
   class NotedMove;
   void note_arrival(u32 node);
   void find_local_deadlock();

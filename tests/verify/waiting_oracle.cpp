@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <set>
 
-#include "compiler/verify/portfolio/local_deadlock.hpp"
 #include "compiler/verify/portfolio/search_bad_state.hpp"
+#include "runtime/core/final_state.hpp"
 
 namespace bip::verify::test {
 
@@ -18,7 +18,7 @@ std::string check_waiting(const rt::Image& image, const std::vector<std::uint64_
     if (choice >= core.candidate_count() || !core.fire(choice)) return "the way cannot be taken";
   }
   for (const std::uint32_t atom : atoms) {
-    if (!wants_to_move(core, atom)) return "a component does not want to move";
+    if (!rt::wants_to_move(core, atom)) return "a component does not want to move";
   }
   std::set<std::string> seen{state_key(core.snapshot())};
   std::vector<rt::State> open{core.snapshot()};

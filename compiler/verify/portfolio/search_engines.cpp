@@ -84,6 +84,12 @@ EngineResult run_some(ProofContext& context, const Budget& budget, const Cancell
   return result;
 }
 
+void note_permuted(const std::vector<std::string>& groups, EngineResult& result) {
+  result.permuted = groups;
+  for ([[maybe_unused]] const std::string& group : groups)
+    BIP_LOG(Portfolio, 1, "states up to permutations of {}", group);
+}
+
 EngineResult search_all(ProofContext& context, const Budget& budget, const CancellationToken& cancellation) {
   EngineResult result;
   if (!context.parts.has_code()) return result;
@@ -111,9 +117,7 @@ EngineResult search_all(ProofContext& context, const Budget& budget, const Cance
   if (!context.limits.wants_certificate) use_symmetry(question, image, options);
   rt::ExploreReport all = rt::explore_states(image, options);
   result.states = all.states;
-  result.permuted = all.groups;
-  for ([[maybe_unused]] const std::string& group : all.groups)
-    BIP_LOG(Portfolio, 1, "states up to permutations of {}", group);
+  note_permuted(all.groups, result);
   if (!asks_errors && all.has_error) result.fault = fault_of(image, all.error);
   const bool has_bad = asks_errors ? all.has_error : asks_state ? all.has_match : all.has_deadlock;
   if (has_bad && all.are_paths_known) {
@@ -157,9 +161,7 @@ EngineResult search_local_deadlock(ProofContext& context, const Budget& budget, 
   if (may_permute && found.search.end == SearchEnd::Limit && found.search.states >= limits.states) {
     limits.states = ~std::uint64_t{0};
     found = find_local_deadlock(net, image, limits, SymmetryUse::Permute);
-    result.permuted = found.permuted;
-    for ([[maybe_unused]] const std::string& group : found.permuted)
-      BIP_LOG(Portfolio, 1, "states up to permutations of {}", group);
+    note_permuted(found.permuted, result);
   }
   result.states = found.search.states;
   result.fault = std::move(found.search.fault);

@@ -49,7 +49,7 @@ struct TickMove {
 struct Ticks {
   std::map<Key, std::size_t> keys;  // rows of states
   std::vector<rt::State> states;
-  std::vector<std::size_t> offers;  // rows of those in which nobody has to go on at this instant
+  std::vector<std::size_t> offers;  // rows of states in which no busy atom must resume at this instant
   std::vector<TickMove> moves;
   std::set<Key> places;  // without the clocks
   bool has_deadlock = false, has_lock = false, has_error = false, is_complete = true;

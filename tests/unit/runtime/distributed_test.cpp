@@ -1151,7 +1151,7 @@ TEST_CASE("a step that a node tells of is one, or is refused") {
   std::fclose(out);
 }
 
-TEST_CASE("a node counts what is not written of its steps, and is told often enough to go on") {
+TEST_CASE("a node counts the bytes of its unwritten steps, and is told of written ones early enough") {
   for (const std::size_t nodes : {std::size_t{1}, std::size_t{4}, std::size_t{kMostNodes}}) {
     const u64 most = most_unwritten(nodes), each = record_bytes({"a step\n", ""});
     CHECK(most * nodes <= kMostUnwritten);
