@@ -2,6 +2,7 @@
 // bytes, offsets are bytes from 0; ends are exclusive. Text that is not UTF-8 is replaced.
 #include <nlohmann/json.hpp>
 
+#include "compiler/base/json_text.hpp"
 #include "compiler/diag/render.hpp"
 
 namespace bip::diag {
@@ -39,7 +40,7 @@ void render_json(std::string& out, const Diagnostic& d, const SourceMap& sources
     helps.push_back(std::move(entry));
   }
   object["helps"] = std::move(helps);
-  out += with_hidden_escaped(object.dump(-1, ' ', false, Json::error_handler_t::replace));
+  out += with_hidden_escaped(json_line(object));
   out += '\n';
 }
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "compiler/base/json_text.hpp"
 #include "compiler/diag/render.hpp"
 
 namespace bip::diag {
@@ -93,7 +94,7 @@ std::string render_sarif(const std::vector<const Diagnostic*>& diags, const Sour
   run["columnKind"] = "utf16CodeUnits";
   run["results"] = std::move(results);
   document["runs"] = Json::array({std::move(run)});
-  return with_hidden_escaped(document.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n";
+  return with_hidden_escaped(indented_json(document)) + "\n";
 }
 
 }  // namespace bip::diag

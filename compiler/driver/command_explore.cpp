@@ -7,19 +7,17 @@
 
 #include <cstdio>
 
-#include <nlohmann/json.hpp>
-
 #include "compiler/base/write_file.hpp"
 #include "compiler/driver/check_outputs.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/driver/emit_stage.hpp"
-#include "compiler/pipeline/executor.hpp"
-#include "compiler/pipeline/exit_codes.hpp"
-#include "compiler/library/add_run.hpp"
-#include "compiler/pipeline/machine.hpp"
+#include "compiler/driver/exploration_json.hpp"
 #include "compiler/driver/report.hpp"
 #include "compiler/driver/terminal.hpp"
 #include "compiler/driver/timed_models.hpp"
+#include "compiler/pipeline/executor.hpp"
+#include "compiler/pipeline/exit_codes.hpp"
+#include "compiler/pipeline/machine.hpp"
 #include "compiler/system/system.hpp"
 #include "compiler/system/uses_time.hpp"
 #include "compiler/verify/net/unread_data.hpp"
@@ -29,10 +27,6 @@
 namespace bip::driver {
 
 namespace {
-
-const char* name_of(rt::StateReduction reduction) {
-  return reduction == rt::StateReduction::None ? "none" : reduction == rt::StateReduction::Por ? "por" : "symmetry";
-}
 
 // What the chosen reduction means for the counts.
 std::string reduction_text(const rt::ExploreReport& found, rt::StateReduction reduction) {
@@ -67,39 +61,6 @@ class ExploreProgressLine {
   double next_ = 0.5;
   std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
 };
-
-struct Ways {
-  rt::CounterexampleText deadlock, error;
-};
-
-nlohmann::ordered_json way_json(const rt::Image& image, rt::MaximalProgress progress, rt::CounterexampleEnd end,
-                                const rt::Path& path, const std::string& text) {
-  nlohmann::ordered_json json{{"choices", path}, {"text", text}};
-  library::add_run(json, rt::counterexample_json(image, progress, end, rt::at_once(path)));
-  return json;
-}
-
-void print_json(const ExploreArguments& a, const rt::Image& image, const rt::ExploreReport& found, const Ways& ways) {
-  nlohmann::ordered_json json{{"format", "bipc-exploration"}, {"version", 1},
-                              {"end", name_of(found.end)},    {"reduction", name_of(a.explore.reduction)},
-                              {"states", found.states},       {"steps", found.steps},
-                              {"deadlocks", found.deadlocks}, {"errors", found.errors},
-                              {"depth", found.depth},         {"bits", found.bits}};
-  if (found.has_final_states) json["final_states"] = found.finals;
-  if (!found.groups.empty()) json["interchangeable"] = found.groups;
-  if (a.stats) {
-    json["seconds"] = found.seconds;
-    json["bytes"] = found.bytes;
-    json["threads"] = found.threads;
-  }
-  if (found.has_deadlock && found.are_paths_known)
-    json["deadlock"] =
-        way_json(image, a.explore.progress, rt::CounterexampleEnd::Deadlock, found.deadlock, ways.deadlock.steps);
-  if (found.has_error && found.are_paths_known)
-    json["error"] = way_json(image, a.explore.progress, rt::CounterexampleEnd::Error, found.error,
-                             ways.error.steps + ways.error.error);
-  write_now(stdout, json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n');
-}
 
 void print_stats(const rt::ExploreReport& found) {
   const auto states = static_cast<double>(std::max<std::uint64_t>(found.states, 1));
@@ -175,12 +136,12 @@ int command_explore(const ExploreArguments& arguments) {
   const rt::Image& image = c.lowered->image;
   const rt::ExploreReport found = search(arguments, *c.system, image);
   const rt::MaximalProgress maximal = arguments.explore.progress;
-  Ways ways;
+  ShownRuns runs;
   if (found.has_deadlock && found.are_paths_known)
-    ways.deadlock =
+    runs.deadlock =
         rt::describe_counterexample(image, maximal, rt::CounterexampleEnd::Deadlock, found.deadlock, kStepsShown);
   if (found.has_error && found.are_paths_known)
-    ways.error = rt::describe_counterexample(image, maximal, rt::CounterexampleEnd::Error, found.error, kStepsShown);
+    runs.error = rt::describe_counterexample(image, maximal, rt::CounterexampleEnd::Error, found.error, kStepsShown);
   if (!arguments.trace_path.empty() && (found.has_deadlock || found.has_error) && found.are_paths_known) {
     const std::string trace = rt::trace_of_counterexample(
         image, maximal, found.has_deadlock ? found.deadlock : found.error, arguments.format);
@@ -190,19 +151,19 @@ int command_explore(const ExploreArguments& arguments) {
     }
   }
   if (arguments.json) {
-    print_json(arguments, image, found, ways);
+    write_now(stdout, exploration_json(arguments, image, found, runs));
   } else if (arguments.format == rt::TraceFormat::Bip2) {
     write_now(stdout, rt::published_line(found));
-    write_now(stderr, ways.error.error);
+    write_now(stderr, runs.error.error);
   } else {
     std::string text;
     if (!arguments.silent) {
-      text = ways.deadlock.steps + ways.error.steps + reduction_text(found, arguments.explore.reduction);
+      text = runs.deadlock.steps + runs.error.steps + reduction_text(found, arguments.explore.reduction);
       if (!found.are_paths_known)
         text += "the way to what was found is not known: there was no time left to look for it\n";
     }
     write_now(stdout, text + rt::summary_line(found));
-    write_now(stderr, ways.error.error);
+    write_now(stderr, runs.error.error);
   }
   if (arguments.stats) print_stats(found);
   return exit_code_of(found);

@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "compiler/base/json_text.hpp"
 #include "compiler/base/write_file.hpp"
 #include "compiler/driver/check_outputs.hpp"
 #include "compiler/driver/commands.hpp"
@@ -317,8 +318,7 @@ int command_simulate(const SimulateArguments& arguments) {
     json["first_error"] = answers.first_fault;
     answers.text += "the first error:\n" + answers.first_fault;
   }
-  write_now(stdout,
-            arguments.json ? json.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n' : text + answers.text);
+  write_now(stdout, arguments.json ? json_line(json) + '\n' : text + answers.text);
   if (!answers.is_complete) return 128 + rt::interrupting_signal();
   if (!answers.first_fault.empty()) return kModelErrors;
   return answers.is_violated ? kViolated : answers.is_unknown ? kUnknown : kOk;

@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "compiler/base/json_text.hpp"
 #include "compiler/driver/commands.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/pipeline/host_compiler.hpp"
@@ -36,7 +37,7 @@ std::string as_json(const VersionArguments& built) {
                                       {"runtime", text_or_null(runtime.directory)},
                                       {"runtime_library", text_or_null(runtime.library)},
                                       {"stdlib", text_or_null(find_stdlib())}}}};
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
+  return indented_json(json) + '\n';
 }
 
 }  // namespace

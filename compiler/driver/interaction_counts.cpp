@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "compiler/base/json_text.hpp"
 #include "runtime/core/profile.hpp"
 #include "runtime/engine/replay_record.hpp"
 #include "runtime/trace/recorded.hpp"
@@ -35,14 +36,14 @@ Result<std::vector<std::uint64_t>> counts_of_trace(const rt::Tables& tables, con
 }
 
 Result<std::vector<std::uint64_t>> counts_of_profile(const rt::Tables& tables, const std::string& bytes) {
-  const nlohmann::json json = nlohmann::json::parse(bytes, nullptr, false);
-  const bool is_profile = json.is_object() && json.value("format", nlohmann::json()) == "bipc-profile" &&
+  const nlohmann::ordered_json json = parse_json(bytes);
+  const bool is_profile = json.is_object() && json.value("format", nlohmann::ordered_json()) == "bipc-profile" &&
                           json.contains("interactions") && json["interactions"].is_array();
   if (!is_profile) return Failure{"it is neither a profile (`--profile-json`) nor a binary trace"};
-  if (json.value("model", nlohmann::json()) != tables.image->name)
+  if (json.value("model", nlohmann::ordered_json()) != tables.image->name)
     return Failure{fmt::format("it is not of {}", tables.image->name)};
   std::map<std::string, std::uint64_t> steps, instances;
-  for (const nlohmann::json& row : json["interactions"]) {
+  for (const nlohmann::ordered_json& row : json["interactions"]) {
     if (!row.is_object() || !row.contains("name") || !row["name"].is_string() || !row.contains("steps") ||
         !row["steps"].is_number_unsigned())
       return Failure{"a row of its interactions is none"};

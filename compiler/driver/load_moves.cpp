@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bip/assert.hpp"
+#include "compiler/base/json_text.hpp"
 #include "compiler/base/read_file.hpp"
 #include "compiler/driver/published_trace.hpp"
 #include "compiler/system/uses_time.hpp"
@@ -42,7 +43,7 @@ std::string_view take_line(std::string_view& text) {
 
 bool read_json_head(Compilation& c, const RunFileText& run, rt::SessionOptions& options) {
   std::string_view text = run.text;
-  const nlohmann::json head = nlohmann::json::parse(take_line(text), nullptr, false);
+  const nlohmann::ordered_json head = parse_json(take_line(text));
   const auto is_text = [&](const char* key) { return head.contains(key) && head[key].is_string(); };
   if (!head.is_object() || !is_text("model") || !is_text("policy") || !head.contains("seed") ||
       !head["seed"].is_number_unsigned())
@@ -109,7 +110,7 @@ bool follow_step(Compilation& c, const RunFileText& run, rt::DebugSession& sessi
 }
 
 // By its number if the trace has it, and the names must agree; else by its names. Values are not compared.
-std::optional<rt::EnabledSet::Position> find_json_candidate(rt::Core& core, const nlohmann::json& step) {
+std::optional<rt::EnabledSet::Position> find_json_candidate(rt::Core& core, const nlohmann::ordered_json& step) {
   const auto is_meant = [&](std::uint64_t k) {
     const rt::Candidate candidate = core.candidate(k);
     std::string name;
@@ -143,7 +144,7 @@ bool load_json(Compilation& c, const RunFileText& run, rt::DebugSession& session
   std::string_view text = run.text;
   (void)take_line(text);
   for (std::uint64_t number = 0; !text.empty();) {
-    const nlohmann::json line = nlohmann::json::parse(take_line(text), nullptr, false);
+    const nlohmann::ordered_json line = parse_json(take_line(text));
     if (line.is_object() && line.contains("end")) return true;
     const bool is_step = line.is_object() && line.contains("step") && line.contains("interaction") &&
                          line["interaction"].is_string() &&

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bip/assert.hpp"
+#include "compiler/base/json_text.hpp"
 #include "compiler/driver/distributed_runs.hpp"
 #include "compiler/driver/interaction_counts.hpp"
 #include "runtime/core/fire/partial.hpp"
@@ -369,12 +370,12 @@ std::string placement_json(const Compilation& c, const std::string& file, const 
   for (std::size_t begin = 0; begin < lines.size();) {
     const std::size_t end = lines.find('\n', begin);
     BIP_ASSERT(end != std::string::npos, "the last line of {} bytes has no end", lines.size());
-    PlacementJson diagnostic = PlacementJson::parse(lines.substr(begin, end - begin));
+    PlacementJson diagnostic = parse_json(lines.substr(begin, end - begin));
     if (diagnostic["severity"] == "error") json["refused"].push_back(std::move(diagnostic));
     begin = end + 1;
   }
   if (report != nullptr) add_report(json, *report);
-  return json.dump(-1, ' ', false, PlacementJson::error_handler_t::replace) + '\n';
+  return json_line(json) + '\n';
 }
 
 }  // namespace bip::driver

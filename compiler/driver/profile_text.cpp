@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "compiler/base/json_text.hpp"
 #include "runtime/core/text.hpp"
 
 namespace bip::driver {
@@ -189,7 +190,7 @@ nlohmann::ordered_json rows_of(const std::vector<Line>& lines, const char* count
 nlohmann::ordered_json codels_of(const lower::LoweredSystem& lowered) {
   if (lowered.library == nullptr) return nlohmann::ordered_json::array();
   const auto times = reinterpret_cast<const char* (*)()>(::dlsym(lowered.library, "bip_codel_times"));
-  return times == nullptr ? nlohmann::ordered_json::array() : nlohmann::ordered_json::parse(times(), nullptr, false);
+  return times == nullptr ? nlohmann::ordered_json::array() : parse_json(times());
 }
 void append_codels(std::string& out, const nlohmann::ordered_json& codels) {
   if (codels.empty()) return;
@@ -230,7 +231,7 @@ std::string profile_json(const lower::LoweredSystem& lowered, const rt::Profile&
   json["types"] = rows_of(tables.types, "calls", "");
   json["code"] = rows_of(tables.code, "calls", "true");
   if (nlohmann::ordered_json codels = codels_of(lowered); !codels.empty()) json["codels"] = std::move(codels);
-  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
+  return json_line(json) + '\n';
 }
 
 }  // namespace bip::driver

@@ -1,5 +1,6 @@
 // See timed_models.hpp. Reported runs have been taken by a core; parts of the model that cannot be followed exactly are
 // named and prevent a verdict.
+#include "compiler/base/json_text.hpp"
 #include "compiler/library/add_run.hpp"
 #include "compiler/driver/timed_models.hpp"
 
@@ -62,7 +63,7 @@ void print_json(const ExploreArguments& a, const rt::Image& image, const rt::Zon
       json["time_lock"] = path(rt::CounterexampleEnd::TimeLock, found.time_lock, texts.time_lock);
     if (found.has_error) json["error"] = path(rt::CounterexampleEnd::Error, found.error, texts.error);
   }
-  write_now(stdout, json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n');
+  write_now(stdout, json_line(json) + '\n');
 }
 
 int exit_code_of(const rt::ZoneReport& found) {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "compiler/base/json_text.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
 #include "runtime/include/bip/assert.hpp"
 
@@ -58,12 +59,12 @@ std::string verdict_table_json(const std::vector<NamedVerdict>& verdicts) {
       {"format", "bipc-verdicts"}, {"version", 1}, {"verdicts", nlohmann::ordered_json::array()}};
   for (const NamedVerdict& row : verdicts) {
     nlohmann::ordered_json named{{"name", row.name}};
-    named.update(nlohmann::ordered_json::parse(row.verdict.json));
+    named.update(parse_json(row.verdict.json));
     named.erase("format");
     named.erase("version");
     json["verdicts"].push_back(std::move(named));
   }
-  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
+  return json_line(json) + '\n';
 }
 
 int worst_exit_code(const std::vector<NamedVerdict>& verdicts) {

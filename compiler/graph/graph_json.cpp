@@ -3,6 +3,7 @@
 // expected.
 #include <nlohmann/json.hpp>
 
+#include "compiler/base/json_text.hpp"
 #include "compiler/graph/code_text.hpp"
 #include "compiler/graph/graph.hpp"
 #include "compiler/system/system.hpp"
@@ -234,8 +235,6 @@ class GraphJsonWriter {
 
 }  // namespace
 
-std::string json(const System& system, Show show) {
-  return GraphJsonWriter(system).run(show).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
+std::string json(const System& system, Show show) { return indented_json(GraphJsonWriter(system).run(show)) + "\n"; }
 
 }  // namespace bip::graph

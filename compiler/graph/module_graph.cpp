@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "compiler/base/json_text.hpp"
 #include "compiler/graph/dot.hpp"
 
 namespace bip::graph {
@@ -119,7 +120,7 @@ std::string json(const ModuleGraph& graph) {
                       {"tasks", list(rule.tasks, task)},
                       {"recovery", rule.recovery ? ModuleJson(service(*rule.recovery)) : ModuleJson(nullptr)}};
   });
-  return out.dump(2, ' ', false, ModuleJson::error_handler_t::replace) + "\n";
+  return indented_json(out) + "\n";
 }
 
 }  // namespace bip::graph

@@ -5,13 +5,13 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "compiler/graph/graph.hpp"
 #include "compiler/interp/interp.hpp"
 #include "compiler/library/decide.hpp"
 #include "compiler/library/observer_estimate.hpp"
 #include "compiler/library/read_observer.hpp"
+#include "compiler/library/read_verdict.hpp"
 #include "compiler/pipeline/executor.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/pipeline/ffi_build.hpp"
@@ -365,14 +365,7 @@ Verdict Model::verify(const VerifyOptions& options) const {
   out.text = std::move(verdict->text);
   out.json = std::move(verdict->json);
   out.certificate = std::move(verdict->certificate);
-  const nlohmann::json json = nlohmann::json::parse(out.json);
-  out.name = json.value("verdict", "");
-  out.property = json.value("property", "");
-  out.method = json.value("method", "");
-  out.reason = json.value("reason", "");
-  out.states = json.value("states", json.value("zones", std::uint64_t{0}));
-  out.invariants = json.value("invariants", std::uint64_t{0});
-  out.lemmas = json.value("lemmas", std::uint64_t{0});
+  library::read_verdict(out);
   if (verdict->counterexample) {
     // Small and seen once: the interpreter.
     const std::unique_ptr<lower::LoweredSystem> lowered = lower::lower(*c.system, c.root_name);

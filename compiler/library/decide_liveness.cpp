@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "compiler/base/json_text.hpp"
 #include "compiler/library/decide.hpp"
 #include "compiler/library/add_run.hpp"
 #include "compiler/library/verify_text.hpp"
@@ -235,7 +236,7 @@ Verdict decide_liveness(const VerifyRequest& request, Compilation& c, const veri
       json["frames"] = proof->frames;
     }
   }
-  verdict.json = json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
+  verdict.json = json_line(json) + '\n';
   verdict.is_answered = true;
   return verdict;
 }

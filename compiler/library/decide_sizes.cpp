@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "compiler/base/json_text.hpp"
 #include "compiler/library/verify_text.hpp"
 #include "compiler/pipeline/error_sources.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
@@ -87,7 +88,7 @@ void SizeDecider::answer(int exit_code, const std::string& name, std::string tex
   if (nodes_ != 0) json["nodes"] = nodes_;
   if (exit_code == kUnknown) json["reason"] = reason_;
   json["text"] = verdict.text;
-  verdict.json = json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
+  verdict.json = json_line(json) + '\n';
 }
 
 std::string SizeDecider::sizes_text() const {

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "compiler/base/json_text.hpp"
 #include "compiler/library/decide.hpp"
 #include "compiler/library/add_run.hpp"
 #include "compiler/library/timed_verdict.hpp"
@@ -132,7 +133,7 @@ Verdict verdict_of(const nlohmann::ordered_json& json, std::string text, int exi
   verdict.is_answered = true;
   verdict.exit_code = exit_code;
   verdict.text = std::move(text);
-  verdict.json = json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
+  verdict.json = json_line(json) + '\n';
   return verdict;
 }
 

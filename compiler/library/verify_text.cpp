@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "compiler/base/json_text.hpp"
 #include "compiler/library/add_run.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/pipeline/limits.hpp"
@@ -223,7 +224,7 @@ std::string verdict_json(const VerdictText& v, const verify::Question& question,
   }
   json["text"] = v.text;
   if (!run.empty()) add_run(json, run);
-  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
+  return json_line(json) + '\n';
 }
 
 std::string stats_text(const VerifyStats& stats) {

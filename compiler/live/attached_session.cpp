@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "bip/assert.hpp"
+#include "compiler/base/json_text.hpp"
 #include "compiler/debug/event_values.hpp"
 #include "compiler/system/system_parts.hpp"
 #include "compiler/system/uses_time.hpp"
@@ -21,8 +22,6 @@ namespace {
 using Json = AttachedSession::Json;
 // Smaller models are looked at as a whole, so that what is shown is one state.
 constexpr std::size_t kSmallModel = 64, kLongestAnswer = 10, kLongestRequest = 60'000, kDeepestMessage = 4;
-
-std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 const Json* found(const Json& object, const char* name) {
   if (!object.is_object()) return nullptr;
@@ -97,9 +96,9 @@ AttachedSession::AttachedSession(const System& system, std::unique_ptr<ModelConn
 
 // An answer; null: there was none. Notes that come before it are heard.
 Json AttachedSession::ask_now(const Json& request) {
-  if (!connection_->send(text_of(request))) return nullptr;
+  if (!connection_->send(json_line(request))) return nullptr;
   while (const std::optional<std::string> line = connection_->wait_for_line(kLongestAnswer)) {
-    Json answer = Json::parse(*line, nullptr, false);
+    Json answer = parse_json(*line);
     if (found(answer, "ok") != nullptr) return answer;
     hear_line(*line);
   }
@@ -210,7 +209,7 @@ Json AttachedSession::changes(const Json& atoms, std::int64_t until, Json& set_c
 
 bool AttachedSession::ask(Json request, std::function<void(const Json&)> then) {
   request["id"] = next_;
-  if (!connection_->send(text_of(request))) return false;
+  if (!connection_->send(json_line(request))) return false;
   asked_[next_++] = std::move(then);
   return true;
 }
@@ -227,7 +226,7 @@ bool AttachedSession::hear() {
 }
 
 void AttachedSession::hear_line(const std::string& line) {
-  const Json message = Json::parse(line, nullptr, false);
+  const Json message = parse_json(line);
   if (const std::string note = text_in(message, "note"); !note.empty()) {
     is_due_ = true;
     if (note == "step") return hear_step(message);
@@ -235,9 +234,9 @@ void AttachedSession::hear_line(const std::string& line) {
     sees_all_ = true;
     if (note == "end") story_ = text_in(message, "text");
     if (note == "break" && send_to_all)
-      send_to_all(text_of({{"note", "said"}, {"text", "paused after " + text_in(message, "interaction")}}));
+      send_to_all(json_line({{"note", "said"}, {"text", "paused after " + text_in(message, "interaction")}}));
     if (const std::string text = text_in(message, "text"); note != "end" && !text.empty() && send_to_all)
-      send_to_all(text_of({{"note", "said"}, {"text", text}}));
+      send_to_all(json_line({{"note", "said"}, {"text", text}}));
     return;
   }
   const auto then = asked_.find(number_in(message, "id"));
@@ -278,7 +277,7 @@ void AttachedSession::hear_step(const Json& note) {
     moved_.insert(static_cast<std::size_t>(atom));
     told.parts.push_back({atom, row, -1});
   }
-  if (const Json* const values = found(note, "values"); values != nullptr) told.values = text_of(*values);
+  if (const Json* const values = found(note, "values"); values != nullptr) told.values = json_line(*values);
   // What a burst has had before is counted, not listed.
   if (steps_.size() > kMostStepsOfLook) {
     ++lost_;
@@ -309,7 +308,7 @@ void AttachedSession::look() {
     Json paths = Json::array();
     for (const std::size_t atom : moved_) paths.push_back(system::atom_path(system_, atom));
     request["atoms"] = std::move(paths);
-    if (text_of(request).size() > kLongestRequest) request.erase("atoms");
+    if (json_line(request).size() > kLongestRequest) request.erase("atoms");
   }
   moved_.clear();
   sees_all_ = false;
@@ -341,7 +340,8 @@ void AttachedSession::see(const Json& answer) {
   // With the clocks that were set since the last look.
   const auto last_row = [&](std::int64_t connector, const std::string& text, Json parts, const std::string& values) {
     row_time_ = row_time;
-    add_row(text_of({connector, text, std::move(parts), std::move(changed), row_time, values, std::move(set_clocks)}));
+    add_row(
+        json_line({connector, text, std::move(parts), std::move(changed), row_time, values, std::move(set_clocks)}));
   };
   if (now < before) {
     // Undone, or restored: others than those who moved are as they were.
@@ -355,7 +355,7 @@ void AttachedSession::see(const Json& answer) {
     for (std::size_t k = 0; k + 1 < steps_.size(); ++k) {
       ReportedStep& step = steps_[k];
       row_time_ = step.time;
-      add_row(text_of({step.connector, step.text, std::move(step.parts), Json::array(), step.time, step.values}));
+      add_row(json_line({step.connector, step.text, std::move(step.parts), Json::array(), step.time, step.values}));
     }
     ReportedStep& last = steps_.back();
     last_row(last.connector, last.text, std::move(last.parts), last.values);
@@ -365,8 +365,8 @@ void AttachedSession::see(const Json& answer) {
   lost_ = 0;
   note_model(answer);
   end_ = !is_ended ? "null"
-                   : text_of({{"story", story_.empty() ? std::string("The run has ended.") : story_},
-                              {"cycle", cycle_in(story_, atoms_)}});
+                   : json_line({{"story", story_.empty() ? std::string("The run has ended.") : story_},
+                                {"cycle", cycle_in(story_, atoms_)}});
   const bool is_unknown = (rows_.empty() ? first_candidates_ : rows_.back().candidates) == "null";
   if (is_still && (is_unknown || !was_still || was_ended != is_ended)) {
     // Its candidates are those of this state, unless another client moves it meanwhile.
@@ -388,10 +388,10 @@ void AttachedSession::see_candidates(const Json& answer) {
       if ((*ports)[port].is_string()) name += (port == 0 ? "  " : " ") + (*ports)[port].get<std::string>();
     rows.push_back(name_row(name));
   }
-  const std::string text = text_of({{"rows", std::move(rows)}, {"count", number_in(answer, "count")}});
+  const std::string text = json_line({{"rows", std::move(rows)}, {"count", number_in(answer, "count")}});
   if (rows_.empty()) {
     first_candidates_ = text;
-    if (send_to_all) send_to_all(text_of(begin_note()));
+    if (send_to_all) send_to_all(json_line(begin_note()));
   } else {
     rows_.back().candidates = text;
     told_ = std::min(told_, rows_.size() - 1);
@@ -418,7 +418,7 @@ void AttachedSession::begin_again() {
   told_ = 0;
   first_ = Json{{"places", places_}, {"data", data_}, {"clocks", clocks_}, {"time", row_time_}};
   first_candidates_ = "null";
-  if (send_to_all) send_to_all(text_of(begin_note()));
+  if (send_to_all) send_to_all(json_line(begin_note()));
 }
 
 void AttachedSession::note_model(const Json& state) {
@@ -430,13 +430,13 @@ void AttachedSession::note_model(const Json& state) {
            {"late", number_in(state, "late")}};
   if (now == model_) return;
   model_ = std::move(now);
-  if (send_to_all) send_to_all(text_of(model_));
+  if (send_to_all) send_to_all(json_line(model_));
 }
 
 Json AttachedSession::begin_note() const {
   Json note{{"note", "begin"}};
   note.update(first_);
-  note["candidates"] = Json::parse(first_candidates_, nullptr, false);
+  note["candidates"] = parse_json(first_candidates_);
   note["names"] = names_;
   return note;
 }
@@ -451,7 +451,7 @@ std::string AttachedSession::run_note(std::size_t from, std::size_t to, std::siz
   Json names = Json::array();
   for (std::size_t k = names_from; k < names_.size(); ++k) names.push_back(names_[k]);
   out += fmt::format("],\"names_from\":{},\"names\":{},\"end\":{},\"by\":0,\"position\":{},\"halt\":\"\"}}", names_from,
-                     text_of(names), to == rows_.size() ? end_ : "null", to);
+                     json_line(names), to == rows_.size() ? end_ : "null", to);
   return out;
 }
 
@@ -465,7 +465,7 @@ void AttachedSession::tell() {
 
 void AttachedSession::greet(std::uint64_t page) {
   constexpr std::size_t kRowsOfNote = 5000;
-  send(page, text_of(begin_note()));
+  send(page, json_line(begin_note()));
   // Names that begin_note() has had.
   const std::size_t names = names_.size();
   for (std::size_t at = 0; at < rows_.size();) {
@@ -474,7 +474,7 @@ void AttachedSession::greet(std::uint64_t page) {
     at = to;
   }
   if (rows_.empty()) send(page, run_note(0, 0, names));
-  send(page, text_of(model_));
+  send(page, json_line(model_));
 }
 
 void AttachedSession::leave(std::uint64_t) {}
@@ -483,7 +483,7 @@ void AttachedSession::leave(std::uint64_t) {}
 
 bool AttachedSession::handle(std::uint64_t page, std::string_view message) {
   if (is_deep(message)) return false;
-  const Json body = Json::parse(message, nullptr, false);
+  const Json body = parse_json(message);
   const Json* const id = found(body, "id");
   if (id == nullptr || !id->is_number_unsigned()) return false;
   const std::string verb = text_in(body, "do");
@@ -531,7 +531,7 @@ bool AttachedSession::handle(std::uint64_t page, std::string_view message) {
     Json out{{"id", number}, {"ok", flag_in(given, "ok")}};
     if (const std::string error = text_in(given, "error"); !error.empty()) out["error"] = error;
     if (const std::string why = text_in(given, "why"); !why.empty()) out["text"] = why;
-    send(page, text_of(out));
+    send(page, json_line(out));
   };
   if (!problem.empty()) {
     answer({{"ok", false}, {"error", problem}});

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "bip/assert.hpp"
+#include "compiler/base/json_text.hpp"
 #include "compiler/debug/event_values.hpp"
 #include "compiler/system/system_ids.hpp"
 #include "runtime/core/final_state.hpp"
@@ -21,8 +22,6 @@ using Json = LiveSession::Json;
 constexpr std::uint64_t kMovesOfSlice = 500, kStepsOfNote = 5000;
 constexpr std::size_t kDeepest = 8;
 
-std::string dumped(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
-
 // The message as JSON: an object, not deeper than a request is. Nothing throws.
 Json parse(std::string_view message) {
   std::size_t depth = 0;
@@ -30,7 +29,7 @@ Json parse(std::string_view message) {
     if ((c == '{' || c == '[') && ++depth > kDeepest) return nullptr;
     if ((c == '}' || c == ']') && depth > 0) --depth;
   }
-  return Json::parse(message, nullptr, false);
+  return parse_json(message);
 }
 
 const Json* member(const Json& object, const char* name) {
@@ -81,8 +80,8 @@ LiveSession::LiveSession(const System& system, rt::DebugSession& session, const 
     if (session_.step() == rt::Halt::Refused || session_.position() == before) break;
     note_moves(before);
   }
-  end_ = dumped(recorder_.end(session_.is_at_fault() ? rt::Halt::Fault : rt::Halt::Done, seed_));
-  initial_["end"] = steps_.empty() ? Json::parse(end_) : Json(nullptr);
+  end_ = json_line(recorder_.end(session_.is_at_fault() ? rt::Halt::Fault : rt::Halt::Done, seed_));
+  initial_["end"] = steps_.empty() ? parse_json(end_) : Json(nullptr);
   initial_["names"] = Json(recorder_.names());
   told_ = steps_.size();
   told_names_ = recorder_.names().size();
@@ -125,12 +124,12 @@ void LiveSession::note_move() {
   const rt::LastMove* const move = session_.position() == steps_.size() + 1 ? session_.last_move() : nullptr;
   if (move == nullptr) {
     steps_.push_back(
-        dumped({-1, session_.move_text(steps_.size()), Json::array(), Json::array(), session_.core().now(), ""}));
-    candidates_.push_back(dumped(none));
+        json_line({-1, session_.move_text(steps_.size()), Json::array(), Json::array(), session_.core().now(), ""}));
+    candidates_.push_back(json_line(none));
     return;
   }
-  steps_.push_back(dumped(recorder_.step(*move)));
-  candidates_.push_back(dumped(session_.is_at_fault() ? none : recorder_.candidates()));
+  steps_.push_back(json_line(recorder_.step(*move)));
+  candidates_.push_back(json_line(session_.is_at_fault() ? none : recorder_.candidates()));
 }
 
 std::string LiveSession::run_note(std::size_t from, std::size_t to, std::size_t names_from, std::uint64_t by,
@@ -146,7 +145,8 @@ std::string LiveSession::run_note(std::size_t from, std::size_t to, std::size_t 
   Json names = Json::array();
   for (std::size_t k = names_from; k < recorder_.names().size(); ++k) names.push_back(recorder_.names()[k]);
   out += fmt::format("],\"names_from\":{},\"names\":{},\"end\":{},\"by\":{},\"position\":{},\"halt\":{}}}", names_from,
-                     dumped(names), to == steps_.size() ? end_ : "null", by, session_.position(), dumped(Json(halt)));
+                     json_line(names), to == steps_.size() ? end_ : "null", by, session_.position(),
+                     json_line(Json(halt)));
   return out;
 }
 
@@ -160,7 +160,7 @@ std::string LiveSession::breakpoints_note() const {
   Json texts = Json::array();
   for (const rt::Breakpoint& b : session_.breakpoints())
     if (!b.is_temporary) texts.push_back(b.text);
-  return dumped({{"note", "breakpoints"}, {"texts", texts}});
+  return json_line({{"note", "breakpoints"}, {"texts", texts}});
 }
 
 void LiveSession::greet(std::uint64_t page) {
@@ -212,7 +212,7 @@ bool LiveSession::handle(std::uint64_t page, std::string_view message) {
   if (!answer) return true;
   Json out{{"id", asked.id}, {"ok", !answer->contains("error")}};
   out.update(*answer);
-  send(page, dumped(out));
+  send(page, json_line(out));
   return true;
 }
 
@@ -257,7 +257,7 @@ LiveSession::Answer LiveSession::take(const PageRequest& asked) {
   }
   const rt::Halt halt = session_.choose(k);
   note_moves(at);
-  if (session_.position() == steps_.size()) end_ = dumped(recorder_.end(halt, seed_));
+  if (session_.position() == steps_.size()) end_ = json_line(recorder_.end(halt, seed_));
   tell(asked.page, halt_text(halt));
   return Json{{"position", session_.position()}};
 }
@@ -307,10 +307,10 @@ void LiveSession::finish(rt::Halt halt) {
   const Running done = *running_;
   running_.reset();
   const std::string text = halt_text(halt);
-  if (session_.position() == steps_.size()) end_ = dumped(recorder_.end(halt, seed_));
+  if (session_.position() == steps_.size()) end_ = json_line(recorder_.end(halt, seed_));
   std::erase_if(session_.breakpoints(), [](const rt::Breakpoint& b) { return b.is_temporary; });
   tell(done.page, text);
-  send(done.page, dumped({{"id", done.id}, {"ok", true}, {"position", session_.position()}, {"halt", text}}));
+  send(done.page, json_line({{"id", done.id}, {"ok", true}, {"position", session_.position()}, {"halt", text}}));
 }
 
 LiveSession::Answer LiveSession::stop(const PageRequest&) {
@@ -323,7 +323,7 @@ LiveSession::Answer LiveSession::moved(const PageRequest& asked, std::uint64_t a
   if (halt == rt::Halt::Refused) return refused();
   keep(at);
   note_moves(at);
-  end_ = dumped(recorder_.end(halt, seed_));
+  end_ = json_line(recorder_.end(halt, seed_));
   tell(asked.page, halt_text(halt));
   return Json{{"position", session_.position()}};
 }

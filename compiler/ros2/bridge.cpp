@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "bip/assert.hpp"
+#include "compiler/base/json_text.hpp"
 #include "compiler/ros2/names.hpp"
 
 namespace bip::ros2 {
@@ -70,7 +71,6 @@ int depth_of(const Json& json) {
   }
   return deepest + 1;
 }
-std::string line_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 }  // namespace
 
@@ -216,11 +216,11 @@ void Bridge::ask(Json line, Question question) {
   if (!model_) return;
   line["id"] = next_question_;
   questions_.emplace(next_question_++, question);
-  if (!model_->send(line_of(line))) lose("it does not read");
+  if (!model_->send(json_line(line))) lose("it does not read");
 }
 
 void Bridge::hear(const std::string& line) {
-  const Json json = Json::parse(line, nullptr, false);
+  const Json json = parse_json(line);
   if (!json.is_object()) return;
   if (json.contains("note")) return hear_note(json);
   const auto found = questions_.find(number_of(json, "id"));
@@ -390,7 +390,7 @@ void Bridge::take_goal(std::size_t k, const Sample& sample) {
   const std::string text = request_of(action, (*asked)["goal"], input, wrong);
   if (!wrong.empty()) return refuse(*goal, kNotTaken, wrong);
   const Json line{{"do", "request"}, {"service", text}, {"input", input}};
-  if (depth_of(line) > kDeepestLine || line_of(line).size() > kLongestLine)
+  if (depth_of(line) > kDeepestLine || json_line(line).size() > kLongestLine)
     return refuse(*goal, kNotTaken, "the goal is larger than a request may be");
   ask(line, {.kind = ServerRequest::Goal, .goal = goal->id});
 }

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "compiler/base/ascii.hpp"
+#include "compiler/base/json_text.hpp"
 #include "compiler/genom/c_codels.hpp"
 #include "compiler/ros2/message_text.hpp"
 
@@ -160,7 +161,7 @@ class Maker {
   // A default of a .action file: of numbers, truth values and texts.
   static std::string initial_of(const Field& field, const std::string& json) {
     if (json.empty() || field.shape != Shape::One || field.kind == Kind::Message || field.is_character) return {};
-    const Json value = Json::parse(json, nullptr, false);
+    const Json value = parse_json(json);
     if (value.is_discarded() || value.is_structured() || value.is_null()) return {};
     if (field.kind == Kind::Bool) return value.is_boolean() ? (value.get<bool>() ? "true" : "false") : "";
     if (!field.words.empty()) {

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bip/assert.hpp"
+#include "compiler/base/json_text.hpp"
 #include "compiler/traces/compress_chunk.hpp"
 
 namespace bip::traces {
@@ -24,7 +25,7 @@ constexpr std::string_view kMcapMagic("\x89MCAP0\r\n", 8), kPerfettoHead =
 // Bounds the memory that a chunk can claim: bipc writes chunks of 1 MiB and one step.
 constexpr std::uint64_t kMostOfChunk = std::uint64_t{1} << 30;
 
-std::string dumped(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"; }
+std::string dumped(const Json& json) { return json_line(json) + "\n"; }
 
 const Json* found(const Json& object, const char* name) {
   if (!object.is_object()) return nullptr;
@@ -138,7 +139,7 @@ class McapReader {
     (void)fields.number(4);
     const auto instant = static_cast<std::int64_t>(fields.number(8));
     (void)fields.number(8);
-    const Json step = Json::parse(fields.rest(), nullptr, false);
+    const Json step = parse_json(fields.rest());
     if (!fields.is_sound() || found(step, "step") == nullptr || !has_text(step, "interaction") ||
         found(step, "ports") == nullptr) {
       problem_ = fmt::format("message {} of `/steps` is no step", next_);
@@ -183,7 +184,7 @@ class PerfettoReader {
   Result<std::string> read(std::string_view text) {
     const std::size_t end = text.find('\n');
     if (end == std::string_view::npos) return Failure{"it is cut off"};
-    const Json head = Json::parse(std::string(text.substr(0, end)) + "]}", nullptr, false);
+    const Json head = parse_json(std::string(text.substr(0, end)) + "]}");
     const Json* const data = found(head, "otherData");
     if (data == nullptr || !has_text(*data, "model") || !has_text(*data, "seed") || !has_text(*data, "policy"))
       return Failure{"its first line does not say of which run it is"};
@@ -194,7 +195,7 @@ class PerfettoReader {
       std::string_view line = text.substr(0, std::min(text.find('\n'), text.size()));
       text.remove_prefix(std::min(line.size() + 1, text.size()));
       if (line.ends_with(',')) line.remove_suffix(1);
-      event(Json::parse(line, nullptr, false));
+      event(parse_json(line));
     }
     if (problem_.empty() && !is_done_) problem_ = "it is cut off";
     if (!problem_.empty()) return Failure{problem_};

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bip/assert.hpp"
+#include "compiler/base/json_text.hpp"
 
 namespace bip::traces {
 
@@ -27,18 +28,20 @@ namespace {
 /// Is the event, on a line of its own, one of the part? `left_out` gets the tracks whose names say that they are not.
 bool is_wanted_event(std::string_view line, const std::vector<bool>& wanted, const Selection& selection,
                      std::set<std::uint64_t>& left_out) {
-  const nlohmann::json event = nlohmann::json::parse(line, nullptr, false);
+  const nlohmann::ordered_json event = parse_json(line);
   if (!event.is_object()) return true;
   const auto arguments = event.find("args"), track = event.find("tid");
   if (track == event.end() || !track->is_number_unsigned()) return true;
   const std::uint64_t number = track->get<std::uint64_t>();
-  const auto name = arguments == event.end() ? nlohmann::json() : arguments->value("name", nlohmann::json());
+  const auto name =
+      arguments == event.end() ? nlohmann::ordered_json() : arguments->value("name", nlohmann::ordered_json());
   // Track 0 is that of interactions.
   if (event.value("name", "") == "thread_name" && number != 0 && name.is_string() && !selection.components.empty() &&
       !selection.takes_component(name.get<std::string>()))
     left_out.insert(number);
   if (left_out.contains(number)) return false;
-  const auto step = arguments == event.end() ? nlohmann::json() : arguments->value("step", nlohmann::json());
+  const auto step =
+      arguments == event.end() ? nlohmann::ordered_json() : arguments->value("step", nlohmann::ordered_json());
   if (!step.is_number_unsigned()) return true;
   const std::uint64_t row = step.get<std::uint64_t>();
   return row < wanted.size() && wanted[static_cast<std::size_t>(row)];

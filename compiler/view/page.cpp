@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "bip/assert.hpp"
+#include "compiler/base/json_text.hpp"
 #include "compiler/graph/picture.hpp"
 #include "compiler/system/system.hpp"
 #include "compiler/view/page_files.hpp"
@@ -50,7 +51,7 @@ Json model_json(const System& system) {
 /// JSON in a script element: nothing in it can end the element.
 std::string script_json(const Json& json) {
   std::string out;
-  for (const char c : json.dump(-1, ' ', false, Json::error_handler_t::replace)) {
+  for (const char c : json_line(json)) {
     if (c == '<') out += "\\u003c";
     else out += c;
   }

@@ -6,6 +6,7 @@
 #include <unordered_map>
 
 #include "bip/assert.hpp"
+#include "compiler/base/json_text.hpp"
 #include "compiler/system/system.hpp"
 #include "runtime/core/deadlock_explanation.hpp"
 #include "runtime/core/final_state.hpp"
@@ -195,7 +196,7 @@ namespace {
 class Rows {
  public:
   std::size_t number_of(const Json& row) {
-    std::string text = row.dump(-1, ' ', false, Json::error_handler_t::replace);
+    std::string text = json_line(row);
     const std::size_t size = text.size();
     const auto [found, is_new] = numbers_.try_emplace(std::move(text), rows_.size());
     if (is_new) {
