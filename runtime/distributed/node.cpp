@@ -242,13 +242,13 @@ void Node::link_whole() {
     if (sets.by_situation[atom] != 0 && !is_here(distribution_.offered_in[row])) stays[atom] = 0;
   }
   for (const InteractionId interaction : tables.interactions.ids()) {
+    const InteractionInfo info = tables.interactions[interaction];
+    const Span<u32> ports = ports_of_whole(info);
     if (distribution_.coordinator_of[interaction] != self_ || partial.own_group[interaction] != kNone ||
-        partial.groups_of_interaction[interaction].size != 0 ||
-        ports_of_whole(tables.interactions[interaction]).size == 0)
+        partial.groups_of_interaction[interaction].size != 0 || ports.size == 0)
       continue;
     const Span<u32> atoms = partial.atoms_of_interaction[interaction];
     if (!std::all_of(atoms.begin(), atoms.end(), [&](u32 atom) { return stays[atom] != 0; })) continue;
-    const Span<u32> ports = ports_of_whole(tables.interactions[interaction]);
     const bool is_told_apart =
         std::any_of(ports.begin(), ports.end(), [&](u32 port) { return sets.is_told_apart[port] != 0; });
     whole_steps_[interaction] = is_told_apart ? WholeSteps::WithHistory : WholeSteps::Plain;
@@ -275,7 +275,8 @@ void Node::link_compiled() {
     is_compiled_[interaction] = 1;
     has_compiled_ = true;
     if (whole_steps_[interaction] != WholeSteps::WithHistory) continue;
-    for (const u32 port : ports_of_whole(core_.tables().interactions[interaction])) {
+    const InteractionInfo info = core_.tables().interactions[interaction];
+    for (const u32 port : ports_of_whole(info)) {
       u64& is_counted = history_noted_[core_.tables().port_atom[port]];
       if (distribution_.sets.is_told_apart[port] == 0 || is_counted == noting_) continue;
       is_counted = noting_;
@@ -307,7 +308,8 @@ void Node::note_last_histories(u64 steps) {
   for (u64 k = 0; k < steps && left != 0; ++k) {
     const InteractionId interaction = fired.before_last(k);
     if (whole_steps_[interaction] != WholeSteps::WithHistory) continue;
-    for (const u32 port : ports_of_whole(tables.interactions[interaction])) {
+    const InteractionInfo info = tables.interactions[interaction];
+    for (const u32 port : ports_of_whole(info)) {
       const u32 atom = tables.port_atom[port];
       if (distribution_.sets.is_told_apart[port] == 0 || history_noted_[atom] == noting_) continue;
       history_noted_[atom] = noting_;
@@ -317,7 +319,6 @@ void Node::note_last_histories(u64 steps) {
   }
 }
 
-// Those of an interaction in which always the same ones take part; none of others.
 Span<u32> Node::ports_of_whole(const InteractionInfo& info) const {
   return info.kind == InteractionKind::Port ? Span<u32>{&info.row, 1} : core_.tables().fixed_ports(info);
 }
@@ -333,7 +334,8 @@ bool Node::take_whole(EnabledSet::Position at, u64 step) {
 
 void Node::note_histories(InteractionId interaction) {
   const Tables& tables = core_.tables();
-  for (const u32 port : ports_of_whole(tables.interactions[interaction])) {
+  const InteractionInfo info = tables.interactions[interaction];
+  for (const u32 port : ports_of_whole(info)) {
     if (distribution_.sets.is_told_apart[port] != 0)
       history_[tables.port_atom[port]] = tables.connector_of(interaction);
   }
@@ -341,7 +343,8 @@ void Node::note_histories(InteractionId interaction) {
 
 void Node::note_landed(InteractionId interaction, u64 step, std::vector<u32>& atoms) {
   const Tables& tables = core_.tables();
-  for (const u32 port : ports_of_whole(tables.interactions[interaction])) {
+  const InteractionInfo info = tables.interactions[interaction];
+  for (const u32 port : ports_of_whole(info)) {
     atoms.push_back(tables.port_atom[port]);
     landed_.push_back(step);
   }

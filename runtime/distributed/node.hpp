@@ -191,7 +191,9 @@ class Node {
   void land_evaluated();
   void link_whole();
   void link_compiled();
+  /// Those of an interaction in which always the same ones take part; none of others. They may be part of `info`.
   [[nodiscard]] Span<u32> ports_of_whole(const InteractionInfo& info) const;
+  Span<u32> ports_of_whole(InteractionInfo&& info) const = delete;
   void note_histories(InteractionId interaction);
   void note_last_histories(u64 steps);
   void come_to_rest(u32 atom);
