@@ -88,13 +88,10 @@ std::string missed_text(const verify::Formula& formula, const rt::ZoneReport& fo
 }
 
 // What has no answer yet, of a response without a limit. `what` is empty: it has one.
-Unsupported without_an_answer(const VerifyRequest& request, const System& system) {
+Unsupported without_an_answer(const VerifyRequest& request) {
   if (request.fairness.kind != verify::FairnessKind::None)
     return {"fairness for a model with time", "urgencies and invariants say what has to happen",
             "without `--fair` the property is decided"};
-  if (request.wants_certificate)
-    return {"a certificate for a property of runs without a limit for a model with time", system::first_timed(system),
-            "without `--certificate` the property is decided"};
   return {};
 }
 
@@ -110,7 +107,7 @@ Verdict decide_response(const VerifyRequest& request, Compilation& c, const veri
                   {"`can` in a property of runs of a model with time", "what can be done changes while time passes",
                    "`happens` says that it is done, `component@PLACE` where it may be"});
   if (!formula.has_limit()) {
-    const Unsupported unsupported = without_an_answer(request, *c.system);
+    const Unsupported unsupported = without_an_answer(request);
     if (!unsupported.what.empty()) return refuse(request, c, question, unsupported);
   }
   if (has_undetermined_values(*c.system)) return unknown_because_of_values(*c.system);
@@ -147,9 +144,9 @@ Verdict decide_response(const VerifyRequest& request, Compilation& c, const veri
       refused = "guards of connectors or priorities that end in an error";
     if (!refused.empty()) refused = "a certificate for a model with time and " + refused;
     const std::string rows = std::move(*zones).rows();
-    const std::optional<std::string> text = is_complete && !rows.empty()
-                                                ? verify::certificate_of_response(formula, rows, *c.system, c.root_name)
-                                                : std::nullopt;
+    const std::optional<std::string> text =
+        is_complete && !rows.empty() ? verify::certificate_of_response(formula, found, rows, *c.system, c.root_name)
+                                     : std::nullopt;
     if (refused.empty() && !text)
       refused = "a certificate for a model with time whose zones are too many for --timeout and --memory";
     if (!refused.empty()) {

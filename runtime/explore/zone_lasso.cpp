@@ -9,6 +9,7 @@
 // only if they are equal, not if one includes the other (Li 2009: Extra_LU preserves emptiness; Laarman et al. 2013).
 // An action that may return at infinitely many instants returns.
 #include <algorithm>
+#include <map>
 
 #include "bip/assert.hpp"
 #include "runtime/core/graph_algorithms.hpp"
@@ -114,8 +115,9 @@ void ZoneSearch::find_lasso() {
   if (!is_without_limit() || match_.node != kNone || !report_.inexact.empty()) return;
   report_.has_standing_cycle = false;
   const ArcGraph graph(arcs_, nodes_.size());
-  // By component: has it a later step; does an action that may return never do so?
-  std::vector<std::uint8_t> has_later(graph.members.size(), 0), is_refused(graph.members.size(), 0);
+  // By component: has it a later step; of which atom does the action never return, though it may?
+  std::vector<std::uint8_t> has_later(graph.members.size(), 0);
+  refused_.assign(graph.members.size(), kNone);
   for (const ZoneArc& arc : arcs_) {
     if (graph.is_on_cycle(arc) && arc.is_later) has_later[graph.component[arc.from]] = 1;
   }
@@ -123,17 +125,17 @@ void ZoneSearch::find_lasso() {
     const u32 start = arcs_[arc].from, component = graph.component[start];
     if (!graph.is_on_cycle(arcs_[arc])) continue;
     if (has_later[component] == 0) report_.has_standing_cycle = true;
-    if (!arcs_[arc].is_later || is_refused[component] != 0) continue;
+    if (!arcs_[arc].is_later || refused_[component] != kNone) continue;
     std::vector<u32> walk{arc};
-    for (u32 atom = 0; atom < image_.atoms.size && is_refused[component] == 0; ++atom) {
+    for (u32 atom = 0; atom < image_.atoms.size && refused_[component] == kNone; ++atom) {
       const auto returns = [&](u32 node) { return !may_go_on(node, atom); };
       if (std::any_of(walk.begin(), walk.end(), [&](u32 taken) { return returns(arcs_[taken].from); })) continue;
       const std::vector<u32>& nodes = graph.members[component];
       const auto found = std::find_if(nodes.begin(), nodes.end(), returns);
-      if (found == nodes.end()) is_refused[component] = 1;
+      if (found == nodes.end()) refused_[component] = atom;
       else graph.append_path(walk, arcs_[walk.back()].to, *found);
     }
-    if (is_refused[component] != 0) {
+    if (refused_[component] != kNone) {
       if (!options_.is_stopped || !options_.is_stopped()) continue;
       // Other cycles were not looked at.
       report_.end = ExploreEnd::Stopped;
@@ -147,6 +149,41 @@ void ZoneSearch::find_lasso() {
     match_.arcs = std::move(walk);
     return;
   }
+}
+
+// The most later steps on a way from the node, of which no cycle has one; but the cycles of a component in which an
+// action never returns have a rank of their own.
+std::vector<u32> ZoneSearch::ranks(ZoneReport& report) const {
+  const ArcGraph graph(arcs_, nodes_.size());
+  BIP_ASSERT(graph.members.size() == refused_.size(), "{} components, {} of them judged", graph.members.size(),
+             refused_.size());
+  // Components are numbered from the last ones on.
+  std::vector<std::pair<u32, u32>> levels(graph.members.size());
+  std::map<std::pair<u32, u32>, u32> rank_of_level;
+  for (u32 component = 0; component < graph.members.size(); ++component) {
+    u32 level = 0;
+    for (const u32 node : graph.members[component]) {
+      for (u32 arc = graph.first[node]; arc < graph.first[node + 1]; ++arc) {
+        const u32 to = graph.component[arcs_[arc].to];
+        BIP_ASSERT(to <= component, "component {} leads to component {}", component, to);
+        const bool is_lower = arcs_[arc].is_later || refused_[component] != kNone || refused_[to] != kNone;
+        if (to != component) level = std::max(level, levels[to].first + (is_lower ? 1 : 0));
+      }
+    }
+    levels[component] = {level, refused_[component] == kNone ? 0 : component + 1};
+    rank_of_level[levels[component]] = 0;
+  }
+  u32 count = 0;
+  for (auto& [level, rank] : rank_of_level) rank = count++;
+  std::vector<u32> ranks(nodes_.size(), 0);
+  report.later = locations_.in_time().limit;
+  report.returning.clear();
+  for (u32 component = 0; component < graph.members.size(); ++component) {
+    const u32 rank = rank_of_level[levels[component]];
+    for (const u32 node : graph.members[component]) ranks[node] = rank;
+    if (refused_[component] != kNone) report.returning.emplace_back(rank, refused_[component]);
+  }
+  return ranks;
 }
 
 }  // namespace bip::rt

@@ -543,8 +543,10 @@ ZoneReport ZoneSearch::run() {
 
 ZoneReport explore_zones(const Image& image, const ExploreOptions& options) { return ZoneSearch(image, options).run(); }
 
-void ZoneSearch::visit_locations(const ZoneReport& report, const std::function<void(const ListedLocation&)>& visit) {
+void ZoneSearch::visit_locations(ZoneReport& report, const std::function<void(const ListedLocation&)>& visit) {
   if (report.end != ExploreEnd::Complete || !report.inexact.empty() || report.has_match) return;
+  std::vector<u32> rank_of;
+  if (is_without_limit()) rank_of = ranks(report);
   for (u32 row = 0; row < locations_.size(); ++row) {
     const Location& at = locations_[row];
     if (at.nodes.empty()) continue;
@@ -555,6 +557,9 @@ void ZoneSearch::visit_locations(const ZoneReport& report, const std::function<v
       listed.waits.push_back(waits == kNone ? 0 : waits == kAfterInitial ? transitions + 1 : waits + 1);
     }
     for (const u32 node : at.nodes) listed.zones.push_back(&nodes_[node].zone);
+    for (const u32 node : at.nodes) {
+      if (!rank_of.empty() && at.is_pending) listed.ranks.push_back(rank_of[node]);
+    }
     visit(listed);
   }
 }

@@ -57,7 +57,7 @@ class ZoneSearch {
   ZoneReport run();
   ZoneReport run_for_local_deadlocks();
   /// After it, if the graph is complete and there is no match: all locations that have zones.
-  void visit_locations(const ZoneReport& report, const std::function<void(const ListedLocation&)>& visit);
+  void visit_locations(ZoneReport& report, const std::function<void(const ListedLocation&)>& visit);
   PartReport run_part();
   /// After it: the graph.
   [[nodiscard]] const std::deque<ZoneNode>& nodes() const { return nodes_; }
@@ -127,6 +127,8 @@ class ZoneSearch {
   void enter_later(u32 location, const Zone& zone, const ZoneNode& label);
   [[nodiscard]] bool find_idle(u32 node);
   void find_lasso();
+  /// By node, of a complete graph without a lasso: see ListedLocation::ranks.
+  [[nodiscard]] std::vector<u32> ranks(ZoneReport& report) const;
   static constexpr u32 kFirstLook = 1024;  // nodes
   [[nodiscard]] bool may_go_on(u32 node, u32 atom);
   // zone_local_deadlock.cpp
@@ -156,6 +158,7 @@ class ZoneSearch {
   u64 impossible_ = 0;
   std::deque<ZoneNode> nodes_;
   std::vector<ZoneArc> arcs_;  // of a response without a limit
+  std::vector<u32> refused_;   // by strong component of them: an atom whose action may return and never does, or kNone
   bool notes_moves_ = false;
   std::vector<ZoneMove> moves_;
   u32 move_ = kNone;   // the one that is made

@@ -52,6 +52,9 @@ struct ZoneReport {
   std::optional<u64> match_cycle = std::nullopt;
   // The same: steps can repeat for ever while time stands still. Such runs do not count.
   bool has_standing_cycle = false;
+  // The same, once locations have been visited: see ListedLocation::ranks. `returning`: ranks, each with an atom.
+  i64 later = 0;
+  std::vector<std::pair<u32, u32>> returning = {};
   TimedPath deadlock, time_lock, error, match;
   bool are_paths_known = true;  // false: the core could not take a path
   std::size_t bytes = 0;
@@ -68,6 +71,11 @@ struct ListedLocation {
   std::vector<u32> waits, leaders;
   std::vector<const Zone*> zones;
   bool is_pending = false;  // of a response: a request waits; the last clock is that of the observer
+  // Of a response without a limit, where a request waits, by zone. While the same request waits, ranks never rise; and
+  // with a step at which the observer's clock has reached ZoneReport::later, where it begins again, they fall. Of a
+  // rank in ZoneReport::returning, with an atom, they fall with the return of its action; before such a step, which
+  // leaves the rank as it is, the action may return. (Where it may at infinitely many instants it does.)
+  std::vector<u32> ranks = {};
 };
 /// The same; visits all locations that have zones, in the order of finding, if the graph is complete and the predicate
 /// holds nowhere. The set of these points is closed under steps and under time, but for steps that end in an error.

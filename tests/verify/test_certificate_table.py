@@ -48,7 +48,8 @@ ROWS = {
     "limits of time (`within`)": [
         ("certificate_of_response.golden", ["--property", "p@CALLED leads to p@RUNS within 20 ms"], "accepted", "method zones")],
     "properties of runs without a limit, of a model with time": [
-        ("fail_runs_with_time_certificate.golden", ["--property", "always eventually a@LIT"], "refused", None)],
+        ("runs_with_time.golden", ["--property", "always eventually a@LIT"], "accepted", "zone rank="),
+        ("runs_with_time_resume.golden", ["--property", "happens bake leads to happens open"], "accepted", "returns ")],
     "`--for-all n`": [
         ("sizes/token_ring.bip", ["--for-all", "n"], "accepted", None)],
     "`--partial`": [

@@ -7,8 +7,10 @@ The systems and the oracle, which visits every state at every ns, are those of t
 what bipc proves (no deadlock, no errors, a place that is never reached) is accepted; a certificate that has been changed (a row lost, a
 bound, a place, a value, what an action waits for) is not, if a state that the oracle has reached is not in it any more; the certificate of a property that is
 always true is not accepted for another claim that the oracle refutes. The same of limits of time, with the least limit that
-holds: the oracle's points have the age of the oldest request, too, and a smaller limit or another demand is what it refutes. BIPC and CERTCHECK name the programs, JOBS the number of processes. Python's library
-only. To see it go red: let `stays` in tools/certcheck/zones.cpp return at once, or leave out its tick.
+holds: the oracle's points have the age of the oldest request, too, and a smaller limit or another demand is what it refutes. Of demands
+without a limit certificates are also written by this test, from the oracle's points, each a zone of its own: they are accepted if and
+only if the response comes in each run. BIPC and CERTCHECK name the programs, JOBS the number of processes. Python's library
+only. To see it go red: let `stays` in tools/certcheck/zones.cpp return at once, or leave out its tick, or its ranks.
 """
 import collections
 import concurrent.futures
@@ -21,10 +23,12 @@ import sys
 import tempfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from test_timed import BIPC, MOST, Fault, Oracle, demand_text, make_condition, make_system, sharp, text_of  # noqa: E402
+from strong_components import components  # noqa: E402
+from test_timed import BIPC, MOST, Fault, Oracle, State, demand_text, make_condition, make_system, sharp, text_of  # noqa: E402
 
 CERTCHECK = os.environ.get("CERTCHECK") or str(pathlib.Path(BIPC).with_name("certcheck"))
 MUTATIONS, DEMANDS = 12, 3
+MOST_POINTS = 300  # of a certificate that the test writes
 ALWAYS = "never a0.v == 77"
 # What bipc may say instead of a certificate: only where the oracle has found an error.
 REFUSED = "guards of connectors or priorities that end in an error"
@@ -61,8 +65,11 @@ def read_rows(certificate):
                 said[key] = value
             zones = rows[tuple(sorted(said.items()))]
         elif head == "zone":
-            zones.append([BOUND.fullmatch(word).groups() for word in words])
+            zones.append([BOUND.fullmatch(word).groups() for word in words if not word.startswith("rank=")])
     return rows
+
+
+ANY = object()  # an age that is not looked at
 
 
 def is_in(state, atoms, rows, is_told, age=None):
@@ -80,7 +87,7 @@ def is_in(state, atoms, rows, is_told, age=None):
         return 0 if clock is None else state[int(re.fullmatch(r"ROOT\.a(\d+)\.x", clock)[1])].clock
 
     def holds(x, y, op, n):
-        if age is None and "observer.since" in (x, y):
+        if (age is None or age is ANY) and "observer.since" in (x, y):
             return True  # nothing waits
         return value(x) - value(y) <= int(n) if op == "<" else value(x) - value(y) >= int(n)
     return any(all(holds(*bound) for bound in zone) for zone in rows.get(key, ()))
@@ -178,6 +185,147 @@ def check_demands(folder, seed, oracle, counts, bad):
                 bad.append(f"{claim} is accepted: {said}\n{certificate}")
 
 
+def follow(oracle, request, response, later):
+    """The points (state, age of the request that waits, at most `later`) that runs reach, each with what follows while the same request
+    waits: (point, is time over, the atom whose action returns or None). None: too many."""
+    demand = request, response, None
+    first = tuple(State(0, atom.first, 0, None) for atom in oracle.atoms)
+    todo, same = [(first, oracle.look(demand, first, None, None, True))], {}
+    while todo:
+        point = todo.pop()
+        if point in same:
+            continue
+        state, age = point
+        found = oracle.expand(state)
+        if found is None:
+            continue
+        if len(same) == MOST_POINTS:
+            return None
+        edges = [((after, age), False, next(a for a, s in enumerate(state) if after[a] != s)) for after in found.resumed]
+        if found.later is not None:
+            edges.append(((found.later, None if age is None else min(age + 1, later)), False, None))
+        new = []
+        for candidate, after in found.steps:
+            if after is None:
+                continue
+            kept = oracle.look(demand, state, candidate, age)
+            age_after = oracle.look(demand, after, None, kept)
+            if age is None or kept is None or age_after is None:
+                new.append((after, age_after))
+            else:
+                edges.append(((after, 0 if age == later else age), age == later, None))
+        todo += [to for to, _, _ in edges] + new
+        same[point] = edges if age is not None else []
+    return same
+
+
+def own_certificate(r, oracle, request, response, later):
+    """A certificate that `response` comes, of a demand without a limit, as good as there is one. None: too many points."""
+    same = follow(oracle, request, response, later)
+    if same is None:
+        return None
+    following = {point: [to for to, _, _ in edges if to in same] for point, edges in same.items()}
+    parts = components(list(same), following)
+    part_of = {point: k for k, part in enumerate(parts) for point in part}
+    returning = {}  # by part: the atom whose action never returns, though it may
+    for point, edges in same.items():
+        k = part_of[point]
+        if any(is_over and part_of.get(to) == k for to, is_over, _ in edges):
+            always = set.intersection(*(set(oracle.may_resume(state)) for state, _ in parts[k]))
+            # Without one the response never comes, whatever atom the certificate names.
+            returning[k] = min(always, default=r.choice([None, *range(len(oracle.atoms))]))
+    levels = {}
+
+    def level(k):
+        if k not in levels:
+            levels[k] = 0  # itself
+            ahead = [(part_of[to], is_over) for point in parts[k] for to, is_over, _ in same[point] if to in same and part_of[to] != k]
+            levels[k] = max((level(to) + (1 if is_over or k in returning or to in returning else 0) for to, is_over in ahead), default=0)
+        return levels[k]
+    keys = {k: (level(k), k + 1 if k in returning else 0) for k in range(len(parts))}
+    ranks = {key: number for number, key in enumerate(sorted(set(keys.values())))}
+    rows = collections.defaultdict(list)
+    for (state, age), k in part_of.items():
+        zone = f"zone rank={ranks[keys[k]]}" if age is not None else "zone"
+        for a, s in enumerate(state):
+            zone += f" ROOT.a{a}.x>={s.clock}" + (f" ROOT.a{a}.x<={s.clock}" if s.clock <= MOST else "")
+        zone += " observer.since>=0" if age is None else f" observer.since>={age}" + (f" observer.since<={age}" if age < later else "")
+        words = [f"ROOT.a{a}@s{s.place} ROOT.a{a}.v={s.value} ROOT.a{a}.resume={0 if s.waits is None else s.waits + 1} "
+                 f"ROOT.a{a}.resume-with={0 if s.waits is None else a}" for a, s in enumerate(state)]
+        rows[f"state {' '.join(words)} observer.waits={0 if age is None else 1}"].append(zone)
+    head = ["bipc-certificate 1", "root Root()", eventually_text(request, response), "method zones", f"later {later}ns"]
+    head += [f"returns {ranks[keys[k]]} ROOT.a{a}" for k, a in returning.items() if a is not None]
+    return "\n".join([*head, *(line for state, zones in rows.items() for line in (state, *zones)), "end", ""])
+
+
+def eventually_text(request, response):
+    return f"claim eventually {'first' if request is None else claim_text(request)} {claim_text(response)}"
+
+
+def check_endless_demands(folder, seed, oracle, counts, bad):
+    """Of responses without a limit."""
+    r = random.Random(f"endless demands {seed}")
+
+    def random_demand():
+        request = None if r.random() < 0.2 else make_condition(r, oracle.atoms, oracle.connectors)
+        return request, make_condition(r, oracle.atoms, oracle.connectors), None
+
+    def check_own(demand, is_missed, own):
+        code, said = certcheck(folder, own)
+        kind = "own refused" if is_missed else "own accepted"
+        if (code == 0) != (not is_missed) and not (code in (1, 4) and oracle.error):
+            bad.append(f"{demand_text(demand)}: own certificate: {said}\n{own}")
+        counts[kind] += 1
+        counts[kind + " with a return"] += "\nreturns " in own
+    # Few demands have to do with actions that return: some of these.
+    with_return = 0
+    for _ in range(20 if any(t.resume is not None for atom in oracle.atoms for t in atom.transitions) else 0):
+        demand = random_demand()
+        own = own_certificate(r, oracle, *demand[:2], r.randint(1, 3))
+        if own is not None and "\nreturns " in own and with_return < 2:
+            with_return += 1
+            check_own(demand, oracle.never_comes(*demand[:2]), own)
+    for _ in range(DEMANDS):
+        demand, other = random_demand(), random_demand()
+        is_missed = oracle.never_comes(*demand[:2])
+        if is_missed is None or oracle.has_no_state:
+            continue
+        own = own_certificate(r, oracle, *demand[:2], r.randint(1, 3))
+        if own is not None:
+            check_own(demand, is_missed, own)
+        if is_missed:
+            continue
+        certificate, code, said = prove(folder, demand_text(demand))
+        if certificate is None:
+            counts["endless refused by bipc"] += 1
+            if "error[B1900]" not in said or REFUSED not in said or not oracle.error:
+                bad.append(f"{demand_text(demand)}: {code}: {said}")
+            continue
+        code, said = certcheck(folder, certificate)
+        if code != 0:
+            bad.append(f"{demand_text(demand)}: not accepted: {said}\n{certificate}")
+            continue
+        counts["endless accepted"] += 1
+        points = [(state, None if age is None else ANY) for state, age in follow(oracle, *demand[:2], 1) or ()
+                  if is_stable(oracle, state)]
+        if misses_a_state(points, oracle.atoms, certificate):
+            bad.append(f"{demand_text(demand)}: a point that is reached is not in the certificate\n{certificate}")
+        for _ in range(MUTATIONS):
+            changed = mutate(r, certificate)
+            if not misses_a_state(points, oracle.atoms, changed):
+                continue
+            counts["endless changed, not enough"] += 1
+            code, said = certcheck(folder, changed)
+            if code not in (1, 4):
+                bad.append(f"{demand_text(demand)}: accepted without a reached point: {said}\n{changed}")
+        if oracle.never_comes(*other[:2]) is True:
+            counts["endless forged"] += 1
+            claim = eventually_text(*other[:2])
+            code, said = certcheck(folder, re.sub("^claim .*", claim, certificate, flags=re.M))
+            if code not in (1, 4):
+                bad.append(f"{claim} is accepted: {said}\n{certificate}")
+
+
 def check(seed):
     """(counts, a difference or "")"""
     atoms, connectors = make_system(random.Random(seed))
@@ -221,6 +369,7 @@ def check(seed):
                 if code not in (1, 4):
                     bad.append(f"{question}: accepted without a reached state: {said}\n{changed}")
         check_demands(folder, seed, oracle, counts, bad)
+        check_endless_demands(folder, seed, oracle, counts, bad)
         # The last one holds always.
         wrong = ([("deadlock-free")] if oracle.deadlock or oracle.lock else []) + (["error-free"] if oracle.error else [])
         wrong += [f"never (at ROOT.a{a} s{place})"] if is_reached else []
@@ -247,7 +396,8 @@ def main():
                 print(difference)
     print(", ".join(f"{kind}: {n}" for kind, n in sorted(counts.items())))
     # What decides nothing is no test.
-    wanted = ("accepted", "changed, not enough", "forged deadlock-free", "forged never", "limits accepted", "limits changed, not enough", "limits forged")
+    wanted = ("accepted", "changed, not enough", "forged deadlock-free", "forged never", "limits accepted", "limits changed, not enough", "limits forged",
+              "endless accepted", "own accepted", "own refused")
     if count >= 40 and any(counts[kind] < count // 8 for kind in wanted):
         bad += 1
         print("too few certificates of some kind")

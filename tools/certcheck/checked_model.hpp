@@ -310,7 +310,10 @@ struct Bound {
   std::size_t atom = kNone, clock = 0, other_atom = kNone, other_clock = 0;
   std::int64_t limit = 0;
 };
-using Zone = std::vector<Bound>;
+struct Zone {
+  std::vector<Bound> bounds;
+  std::size_t rank = 0;  // of claims that something comes
+};
 /// With time: states say nothing of components that are like these two, any two of which they speak of (pairs.cpp).
 struct Pair {
   std::size_t first = kNone, second = kNone;
@@ -325,11 +328,13 @@ struct SetRow {
   std::map<std::size_t, Modes> modes;
 };
 struct Certificate {
-  std::string claim, fairness = "none";     // the latter of claims about runs
-  std::optional<std::size_t> rounds;        // of claims about runs without states: no run has more
-  std::vector<Turn> turns;                  // that each round has
-  std::vector<Fact> facts, sets;            // sets: of modes; without total: traps
-  std::map<Values, char32_t> row_of_local;  // parameters as 0
+  std::string claim, fairness = "none";        // the latter of claims about runs
+  std::optional<std::size_t> rounds;           // of claims about runs without states: no run has more
+  std::optional<std::int64_t> later;           // of claims that something comes: ticks
+  std::map<std::size_t, std::size_t> returns;  // the same: of ranks, an atom
+  std::vector<Turn> turns;                     // that each round has
+  std::vector<Fact> facts, sets;               // sets: of modes; without total: traps
+  std::map<Values, char32_t> row_of_local;     // parameters as 0
   std::vector<Values> locals;
   std::set<std::u32string> states;                    // all that a search has reached: by atom a row of locals
   std::map<std::u32string, std::vector<Zone>> zones;  // with time: of each state, one of these holds

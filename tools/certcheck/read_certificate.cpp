@@ -57,7 +57,8 @@ class CertificateReader {
         {"state", {1, &CertificateReader::state_row}},         {"pair", {3, &CertificateReader::pair_row}},
         {"zone", {1, &CertificateReader::zone_row}},           {"fairness", {2, &CertificateReader::fairness_row}},
         {"rounds", {2, &CertificateReader::rounds_row}},       {"turn", {2, &CertificateReader::turn_row}},
-        {"begin", {3, &CertificateReader::set_row}},           {"next", {4, &CertificateReader::set_row}}};
+        {"begin", {3, &CertificateReader::set_row}},           {"next", {4, &CertificateReader::set_row}},
+        {"later", {2, &CertificateReader::later_row}},         {"returns", {3, &CertificateReader::returns_row}}};
     const Text head = words_.empty() ? Text() : words_[0];
     if (line == "method exhaustive") throw NotCheckable("the evidence is a search of all states");
     if (head == "root" || head == "method") return;
@@ -80,6 +81,19 @@ class CertificateReader {
   void rounds_row() {
     need(words_.size() == 2 && !proof_.rounds, "not the number of rounds");
     proof_.rounds = static_cast<std::size_t>(number(words_[1], 0, kMostBits));
+  }
+  // "later 5ns"
+  void later_row() {
+    const Text ticks = words_[1].substr(0, words_[1].size() - std::min<std::size_t>(words_[1].size(), 2));
+    need(words_.size() == 2 && words_[1].ends_with("ns") && !proof_.later, "no duration");
+    proof_.later = ticks_of(ticks);
+    need(*proof_.later > 0, "no duration");
+  }
+  // "returns 3 ROOT.a"
+  void returns_row() {
+    const std::size_t rank = static_cast<std::size_t>(number(words_[1], 0)), atom = atom_of(words_[2]);
+    need(words_.size() == 3 && model_.type_of(atom).is_timed, "no component with time");
+    need(proof_.returns.emplace(rank, atom).second, "a rank twice");
   }
   // "begin trap 0 ROOT.a:1", "next 0 2 1 ROOT.b[2]:0 ROOT.c[2]:3"
   void set_row() {
@@ -219,21 +233,22 @@ class CertificateReader {
       proof_.pair->holders.emplace(l.atom, l.variable);
     }
   }
-  // "ROOT.a.x<=7", "ROOT.a.x-ROOT.b.y<=3", "ROOT.a.x>=2": of the state above
+  // "ROOT.a.x<=7", "ROOT.a.x-ROOT.b.y<=3", "ROOT.a.x>=2": of the state above; first "rank=3"
   void zone_row() {
     need(model_.is_timed && !now_.empty(), "no state has this zone");
     Zone& zone = proof_.zones[now_].emplace_back();
-    for (std::size_t k = 1; k < words_.size(); ++k) {
+    const bool has_rank = words_.size() > 1 && words_[1].starts_with("rank=");
+    if (has_rank) zone.rank = static_cast<std::size_t>(number(words_[1].substr(5), 0));
+    for (std::size_t k = has_rank ? 2 : 1; k < words_.size(); ++k) {
       const auto [names, limit] = split(words_[k], words_[k].find('='));
       const bool is_least = names.ends_with('>'), is_most = names.ends_with('<');
       need(is_least || is_most, "is no bound", words_[k]);
       const Text clocks = names.substr(0, names.size() - 1);
       const std::size_t minus = clocks.find('-');
-      Bound& bound = zone.emplace_back();
+      Bound& bound = zone.bounds.emplace_back();
       std::tie(bound.atom, bound.clock) = clock(clocks.substr(0, minus));
       if (minus != Text::npos) std::tie(bound.other_atom, bound.other_clock) = clock(clocks.substr(minus + 1));
-      (void)std::from_chars(limit.data(), limit.data() + limit.size(), bound.limit);
-      need(std::to_string(bound.limit) == limit && std::abs(bound.limit) < kMostTicks, "is no number here", limit);
+      bound.limit = ticks_of(limit);
       if (!is_least) continue;
       std::swap(bound.atom, bound.other_atom);
       std::swap(bound.clock, bound.other_clock);
@@ -315,6 +330,12 @@ class CertificateReader {
     int value = 0;
     (void)std::from_chars(text.data(), text.data() + text.size(), value);
     need(std::to_string(value) == text && value >= least && value <= most, "is no number here", text);
+    return value;
+  }
+  [[nodiscard]] std::int64_t ticks_of(Text text) const {
+    std::int64_t value = 0;
+    (void)std::from_chars(text.data(), text.data() + text.size(), value);
+    need(std::to_string(value) == text && std::abs(value) < kMostTicks, "is no number here", text);
     return value;
   }
   // false and true as 0 and 1; strings as rows, -1 for "" where no row has it.

@@ -263,14 +263,14 @@ class States {
 
 }  // namespace
 
-// Is the claim, in the third row, a limit of time?
+// Is the claim, in the third row, one that something comes?
 static bool is_observed(std::istream& text) {
   const auto start = text.tellg();
   std::string line;
   for (int k = 0; k < 3; ++k) std::getline(text, line);
   text.clear();
   text.seekg(start);
-  return line.starts_with("claim within ");
+  return line.starts_with("claim within ") || line.starts_with("claim eventually ");
 }
 
 std::string check(const Model& model, std::istream& text, z3::context& z) {

@@ -23,11 +23,14 @@ class Zones {
     if (pair_ != nullptr) let_numbers();
     if (is_about("deadlock-free") || is_about("error-free")) return;
     claim_ = read_trees(proof_.claim);
-    if (claim_.head() == "within") {
-      if (claim_.items.size() != 4 || model_.atoms.back().path != "observer")
+    if (claim_.head() == "within" || claim_.head() == "eventually") {
+      const bool has_limit = claim_.head() == "within";
+      if (claim_.items.size() != (has_limit ? 4 : 3) || model_.atoms.back().path != "observer" ||
+          has_limit == proof_.later.has_value())
         throw Rejected("the claim " + quoted(proof_.claim));
-      if (!claim_.find({"can", "can-port"}).empty()) throw NotCheckable("a limit of time for what can be done");
-      limit_ = claim_.at(1).ticks();
+      if (!claim_.find({"can", "can-port"}).empty()) throw NotCheckable("that something comes which can be done");
+      is_observed_ = true;
+      if (has_limit) limit_ = claim_.at(1).ticks();
       return;
     }
     if (claim_.items.size() != 2 || claim_.items[0].text != "never")
@@ -47,18 +50,22 @@ class Zones {
         local[type.waits + 1] = terms_.constant("int", static_cast<int>(first.size()) - 1);
     }
     if (is_about("error-free")) demand(fault, "the run ends before its first state");
-    if (limit_) observe(system_, first, nullptr, first, terms_.truth(true));
+    if (is_observed_) observe(system_, first, nullptr, first, terms_.truth(true));
     stays(no(fault), first, "the first state is not among those that the certificate lists");
     for (const auto& [key, zones] : proof_.zones) {
-      terms_.begin();
-      check_from(key);
-      terms_.end();
+      std::set<std::size_t> ranks;
+      for (const Zone& zone : zones) ranks.insert(zone.rank);
+      for (std::size_t rank : ranks) {
+        terms_.begin();
+        check_from(key, rank);
+        terms_.end();
+      }
     }
   }
 
  private:
-  // Of all points of the state's zones.
-  void check_from(const std::u32string& key) {
+  // Of all points of the state's zones of this rank.
+  void check_from(const std::u32string& key, std::size_t rank) {
     State now;
     for (std::size_t a = 0; a < model_.atoms.size(); ++a) {
       Values values = proof_.locals[key[a]];
@@ -66,7 +73,7 @@ class Zones {
         if (!proof_.is_told[a][k]) values[k] = std::nullopt;
       now.push_back(terms_.local(model_.atoms[a], values));
     }
-    terms_.assume(is_inside(key, now));
+    terms_.assume(is_inside(key, now, [&](const Zone& zone) { return zone.rank == rank; }));
     if (pair_ != nullptr) look_at_third(now);
     State later = now;
     for (std::size_t a = 0; a < later.size(); ++a) {
@@ -99,15 +106,29 @@ class Zones {
       demand(either(fault, system_.guard_fault()), "a state that the certificate allows ends with an error");
     // Where the run has ended with an error nothing follows.
     terms_.assume(no(fault));
+    // While a request waits: the rank does not rise; an action that may return, and never does while it stays.
+    const bool is_ranked = proof_.later && is(now.back()[0], true);
+    const std::optional<std::size_t> most = is_ranked ? std::optional(rank) : std::nullopt;
+    const auto returns = proof_.returns.find(rank);
+    const std::optional<std::size_t> returning =
+        is_ranked && returns != proof_.returns.end() ? std::optional(returns->second) : std::nullopt;
     system_.each_step([&](const Step& step) {
       if (is_about("error-free") && terms_.may_be(both(step.possible, step.fault)))
         throw Rejected("a step ends with an error");
       State next = replaced(now, step.next);
-      if (limit_) {
+      expr still_waits = terms_.truth(false), is_taken = both(step.possible, no(step.fault));
+      if (is_observed_) {
+        still_waits = now.back()[0];
         observe(system_, now, &step, next, terms_.truth(false));
+        still_waits = both(still_waits, next.back()[0]);
         observe(after_, next, nullptr, next, terms_.truth(false));
+        still_waits = both(still_waits, next.back()[0]);
       }
-      stays(both(step.possible, no(step.fault)), next, "a step leads out of what the certificate allows");
+      if (!proof_.later) return stays(is_taken, next, "a step leads out of what the certificate allows");
+      stays(both(is_taken, no(still_waits)), next, "a step leads out of what the certificate allows");
+      const auto group = returning ? groups.find(leader_of(now, *returning).value_or(kNobody)) : groups.end();
+      comes_to_end(both(is_taken, still_waits), next, rank,
+                   group == groups.end() ? terms_.truth(false) : group->second.first);
     });
     expr resumes = terms_.truth(false), must_resume = resumes;
     for (const auto& [leader, is_over] : groups) {
@@ -115,44 +136,73 @@ class Zones {
       must_resume = either(must_resume, both(is_over.first, no(is_over.second)));
       State next = now;
       for (std::size_t a = 0; a < next.size(); ++a) {
+        if (leader_of(now, a) != leader) continue;
         const std::size_t waits = model_.type_of(a).waits;
-        if (!model_.type_of(a).is_timed || value_of(now[a][waits + 1]) != leader || value_of(now[a][waits]) == 0)
-          continue;
         next[a][waits] = next[a][waits + 1] = terms_.constant("int", 0);
       }
-      stays(is_over.first, next, "an action's return leads out of what the certificate allows");
+      const std::string otherwise = "an action's return leads out of what the certificate allows";
+      if (returning && leader_of(now, *returning) == leader) falls(is_over.first, next, rank, otherwise);
+      else stays(is_over.first, next, otherwise, most);
     }
     may_pass = both(may_pass, no(must_resume));
-    stays(both(may_pass, both(no(system_.is_urgent(true)), no(opens))), later,
-          "time leads out of what the certificate allows");
-    const expr waits = limit_ ? now.back()[0] : terms_.truth(false);
+    const expr passes = both(may_pass, both(no(system_.is_urgent(true)), no(opens)));
+    stays(passes, later, "time leads out of what the certificate allows", most);
+    const expr waits = is_observed_ ? now.back()[0] : terms_.truth(false);
     if (limit_)
       demand(both(waits, (now.back()[model_.atom_types.back().first_clock] > z3_.int_val(*limit_)).simplify()),
              "a state that the certificate allows comes too late");
-    else if (!claim_.items.empty())
+    else if (!claim_.items.empty() && !is_observed_)
       demand(both(own_numbers_, system_.claim(claim_.items[1])),
              "a state that the certificate allows is what should never be");
-    if (!is_about("deadlock-free") && !limit_) return;
+    if (!is_about("deadlock-free") && !is_observed_) return;
     const expr is_stuck = no(system_.has_step()),
                may_stop = either(no(may_pass), either(system_.is_urgent(false), may_open)),
                is_locked = both(both(is_stuck, may_stop), no(must_resume));
     // What is waited for does not come after the end of a run.
-    if (limit_) return demand(both(is_locked, waits), "a state that the certificate allows ends before it comes");
-    demand(is_locked, "a state that the certificate allows locks time");
-    // Where no step ever comes, time brings all clocks beyond any bound, in states that are listed, too.
-    expr is_far = both(is_stuck, no(either(resumes, system_.is_final())));
+    if (is_observed_) demand(both(is_locked, waits), "a state that the certificate allows ends before it comes");
+    else demand(is_locked, "a state that the certificate allows locks time");
+    if (limit_) return;
+    // Where no step ever comes, time brings all clocks beyond any bound, in states that are listed, too. What waits for
+    // something to come may not wait for steps that nothing forces.
+    expr is_far =
+        is_observed_ ? both(both(waits, passes), no(resumes)) : both(is_stuck, no(either(resumes, system_.is_final())));
     for (std::size_t a = 0; a < now.size(); ++a) {
       const AtomType& type = model_.type_of(a);
       for (std::size_t k = type.first_clock; k < type.first_clock + type.clocks.size(); ++k)
         is_far = both(is_far, now[a][k] > z3_.int_val(kFar));
     }
-    demand(is_far, "a state that the certificate allows has no step");
+    demand(is_far, is_observed_ ? "time may go on for ever in a state that the certificate allows before it comes"
+                                : "a state that the certificate allows has no step");
+  }
+
+  // With whom the atom goes on; none: it is not busy.
+  [[nodiscard]] std::optional<int> leader_of(const State& now, std::size_t atom) const {
+    const AtomType& type = model_.type_of(atom);
+    if (!type.is_timed || is(equals(now[atom][type.waits], 0), true)) return std::nullopt;
+    return value_of(now[atom][type.waits + 1]).value_or(0);
+  }
+  // A step after which the same request waits. Where time has passed since the last such one the rank falls; or an
+  // action may return, which it does some time if that is so again and again.
+  void comes_to_end(const expr& is_taken, State next, std::size_t rank, const expr& may_return) {
+    const std::string otherwise = "steps that the certificate allows may go on for ever before it comes";
+    expr& since = next.back()[model_.atom_types.back().first_clock];
+    const expr is_later = (since >= z3_.int_val(*proof_.later)).simplify();
+    stays(both(is_taken, no(is_later)), next, otherwise, rank);
+    since = z3_.int_val(0);
+    stays(both(is_taken, both(is_later, may_return)), next, otherwise, rank);
+    falls(both(is_taken, both(is_later, no(may_return))), next, rank, otherwise);
+  }
+  // It stays, at a lower rank.
+  void falls(const expr& when, const State& next, std::size_t rank, const std::string& otherwise) {
+    if (rank == 0) demand(when, otherwise);
+    else stays(when, next, otherwise, rank - 1);
   }
 
   // What the observer makes of a point: a state (`is_first`: of a run), or a step that leaves it.
   void observe(System& system, const State& at, const Step* step, State& next, const expr& is_first) {
     system.stand(at);
-    const Tree &request = claim_.at(2), &response = claim_.at(3);
+    const std::size_t last = claim_.items.size() - 1;
+    const Tree &request = claim_.at(last - 1), &response = claim_.at(last);
     const expr asked = request.text == "first" && !request.is_list ? is_first : system.claim(request, step);
     const expr is_open = no(system.claim(response, step));
     expr &waits = next.back()[0], &since = next.back()[model_.atom_types.back().first_clock];
@@ -160,8 +210,11 @@ class Zones {
     waits = both(is_open, either(waits, asked));
   }
 
-  // Where `when` holds, and the run does not end in an error, this is a listed state in one of its zones.
-  void stays(const expr& when, const State& next, const std::string& otherwise) {
+  // Where `when` holds, and the run does not end in an error, this is a listed state in one of its zones, of a rank of
+  // at most `most`.
+  void stays(const expr& when, const State& next, const std::string& otherwise,
+             std::optional<std::size_t> most = std::nullopt) {
+    const auto is_meant = [&](const Zone& zone) { return zone.rank <= most.value_or(zone.rank); };
     if (is(when, false)) return;
     std::u32string key = proof_.zones.begin()->first;
     std::map<std::size_t, Local> open;  // what need not be constant
@@ -191,7 +244,7 @@ class Zones {
         else is_listed = false;
       }
       const bool has_zones = is_listed && proof_.zones.contains(key);
-      const expr leaves = has_zones ? both(there, no(is_inside(key, next))) : there;
+      const expr leaves = has_zones ? both(there, no(is_inside(key, next, is_meant))) : there;
       if (!terms_.may_be(leaves)) return;
       // Where a state ends with an error the run has no further point.
       if (is_about("error-free")) throw Rejected(otherwise);
@@ -206,10 +259,11 @@ class Zones {
       check(there, solution);
     });
   }
-  // The clocks are in one of the state's zones.
-  [[nodiscard]] expr is_inside(const std::u32string& key, const State& state) const {
+  // The clocks are in one of the state's zones that are meant.
+  [[nodiscard]] expr is_inside(const std::u32string& key, const State& state, const auto& is_meant) const {
     return terms_.some(proof_.zones.at(key), [&](const Zone& zone) {
-      return terms_.all(zone, [&](const Bound& b) {
+      if (!is_meant(zone)) return terms_.truth(false);
+      return terms_.all(zone.bounds, [&](const Bound& b) {
         const auto value = [&](std::size_t atom, std::size_t clock) {
           return atom == kNone ? z3_.int_val(0) : state[atom][clock];
         };
@@ -300,6 +354,7 @@ class Zones {
 
   // Beyond all constants that a certificate should depend on. Any number would be right.
   static constexpr std::int64_t kFar = std::int64_t{1} << 62;
+  static constexpr int kNobody = -1;
 
   const Model& model_;
   const Certificate& proof_;
@@ -310,7 +365,8 @@ class Zones {
   Local numbers_;  // of the pair and the third one; none: there are no numbers
   expr own_numbers_ = terms_.truth(true);
   Tree claim_;
-  std::optional<std::int64_t> limit_;  // of a claim that something comes within it; the last atom observes
+  bool is_observed_ = false;           // the claim is that something comes: the last atom observes
+  std::optional<std::int64_t> limit_;  // within it
   bool has_open_ = false;
 };
 

@@ -209,9 +209,10 @@ std::optional<std::string> certificate_of_runs(const Formula& formula, const std
          "\nmethod induction\n" + rows + "end\n";
 }
 
-std::optional<std::string> certificate_of_response(const Formula& formula, const std::string& rows,
-                                                   const System& system, const std::string& root_name) {
-  BIP_ASSERT(formula.has_limit(), "no limit of time");
+std::optional<std::string> certificate_of_response(const Formula& formula, const rt::ZoneReport& report,
+                                                   const std::string& rows, const System& system,
+                                                   const std::string& root_name) {
+  BIP_ASSERT(formula.has_limit() || report.later > 0, "no limit, and steps are later after {} ticks", report.later);
   const auto text_of = [&](u32 row) {
     Formula part = formula;
     part.root = row;
@@ -221,8 +222,14 @@ std::optional<std::string> certificate_of_response(const Formula& formula, const
       formula.response->asks_once ? std::optional<std::string>("first") : text_of(formula.response->request);
   const std::optional<std::string> response = text_of(formula.response->response);
   if (!request || !response) return std::nullopt;
-  return head_of_claim(root_name) + "within " + std::to_string(*formula.response->within) + "ns " + *request + ' ' +
-         *response + "\nmethod zones\n" + rows + "end\n";
+  const std::string claim =
+      formula.has_limit() ? "within " + std::to_string(*formula.response->within) + "ns" : "eventually";
+  std::string ranks;
+  if (!formula.has_limit()) ranks = "later " + std::to_string(report.later) + "ns\n";
+  for (const auto& [rank, atom] : report.returning)
+    ranks += "returns " + std::to_string(rank) + ' ' + system.atoms[AtomId(std::size_t{atom})].path + '\n';
+  return head_of_claim(root_name) + claim + ' ' + *request + ' ' + *response + "\nmethod zones\n" + ranks + rows +
+         "end\n";
 }
 
 std::string cube_text(const TransitionSystem& machine, const System& system, const Cube& cube) {

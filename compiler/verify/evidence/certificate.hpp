@@ -5,6 +5,7 @@
 #include <string>
 
 #include "compiler/verify/portfolio/portfolio.hpp"
+#include "runtime/explore/zones.hpp"
 
 namespace bip::verify {
 
@@ -31,10 +32,11 @@ namespace bip::verify {
                                                              const std::string& rows, const System& system,
                                                              const std::string& root_name);
 
-/// Returns the certificate of a limit of time that holds: the rows of the zone graph with its observer. Nothing: as
-/// above.
-[[nodiscard]] std::optional<std::string> certificate_of_response(const Formula& formula, const std::string& rows,
-                                                                 const System& system, const std::string& root_name);
+/// Returns the certificate of a response that holds in the zone graph of `report`, of which `rows` are the rows, with
+/// those of its observer. Nothing: as above.
+[[nodiscard]] std::optional<std::string> certificate_of_response(const Formula& formula, const rt::ZoneReport& report,
+                                                                 const std::string& rows, const System& system,
+                                                                 const std::string& root_name);
 
 /// Returns "exactly one of fork[0]@FREE, phil[0]@EATS"
 [[nodiscard]] std::string invariant_text(const Net& net, const TokenInvariant& invariant);

@@ -37,10 +37,10 @@ ZoneCollector::ZoneCollector(const System& system, const rt::Image& image,
   last_.assign(columns_.size() + 2 * busy_atoms_.size() + 1, kUnsaid);
 }
 
-void ZoneCollector::append(const rt::Zone& zone) {
+void ZoneCollector::append(const rt::Zone& zone, const std::string& rank) {
   BIP_ASSERT(zone.size() == clocks_.size(), "a zone of {} clocks, not {}", zone.size() - 1, clocks_.size() - 1);
   constexpr auto kInf = rt::Zone::kInf;
-  rows_ += "zone";
+  rows_ += "zone" + rank;
   for (std::uint32_t i = 1; i < zone.size(); ++i) {
     rows_ += ' ' + clocks_[i] + ">=" + std::to_string(-zone.at(0, i));
     if (zone.at(i, 0) != kInf) rows_ += ' ' + clocks_[i] + "<=" + std::to_string(zone.at(i, 0));
@@ -74,7 +74,8 @@ void ZoneCollector::add(const rt::ListedLocation& location) {
   if (observer_ == ZoneObserver::OfResponse && std::exchange(last_[at], waits) != waits)
     rows_ += " observer.waits=" + std::to_string(waits);
   rows_ += '\n';
-  for (const rt::Zone* zone : location.zones) append(*zone);
+  for (std::size_t k = 0; k < location.zones.size(); ++k)
+    append(*location.zones[k], location.ranks.empty() ? "" : " rank=" + std::to_string(location.ranks[k]));
   is_too_long_ = rows_.size() > bytes_;
   if (is_too_long_) rows_ = {};
 }

@@ -12,7 +12,7 @@
 
 namespace bip::verify {
 
-/// Does an observer of a limit of time run beside the zone graph?
+/// Does the observer of a response run beside the zone graph?
 enum class ZoneObserver : std::uint8_t { None, OfResponse };
 
 class ZoneCollector {
@@ -28,7 +28,8 @@ class ZoneCollector {
   [[nodiscard]] std::string rows() && { return is_too_long_ ? std::string() : std::move(rows_); }
 
  private:
-  void append(const rt::Zone& zone);
+  /// `rank` is empty, or a word of the row.
+  void append(const rt::Zone& zone, const std::string& rank);
 
   std::vector<StateColumn> columns_;
   std::vector<std::string> busy_atoms_;  // by atom: its path if its type has time, else empty
