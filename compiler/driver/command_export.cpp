@@ -44,6 +44,8 @@ const char* format_name(ExportFormat format) {
   BIP_UNREACHABLE("format of an export");
 }
 
+constexpr const char* kNoBranchingTime = "`possibly` asks for branching time, which the format has no form for";
+
 // The states whose reachability is asked. A property is one of those of `bipc verify`.
 verify::Signal bad_states(const Compilation& c, const verify::Question& question, verify::TransitionSystem& made) {
   switch (question.what) {
@@ -51,7 +53,8 @@ verify::Signal bad_states(const Compilation& c, const verify::Question& question
     case verify::QuestionKind::NoErrors: return made.error;
     case verify::QuestionKind::State: return verify::broken_signal(question.property, made, c.lowered->image);
     case verify::QuestionKind::NoLocalDeadlock:
-    case verify::QuestionKind::Runs: break;
+    case verify::QuestionKind::Runs:
+    case verify::QuestionKind::Branching: break;
   }
   BIP_UNREACHABLE("a question that no property asks");
 }
@@ -67,6 +70,7 @@ Result<std::string> aiger(const Compilation& c, const ExportArguments& arguments
   if (const std::string what = system::first_timed(*c.system); !what.empty()) return Failure{what};
   if (question.what == verify::QuestionKind::Runs)
     return Failure{"a property of runs is no set of states, which the output of a circuit asks for"};
+  if (question.what == verify::QuestionKind::Branching) return Failure{kNoBranchingTime};
   if (!arguments.maximal_progress) return Failure{"the transition system has maximal progress"};
   const auto is_float = [](const verify::PropertyNode& node) { return node.type == Type::Float; };
   if (std::any_of(question.property.nodes.begin(), question.property.nodes.end(), is_float))
@@ -137,6 +141,7 @@ verify::Formula formula_of(const verify::Question& question) {
 }
 
 Result<std::string> promela(const Compilation& c, const ExportArguments& arguments, const verify::Question& question) {
+  if (question.what == verify::QuestionKind::Branching) return Failure{kNoBranchingTime};
   const bool is_formula = question.what == verify::QuestionKind::State || question.what == verify::QuestionKind::Runs;
   if (!arguments.property.empty() && !is_formula) return Failure{"a property that is neither of states nor of runs"};
   const verify::Formula formula = is_formula ? formula_of(question) : verify::Formula{};

@@ -85,7 +85,8 @@ rt::CounterexampleEnd end_of(verify::QuestionKind asked) {
     case verify::QuestionKind::State: return rt::CounterexampleEnd::State;
     case verify::QuestionKind::DeadlockFreedom:
     case verify::QuestionKind::NoLocalDeadlock:
-    case verify::QuestionKind::Runs: break;
+    case verify::QuestionKind::Runs:
+    case verify::QuestionKind::Branching: break;
   }
   return rt::CounterexampleEnd::Deadlock;
 }
@@ -96,9 +97,14 @@ Result<verify::Question> read_question(const std::string& property, const verify
   Result<verify::ParsedProperty> parsed = reader.read(property);
   if (!parsed) return Failure{parsed.error()};
   verify::Question question;
-  question.what = parsed->is_formula ? verify::QuestionKind::Runs : verify::QuestionKind::State;
+  switch (parsed->form) {
+    case verify::PropertyForm::State: question.what = verify::QuestionKind::State; break;
+    case verify::PropertyForm::Runs: question.what = verify::QuestionKind::Runs; break;
+    case verify::PropertyForm::Branching: question.what = verify::QuestionKind::Branching; break;
+  }
   question.property = std::move(parsed->state);
   question.formula = std::move(parsed->formula);
+  question.branching = std::move(parsed->branching);
   return question;
 }
 
@@ -124,8 +130,9 @@ Result<verify::Question> read_question(const VerifyRequest& request, const Syste
 std::vector<DataRef> data_of(const verify::Question& question) {
   if (question.what == verify::QuestionKind::State) return verify::data_of(question.property);
   std::vector<DataRef> data;
-  if (question.what != verify::QuestionKind::Runs) return data;
-  for (const verify::Property& condition : question.formula.states) {
+  const std::vector<verify::Property>& conditions =
+      question.what == verify::QuestionKind::Branching ? question.branching.states : question.formula.states;
+  for (const verify::Property& condition : conditions) {
     const std::vector<DataRef> own = verify::data_of(condition);
     data.insert(data.end(), own.begin(), own.end());
   }
@@ -187,6 +194,8 @@ Verdict decide(const VerifyRequest& request, Compilation& c, const verify::Quest
   const bool is_timed = system::is_timed(*c.system);
   if (question.formula.has_limit() || (is_timed && question.formula.response))
     return decide_response(request, c, question, note, token);
+  if (question.what == verify::QuestionKind::Branching)
+    return decide_branching(request, c, question, note, token, report);
   if (question.what == verify::QuestionKind::Runs) return decide_liveness(request, c, question, note, token, report);
   if (is_timed) return decide_timed(request, c, question, note, token);
   verify::PortfolioLimits limits;

@@ -13,7 +13,7 @@ namespace bip::library {
 
 using namespace pipeline;
 
-/// A run that breaks what was asked; the core has taken it.
+/// A run that breaks what was asked, or shows that something is possible; the core has taken it.
 struct FoundRun {
   rt::CounterexampleEnd end = rt::CounterexampleEnd::Deadlock;
   rt::TimedPath path;
@@ -26,6 +26,7 @@ struct Verdict {
   int exit_code = 0;         // of `bipc verify`
   std::string text, json;
   std::string certificate;  // if it was wanted and the answer has one
+  // Also the run that shows a property to hold which begins with `possibly`.
   std::optional<FoundRun> counterexample;
 };
 
@@ -68,6 +69,11 @@ struct Verdict {
 [[nodiscard]] Verdict decide_liveness(const VerifyRequest& request, Compilation& c, const verify::Question& question,
                                       const std::string& note, const verify::CancellationToken& token,
                                       const verify::Report& report);
+
+/// The same for a property of branching time, on the same graph.
+[[nodiscard]] Verdict decide_branching(const VerifyRequest& request, Compilation& c, const verify::Question& question,
+                                       const std::string& note, const verify::CancellationToken& token,
+                                       const verify::Report& report);
 
 /// A question that no engine answers yet.
 struct Unsupported {

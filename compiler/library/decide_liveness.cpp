@@ -9,6 +9,7 @@
 #include "compiler/base/json_text.hpp"
 #include "compiler/library/decide.hpp"
 #include "compiler/library/add_run.hpp"
+#include "compiler/library/run_text.hpp"
 #include "compiler/library/verify_text.hpp"
 #include "compiler/pipeline/executor.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
@@ -57,37 +58,6 @@ std::string fairness_text(const verify::Fairness& fairness) {
   return {};
 }
 
-std::string ordinal_steps(std::size_t first, std::size_t last) {
-  return first == last ? fmt::format("step #{} repeats for ever", first)
-                       : fmt::format("the steps #{} to #{} repeat for ever", first, last);
-}
-
-// The steps, then what repeats.
-std::string steps_text(const rt::Image& image, const verify::LivenessResult& found, std::size_t max_lines) {
-  rt::Core core(image);
-  std::string text;
-  rt::StepWriter writer;
-  bool is_sound = core.initialize();
-  const std::size_t size = found.choices.size();
-  std::size_t hidden = 0;
-  for (std::size_t at = 0; at < size && is_sound; ++at) {
-    // Of a long stem the first steps, of a long cycle, too.
-    const bool is_shown = at < max_lines || (at >= found.cycle && at < found.cycle + max_lines);
-    if (hidden != 0 && (is_shown || at == found.cycle)) {
-      text += "… and " + rt::counted(hidden, "more step") + '\n';
-      hidden = 0;
-    }
-    if (at == found.cycle) text += ordinal_steps(at, size - 1) + ":\n";
-    if (is_shown) writer.step(text, core, core.candidate(found.choices[at]), at);
-    else ++hidden;
-    is_sound = core.fire(found.choices[at]);
-  }
-  if (hidden != 0) text += "… and " + rt::counted(hidden, "more step") + '\n';
-  if (found.cycle == size && (!found.is_prefix || found.has_ended))
-    text += "no step is possible any more: the last state repeats for ever\n";
-  return text;
-}
-
 // What the property reads of the state in which the run violates it.
 std::string last_state_text(const rt::Image& image, const verify::Question& question,
                             const verify::LivenessResult& found) {
@@ -106,7 +76,8 @@ std::string last_state_text(const rt::Image& image, const verify::Question& ques
 
 std::string violated_text(const rt::Image& image, const verify::Question& question, const VerifyRequest& request,
                           const verify::LivenessResult& found) {
-  std::string text = steps_text(image, found, kStepsShown);
+  const bool has_ended = found.cycle == found.choices.size() && (!found.is_prefix || found.has_ended);
+  std::string text = steps_text(image, {found.choices, found.cycle, has_ended}, kStepsShown);
   if (found.is_prefix)
     return text +
            fmt::format("violated[V0005]: `{}`   ({})\n", question.formula.text,

@@ -16,19 +16,17 @@
 namespace bip::library {
 namespace {
 
-constexpr std::string_view kReached = "a run that violates `never` is one that gets there";
-
 /// How UPPAAL, CTL and LTL begin a property.
 struct Prefix {
   std::string_view other, word, note;
 };
-constexpr Prefix kPrefixes[] = {{"A[]", "always", ""},     {"AG", "always", ""},       {"[]", "always", ""},
-                                {"G", "always", ""},       {"E<>", "never", kReached}, {"EF", "never", kReached},
-                                {"A<>", "eventually", ""}, {"AF", "eventually", ""},   {"<>", "eventually", ""},
-                                {"F", "eventually", ""}};
-constexpr std::string_view kWords[] = {"never",   "always", "can",    "happens",    "eventually",   "next",
-                                       "implies", "until",  "unless", "leads",      "to",           "true",
-                                       "false",   "since",  "once",   "previously", "historically", "within"};
+constexpr Prefix kPrefixes[] = {
+    {"A[]", "always", ""},     {"AG", "always", ""},     {"[]", "always", ""},           {"G", "always", ""},
+    {"E<>", "possibly", ""},   {"EF", "possibly", ""},   {"E[]", "possibly always", ""}, {"EG", "possibly always", ""},
+    {"A<>", "eventually", ""}, {"AF", "eventually", ""}, {"<>", "eventually", ""},       {"F", "eventually", ""}};
+constexpr std::string_view kWords[] = {
+    "never", "always", "can",   "happens", "eventually", "next",       "implies",      "until",  "unless",  "leads",
+    "to",    "true",   "false", "since",   "once",       "previously", "historically", "within", "possibly"};
 
 bool is_name_char(char c) { return is_letter(c) || is_digit(c) || c == '_'; }
 

@@ -34,7 +34,8 @@ const char* found_by_visit(verify::QuestionKind asked) {
     case verify::QuestionKind::NoErrors: return "no error among";
     case verify::QuestionKind::NoLocalDeadlock: return "no component waits for ever in";
     case verify::QuestionKind::State: return "true in";
-    case verify::QuestionKind::Runs: break;
+    case verify::QuestionKind::Runs:
+    case verify::QuestionKind::Branching: break;
   }
   BIP_UNREACHABLE("a question of no kind");
 }
@@ -45,7 +46,8 @@ const char* broken_by_state(verify::QuestionKind asked) {
     case verify::QuestionKind::NoErrors: return "leads to an error";
     case verify::QuestionKind::NoLocalDeadlock: return "holds a component up for ever";
     case verify::QuestionKind::State:
-    case verify::QuestionKind::Runs: return "violates it";
+    case verify::QuestionKind::Runs:
+    case verify::QuestionKind::Branching: return "violates it";
   }
   BIP_UNREACHABLE("a question of no kind");
 }
@@ -142,7 +144,8 @@ const char* name_of(verify::QuestionKind asked, Finding finding) {
     case verify::QuestionKind::NoErrors: return holds ? "error-free" : "error";
     case verify::QuestionKind::NoLocalDeadlock: return holds ? "free of local deadlocks" : "local deadlock";
     case verify::QuestionKind::State:
-    case verify::QuestionKind::Runs: return holds ? "holds" : "violated";
+    case verify::QuestionKind::Runs:
+    case verify::QuestionKind::Branching: return holds ? "holds" : "violated";
   }
   BIP_UNREACHABLE("a question of no kind");
 }
@@ -175,6 +178,7 @@ std::string verdict_json(const VerdictText& v, const verify::Question& question,
   nlohmann::ordered_json json{{"format", "bipc-verdict"}, {"version", 1}, {"verdict", v.name}};
   if (question.what == verify::QuestionKind::State) json["property"] = question.property.text;
   if (question.what == verify::QuestionKind::Runs) json["property"] = question.formula.text;
+  if (question.what == verify::QuestionKind::Branching) json["property"] = question.branching.text;
   if (question.what == verify::QuestionKind::NoErrors) json["property"] = "errors";
   if (question.what == verify::QuestionKind::NoLocalDeadlock) json["property"] = "partial";
   std::visit(verify::EvidenceVisitor{

@@ -55,7 +55,13 @@ Verdict try_property(std::string_view input) {
   const rt::Image& image = fixed.compilation.lowered->image;
   // The larger language first; what is a property of states there is one here.
   Result<verify::ParsedProperty> any = verify::PropertyReader(system).read(std::string(input));
-  if (any && any->is_formula) {
+  if (any && any->form == verify::PropertyForm::Branching) {
+    const std::optional<std::string> claim = verify::certificate_text(any->branching, system);
+    return {claim && (claim->empty() || claim->find('\n') != std::string::npos) ? "property: the claim is not one line"
+                                                                                : "",
+            true};
+  }
+  if (any && any->form == verify::PropertyForm::Runs) {
     const Result<verify::Automaton> automaton = verify::make_automaton(any->formula, verify::RunsOf::Negation);
     return {!automaton && automaton.error().empty() ? "property: no automaton, and no reason" : "", true};
   }

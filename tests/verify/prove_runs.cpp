@@ -40,7 +40,7 @@ int main(int argc, char** argv) {
     const std::size_t blank = line.find(' ');
     const std::optional<verify::Fairness> fairness = verify::read_fairness(line.substr(0, blank));
     Result<verify::ParsedProperty> parsed = reader.read(line.substr(std::min(blank + 1, line.size())));
-    if (!fairness || !parsed || !parsed->is_formula) {
+    if (!fairness || !parsed || parsed->form != verify::PropertyForm::Runs) {
       std::fprintf(stderr, "%s: no property of runs\n", line.c_str());
       return 2;
     }

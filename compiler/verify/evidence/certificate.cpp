@@ -155,7 +155,8 @@ std::string certificate_head(const Question& question, const System& system, con
     case QuestionKind::NoErrors: out += "error-free"; break;
     case QuestionKind::State: out += "never " + certificate_text(question.property, system); break;
     case QuestionKind::NoLocalDeadlock: out += "local-deadlock-free"; break;
-    case QuestionKind::Runs: BIP_UNREACHABLE("runs have a certificate of their own");
+    case QuestionKind::Runs:
+    case QuestionKind::Branching: BIP_UNREACHABLE("runs and branching time have certificates of their own");
   }
   return out + '\n';
 }

@@ -96,7 +96,8 @@ std::string counterexample_text(const rt::Image& image, const Question& question
     case QuestionKind::State: return out + broken_state(core, question.property, choices.size());
     case QuestionKind::DeadlockFreedom:
     case QuestionKind::NoErrors:
-    case QuestionKind::Runs: break;
+    case QuestionKind::Runs:
+    case QuestionKind::Branching: break;
   }
   std::string story = rt::deadlock_story(core, choices.size(), 0);
   drop_seed(story);

@@ -32,9 +32,7 @@ class RunsPortfolio {
 
   RunsDecision run(StateAccess access) {
     if (access == StateAccess::Undetermined) {
-      graph_reason_ = system_.code.has_cpp()
-                          ? "what the model's C++ remembers is part of no state, so no cycle of states is known"
-                          : "the model draws random numbers, which no state determines, so no cycle of states is known";
+      graph_reason_ = reason_without_graph(system_);
       may_visit_ = false;
     }
     for (const RunsTurn& turn : kRunsTurns) {
@@ -89,6 +87,12 @@ class RunsPortfolio {
 };
 
 }  // namespace
+
+std::string reason_without_graph(const System& system) {
+  return system.code.has_cpp()
+             ? "what the model's C++ remembers is part of no state, so no cycle of states is known"
+             : "the model draws random numbers, which no state determines, so no cycle of states is known";
+}
 
 RunsDecision decide_runs(const Formula& formula, const System& system, const rt::Image& image, StateAccess access,
                          const LivenessOptions& options) {

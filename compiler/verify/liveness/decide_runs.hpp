@@ -23,4 +23,7 @@ struct RunsDecision {
 [[nodiscard]] RunsDecision decide_runs(const Formula& formula, const System& system, const rt::Image& image,
                                        StateAccess access, const LivenessOptions& options);
 
+/// Why a model with C++ that decides, or with random numbers, has no graph of states.
+[[nodiscard]] std::string reason_without_graph(const System& system);
+
 }  // namespace bip::verify

@@ -10,30 +10,17 @@
 #include "compiler/verify/liveness/components.hpp"
 #include "compiler/verify/liveness/lasso.hpp"
 #include "compiler/verify/liveness/product.hpp"
+#include "compiler/verify/liveness/graph_rounds.hpp"
 #include "compiler/verify/property/expression.hpp"
-#include "runtime/explore/state_graph.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 
 namespace {
 
-constexpr std::uint64_t kFirstRound = 4096, kGrowth = 8, kMostStates = 0xffffffffu;
-constexpr std::size_t kMegabyte = 1'000'000;
 // For the remark that fairness would help.
 constexpr std::uint32_t kStatesOfRemark = 200'000;
 constexpr double kSecondsOfRemark = 2;
-
-std::vector<rt::GraphPredicate> predicates_of(const Formula& formula) {
-  std::vector<rt::GraphPredicate> predicates;
-  for (const Property& condition : formula.states) {
-    rt::GraphPredicate& predicate = predicates.emplace_back();
-    predicate.holds = [&condition](const rt::Core& core) { return is_true(condition, core); };
-    predicate.connectors = connectors_of(condition);
-    predicate.atoms = atoms_of(condition);
-  }
-  return predicates;
-}
 
 // A run as the core takes it: a position has a state and the step that leaves it.
 class LassoReplay {
@@ -153,7 +140,7 @@ class LivenessDecision {
         graph_(image, {.bytes = options.megabytes * kMegabyte,
                        .is_stopped = [this] { return is_stopped(); },
                        .unread_cells = options.unread_cells,
-                       .predicates = predicates_of(formula)}) {}
+                       .predicates = predicates_of(formula.states)}) {}
 
   LivenessResult run() {
     Result<Automaton> automaton = make_automaton(formula_, RunsOf::Negation);
@@ -170,7 +157,7 @@ class LivenessDecision {
       }
       return holds();
     }
-    for (std::uint64_t wanted = kFirstRound;; wanted *= kGrowth) {
+    for (std::uint64_t wanted = kStatesOfFirstRound;; wanted *= kGrowthOfRounds) {
       const rt::ExploreEnd end = graph_.grow(static_cast<std::uint32_t>(std::min(wanted, kMostStates)));
       count();
       if (!has_room()) return unknown("the memory does not suffice");

@@ -13,7 +13,8 @@ Signal bad_states(const Question& question, TransitionSystem& machine, const rt:
     case QuestionKind::NoErrors: return machine.error;
     case QuestionKind::State: return broken_signal(question.property, machine, image);
     case QuestionKind::NoLocalDeadlock:
-    case QuestionKind::Runs: break;
+    case QuestionKind::Runs:
+    case QuestionKind::Branching: break;
   }
   BIP_UNREACHABLE("no set of states is a local deadlock");
 }

@@ -19,7 +19,8 @@ std::string cache_key(const ProofContext& context) {
     case QuestionKind::NoErrors: key = "errors"; break;
     case QuestionKind::State: key = "state " + context.question.property.text; break;
     case QuestionKind::NoLocalDeadlock:
-    case QuestionKind::Runs: BIP_UNREACHABLE("local deadlocks and properties of runs are not cached");
+    case QuestionKind::Runs:
+    case QuestionKind::Branching: BIP_UNREACHABLE("local deadlocks and properties of runs are not cached");
   }
   return (context.limits.wants_certificate ? "certified " : "") + key;
 }

@@ -12,7 +12,8 @@ SearchGoal goal_of(const Question& question) {
       goal.state = [&question](const rt::Core& core) { return is_broken(question.property, core); };
       break;
     case QuestionKind::NoLocalDeadlock:
-    case QuestionKind::Runs: break;
+    case QuestionKind::Runs:
+    case QuestionKind::Branching: break;
   }
   return goal;
 }

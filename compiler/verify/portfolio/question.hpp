@@ -11,13 +11,14 @@
 
 namespace bip::verify {
 
-/// NoLocalDeadlock: no component waits for ever while others move. Runs: no question of a portfolio, whose engines
-/// reach bad states; compiler/verify/liveness decides it.
-enum class QuestionKind : std::uint8_t { DeadlockFreedom, NoErrors, State, NoLocalDeadlock, Runs };
+/// NoLocalDeadlock: no component waits for ever while others move. Runs, Branching: no questions of a portfolio, whose
+/// engines reach bad states; compiler/verify/liveness and compiler/verify/branching decide them.
+enum class QuestionKind : std::uint8_t { DeadlockFreedom, NoErrors, State, NoLocalDeadlock, Runs, Branching };
 struct Question {
   QuestionKind what = QuestionKind::DeadlockFreedom;
-  Property property;  // State
-  Formula formula;    // Runs
+  Property property;           // State
+  Formula formula;             // Runs
+  BranchingFormula branching;  // Branching
 };
 
 enum class Outcome : std::uint8_t { Holds, Violated, Unknown };

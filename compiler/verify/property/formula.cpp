@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "compiler/system/system.hpp"
+#include "compiler/verify/property/condition_table.hpp"
 #include "compiler/verify/property/make_formula.hpp"
 #include "runtime/include/bip/assert.hpp"
 
@@ -13,13 +14,10 @@ namespace bip::verify {
 
 namespace {
 
-// A valuation is one word.
-constexpr std::size_t kMaxConditions = 64;
-
 class FormulaMaker {
  public:
   FormulaMaker(const Property& parsed, const std::vector<std::uint8_t>& is_temporal)
-      : parsed_(parsed), is_temporal_(is_temporal) {
+      : parsed_(parsed), is_temporal_(is_temporal), conditions_(parsed) {
     BIP_ASSERT(is_temporal.size() == parsed.nodes.size(), "{} of {} nodes", is_temporal.size(), parsed.nodes.size());
     made_.text = parsed.text;
   }
@@ -27,6 +25,7 @@ class FormulaMaker {
   Result<Formula> run(std::optional<std::int64_t> within) {
     made_.root = make(parsed_.root);
     made_.response = response_of(parsed_.root);
+    made_.states = conditions_.take();
     BIP_ASSERT(!within || made_.response, "a limit of time of no response");
     if (within) made_.response->within = within;
     const auto past = std::count_if(made_.nodes.begin(), made_.nodes.end(),
@@ -50,34 +49,10 @@ class FormulaMaker {
   std::uint32_t eventually(std::uint32_t a) { return add({.kind = FormulaKind::Until, .a = constant(true), .b = a}); }
   std::uint32_t once(std::uint32_t a) { return add({.kind = FormulaKind::Since, .a = constant(true), .b = a}); }
 
-  // A copy of the part of the tree, its operands first.
-  std::uint32_t copy(std::uint32_t row, Property& to) {
-    PropertyNode node = parsed_.nodes[row];
-    if (node.kind == PropertyKind::Operator) {
-      const bool is_unary = node.a == node.b;
-      node.a = copy(node.a, to);
-      node.b = is_unary ? node.a : copy(node.b, to);
-    }
-    to.nodes.push_back(node);
-    return static_cast<std::uint32_t>(to.nodes.size() - 1);
-  }
   std::uint32_t make_condition(std::uint32_t row) {
     const PropertyNode& node = parsed_.nodes[row];
     if (node.kind == PropertyKind::Constant) return constant(node.int_value != 0);
-    Property condition;
-    condition.root = copy(row, condition);
-    const auto key_of = [](const Property& p) {
-      std::vector<std::tuple<PropertyKind, Type, Op, std::uint32_t, std::uint32_t, std::int32_t, double, std::uint32_t,
-                             std::uint32_t>>
-          key;
-      for (const PropertyNode& n : p.nodes)
-        key.emplace_back(n.kind, n.type, n.op, n.a, n.b, n.int_value, n.float_value, n.owner, n.row);
-      return key;
-    };
-    const auto same = std::find_if(made_.states.begin(), made_.states.end(),
-                                   [&](const Property& other) { return key_of(other) == key_of(condition); });
-    const auto at = static_cast<std::uint32_t>(same - made_.states.begin());
-    if (same == made_.states.end()) made_.states.push_back(std::move(condition));
+    const std::uint32_t at = conditions_.row_of(row);
     return add({.kind = FormulaKind::State, .row = at});
   }
   std::uint32_t make_step(const PropertyNode& node) {
@@ -139,12 +114,14 @@ class FormulaMaker {
       // a W b is b R (a || b).
       case TemporalOperator::Unless:
         return add({.kind = FormulaKind::Release, .a = b, .b = add({.kind = FormulaKind::Or, .a = a, .b = b})});
+      case TemporalOperator::Possibly: break;
     }
     BIP_UNREACHABLE("a temporal operator");
   }
 
   const Property& parsed_;
   const std::vector<std::uint8_t>& is_temporal_;  // by node
+  ConditionTable conditions_;
   Formula made_;
   std::map<std::tuple<FormulaKind, bool, std::uint32_t, std::uint32_t, std::uint32_t>, std::uint32_t> rows_;
 };

@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "compiler/base/result.hpp"
+#include "compiler/verify/property/branching_formula.hpp"
 #include "compiler/verify/property/property.hpp"
 
 namespace bip::verify {
@@ -54,14 +55,16 @@ struct Formula {
   [[nodiscard]] bool has_limit() const { return response && response->within; }
 };
 
-/// A property of `--property`: of states or of runs.
+/// A property of `--property`: of states, of runs, or, with the word `possibly`, of branching time.
+enum class PropertyForm : std::uint8_t { State, Runs, Branching };
 struct ParsedProperty {
-  bool is_formula = false;
-  Property state;   // else
-  Formula formula;  // is_formula
+  PropertyForm form = PropertyForm::State;
+  Property state;              // State
+  Formula formula;             // Runs
+  BranchingFormula branching;  // Branching
 };
 
-/// Parses properties of states or of runs and resolves their names in `system`, which must outlive it. The paths of the
+/// Parses properties of any form and resolves their names in `system`, which must outlive it. The paths of the
 /// system are listed once, so that each property costs what its text does.
 class PropertyReader {
  public:

@@ -12,4 +12,14 @@ namespace bip::verify {
 [[nodiscard]] Result<Formula> make_formula(const Property& parsed, const std::vector<std::uint8_t>& is_temporal,
                                            std::optional<std::int64_t> within);
 
+/// Bytes of the property's text.
+struct TextExtent {
+  std::size_t begin = 0, end = 0;
+};
+/// Makes the formula of a parsed property that has the word `possibly`. `extents`: by node, the text of a temporal
+/// operator with its operands. The error says with its column what CTL does not have.
+[[nodiscard]] Result<BranchingFormula> make_branching(const Property& parsed,
+                                                      const std::vector<std::uint8_t>& is_temporal,
+                                                      const std::vector<TextExtent>& extents);
+
 }  // namespace bip::verify

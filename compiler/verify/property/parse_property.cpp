@@ -61,7 +61,8 @@ constexpr TemporalWord kPrefixes[] = {{"always", TemporalOperator::Always},
                                       {"next", TemporalOperator::Next},
                                       {"previously", TemporalOperator::Previously},
                                       {"once", TemporalOperator::Once},
-                                      {"historically", TemporalOperator::Historically}};
+                                      {"historically", TemporalOperator::Historically},
+                                      {"possibly", TemporalOperator::Possibly}};
 // `implies` is one of C's operators in other words.
 constexpr TemporalWord kConnectives[] = {{"leads to", TemporalOperator::LeadsTo},
                                          {"until", TemporalOperator::Until},
@@ -71,9 +72,25 @@ constexpr TemporalWord kConnectives[] = {{"leads to", TemporalOperator::LeadsTo}
 struct OtherSign {
   std::string_view sign, word;
 };
-constexpr OtherSign kOtherPrefixes[] = {{"[]", "always"},    {"<>", "eventually"},  {"G", "always"},
-                                        {"F", "eventually"}, {"X", "next"},         {"Y", "previously"},
-                                        {"O", "once"},       {"H", "historically"}, {"yesterday", "previously"}};
+constexpr OtherSign kOtherPrefixes[] = {{"[]", "always"},
+                                        {"<>", "eventually"},
+                                        {"G", "always"},
+                                        {"F", "eventually"},
+                                        {"X", "next"},
+                                        {"Y", "previously"},
+                                        {"O", "once"},
+                                        {"H", "historically"},
+                                        {"E<>", "possibly"},
+                                        {"EF", "possibly"},
+                                        {"E[]", "possibly always"},
+                                        {"EG", "possibly always"},
+                                        {"EX", "possibly next"},
+                                        {"A[]", "always"},
+                                        {"AG", "always"},
+                                        {"A<>", "eventually"},
+                                        {"AF", "eventually"},
+                                        {"AX", "next"},
+                                        {"yesterday", "previously"}};
 constexpr OtherSign kOtherConnectives[] = {{"->", "implies"}, {"=>", "implies"}, {"~>", "leads to"},
                                            {"U", "until"},    {"W", "unless"},   {"S", "since"}};
 
@@ -127,9 +144,8 @@ class PropertyParser {
     if (problem_.empty() && !is_temporal(property_.root)) {
       at_ = 0;
       set_problem(
-          "a property says `never`, `always`, `eventually`, `leads to`, `until` or `unless`; this is a condition on "
-          "one "
-          "state");
+          "a property says `never`, `always`, `eventually`, `leads to`, `until`, `unless` or `possibly`; this is a "
+          "condition on one state");
     }
     if (problem_.empty() && is_of_past_[property_.root] != 0 && looks_ahead_[property_.root] == 0) {
       at_ = 0;
@@ -151,16 +167,28 @@ class PropertyParser {
       return parsed;
     }
     refuse_divisions("in a property of runs");
+    if (possibly_at_) refuse_words_of_one_run();
     if (!problem_.empty()) return Failure{problem_};
+    if (possibly_at_) {
+      Result<BranchingFormula> branching = make_branching(property_, is_temporal_, extents_);
+      if (!branching) return Failure{branching.error()};
+      parsed.form = PropertyForm::Branching;
+      parsed.branching = std::move(*branching);
+      return parsed;
+    }
     Result<Formula> formula = make_formula(property_, is_temporal_, within_);
     if (!formula) return Failure{formula.error()};
-    parsed.is_formula = true;
+    parsed.form = PropertyForm::Runs;
     parsed.formula = std::move(*formula);
     return parsed;
   }
 
   Result<Property> run() {
     const std::string word = parse_path();
+    if (word == "possibly") {
+      at_ = 0;
+      return fail("`possibly` asks what may follow a state, which `bipc verify --property` answers");
+    }
     if (word != "never" && word != "always") {
       at_ = 0;
       return fail("a property starts with `never` or `always`");
@@ -253,6 +281,19 @@ class PropertyParser {
     set_problem("this division may fail: " + where + " the divisor is a number other than 0 and -1");
   }
 
+  // A state has many runs before and after it, so a property with `possibly` does not speak of one.
+  void refuse_words_of_one_run() {
+    const auto refuse = [&](const std::optional<std::size_t>& at, const std::string& why) {
+      if (!at || !problem_.empty()) return;
+      at_ = *at;
+      set_problem(why);
+    };
+    refuse(past_at_, "a word that looks back speaks of one run, `possibly` of all that may follow a state");
+    refuse(happens_at_,
+           "`happens` speaks of a step of one run, `possibly` of states: `can …` asks whether it is possible");
+    if (within_) refuse(within_at_, "`within` bounds the time of each run, and `possibly` has no such limit");
+  }
+
   void parse_whole(const char* about_the_rest) {
     property_.root = parse_expression(1, 0);
     skip_blanks();
@@ -314,6 +355,7 @@ class PropertyParser {
     };
     is_of_past_.push_back((is_word && is_of_past(node.temporal)) || any(is_of_past_) ? 1 : 0);
     looks_ahead_.push_back((is_word && !is_of_past(node.temporal)) || any(looks_ahead_) ? 1 : 0);
+    extents_.emplace_back();
     property_.nodes.push_back(node);
     return static_cast<std::uint32_t>(property_.nodes.size() - 1);
   }
@@ -353,6 +395,8 @@ class PropertyParser {
     }
     const std::size_t dot = name.rfind('.');
     const std::uint32_t atom = dot == std::string::npos ? kNotFound : find_atom(name.substr(0, dot));
+    if (!accepts_formulas_ && name == "possibly")
+      return wrong("`possibly` asks what may follow a state, which `bipc verify --property` answers");
     // The first word of all.
     if (accepts_formulas_ && start == 0 && dot == std::string::npos)
       return wrong("a property starts with `never`, `always`, `eventually` or a condition, not with `" + name + "`");
@@ -366,6 +410,7 @@ class PropertyParser {
   }
   // `can` or `happens`.
   std::uint32_t parse_offer(std::size_t start, PropertyKind of_connector, PropertyKind of_port) {
+    if (of_connector == PropertyKind::HappensConnector && !happens_at_) happens_at_ = start;
     const std::string name = parse_path();
     const std::uint32_t connector = find_path(rows_.connectors, name);
     if (connector != kNotFound) {
@@ -534,8 +579,7 @@ class PropertyParser {
   bool is_misplaced() {
     const std::size_t start = at_;
     for (const OtherSign& other : kOtherPrefixes) {
-      const bool is_word = begins_name(other.sign.front());
-      if (is_word ? !take_words(other.sign) : !take_sign(other.sign)) continue;
+      if (begins_name(other.sign.back()) ? !take_words(other.sign) : !take_sign(other.sign)) continue;
       at_ = start;
       set_problem("`" + std::string(other.sign) + "` is written `" + std::string(other.word) + "`");
       return true;
@@ -551,8 +595,14 @@ class PropertyParser {
     return false;
   }
 
-  std::uint32_t add_temporal(TemporalOperator op, std::uint32_t a, std::uint32_t b) {
-    return add({.kind = PropertyKind::Temporal, .temporal = op, .a = a, .b = b});
+  // `start`: of its text, which ends here; `word`: where its word stands.
+  std::uint32_t add_temporal(TemporalOperator op, std::uint32_t a, std::uint32_t b, std::size_t start,
+                             std::size_t word) {
+    if (op == TemporalOperator::Possibly && !possibly_at_) possibly_at_ = word;
+    if (is_of_past(op) && !past_at_) past_at_ = word;
+    const std::uint32_t row = add({.kind = PropertyKind::Temporal, .temporal = op, .a = a, .b = b});
+    extents_[row] = {start, text_.find_last_not_of(" \t\n", at_ - 1) + 1};
+    return row;
   }
   // What stands behind a whole property.
   std::string about_rest() {
@@ -646,7 +696,7 @@ class PropertyParser {
         return 0;
       }
       if (prefix.meaning == TemporalOperator::Eventually) take_within(a, a);
-      return add_temporal(prefix.meaning, a, a);
+      return add_temporal(prefix.meaning, a, a, start, start);
     }
     return parse_expression(1, depth);
   }
@@ -709,7 +759,7 @@ class PropertyParser {
       set_problem("`" + word + "` and `" + std::string(next) + "` need parentheses: which comes first?");
       return 0;
     }
-    if (!is_implication) return add_temporal(found->meaning, left, right);
+    if (!is_implication) return add_temporal(found->meaning, left, right, start, middle);
     const std::uint32_t negated = add({.kind = PropertyKind::Operator, .op = Op::Not, .a = left, .b = left});
     return add({.kind = PropertyKind::Operator, .op = Op::Or, .a = negated, .b = right});
   }
@@ -723,6 +773,9 @@ class PropertyParser {
   Property property_;
   // By node.
   std::vector<std::uint8_t> is_temporal_, is_of_past_, looks_ahead_;
+  std::vector<TextExtent> extents_;  // of temporal operators
+  // The first word of its kind.
+  std::optional<std::size_t> possibly_at_, past_at_, happens_at_;
   bool accepts_formulas_ = false;
   // Of the last `within`: ns, the row of what it bounds, its place.
   std::optional<std::int64_t> within_;

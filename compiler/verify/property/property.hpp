@@ -42,7 +42,9 @@ enum class TemporalOperator : std::uint8_t {
   Previously,
   Once,
   Historically,
-  Since
+  Since,
+  // Of branching time.
+  Possibly
 };
 struct PropertyNode {
   PropertyKind kind = PropertyKind::Constant;

@@ -18,7 +18,7 @@ constexpr std::uint32_t kEnough = 16;
 KLivenessProof prove(const HandMadeNet& made, const std::string& property, const std::string& fairness) {
   Result<ParsedProperty> parsed = PropertyReader(*made.compiled.system).read(property);
   REQUIRE(parsed);
-  REQUIRE(parsed->is_formula);
+  REQUIRE(parsed->form == PropertyForm::Runs);
   KLivenessOptions options;
   options.fairness = read_fairness(fairness).value();
   options.most_rounds = kEnough;
