@@ -16,7 +16,9 @@
 #include "compiler/system/system.hpp"
 #include "compiler/system/uses_time.hpp"
 #include "compiler/verify/branching/decide_branching.hpp"
+#include "compiler/verify/evidence/certificate.hpp"
 #include "compiler/verify/evidence/counterexample_text.hpp"
+#include "compiler/verify/evidence/reached_states.hpp"
 #include "compiler/verify/liveness/decide_runs.hpp"
 #include "compiler/verify/net/unread_data.hpp"
 #include "runtime/explore/counterexample.hpp"
@@ -69,8 +71,8 @@ std::string holds_text(const rt::Image& image, const verify::BranchingFormula& f
                        const verify::BranchingResult& found) {
   const std::string states = rt::counted(found.states, found.is_complete ? "reachable state" : "state");
   if (!verify::begins_with_possibly(formula))
-    return fmt::format("holds: `{}`: true in the graph of {}{}\n", formula.text,
-                       found.is_complete ? "all " : "the first ", states);
+    return fmt::format("holds: `{}`: true in the {}graph of {}\n", formula.text,
+                       found.is_complete ? "whole " : "first part of the ", states);
   const std::string text = run_text(image, found);
   return text +
          fmt::format("holds: `{}`: this run shows it ({}; {} visited)\n", formula.text,
@@ -83,6 +85,23 @@ std::string violated_text(const rt::Image& image, const verify::BranchingFormula
   return run_text(image, found) +
          fmt::format("violated[V0007]: `{}`   ({})\n", formula.text, rt::counted(found.choices.size(), "step")) +
          explanation_text(image, formula, found);
+}
+
+// False: there is none, which was said.
+bool add_certificate(Compilation& c, const verify::BranchingFormula& formula, const verify::StateCollector& reached,
+                     Verdict& verdict) {
+  const auto refuse = [&](const std::string& what) {
+    c.diags.report(Diag::kB1900, c.root_range, "a certificate for a property with `possibly` " + what)
+        .help("without `--certificate` the property is decided");
+    return false;
+  };
+  if (!reached.is_listable()) return refuse("of a model with floats, C++ data or priorities below connectors");
+  const std::string rows = reached.rows();
+  if (rows.empty()) return refuse("whose states are too many for `--memory`");
+  const std::optional<std::string> text = verify::certificate_of_branches(formula, rows, *c.system, c.root_name);
+  if (!text) return refuse("that repeats its parts too often");
+  verdict.certificate = *text;
+  return true;
 }
 
 // A question that this engine does not answer.
@@ -103,15 +122,12 @@ Verdict decide_branching(const VerifyRequest& request, Compilation& c, const ver
                          const verify::Report& report) {
   if (const std::optional<Unsupported> what = unsupported(request, *c.system))
     return refuse(request, c, question, *what);
-  if (request.wants_certificate)
-    return refuse(request, c, question,
-                  {"a certificate for a property with `possibly`", "no checker reads one",
-                   "without `--certificate` the property is decided"});
   Verdict verdict;
   const verify::BranchingFormula& formula = question.branching;
   verify::BranchingResult found;
   const rt::Image& image = c.lowered->image;
   Executor executor(MachineCode::Fresh);
+  verify::StateCollector reached(*c.system, image, request.megabytes * (kMega / 2));
   if (has_undetermined_values(*c.system)) {
     found.reason = verify::reason_without_graph(*c.system);
   } else {
@@ -119,10 +135,13 @@ Verdict decide_branching(const VerifyRequest& request, Compilation& c, const ver
     verify::LivenessOptions options;
     options.megabytes = static_cast<std::size_t>(request.megabytes);
     options.cancellation = token.within(request.timeout);
-    options.unread_cells = verify::find_unread_cells(*c.system, image, data_of(question));
+    if (request.wants_certificate) options.add_state = [&](const rt::Core& core) { reached.add(core.snapshot()); };
+    else options.unread_cells = verify::find_unread_cells(*c.system, image, data_of(question));
     options.report = report;
     found = verify::decide_branching(formula, image, options);
   }
+  const bool holds = found.outcome == verify::Outcome::Holds;
+  if (request.wants_certificate && holds && !add_certificate(c, formula, reached, verdict)) return verdict;
   nlohmann::ordered_json json{{"format", "bipc-verdict"}, {"version", 1}};
   switch (found.outcome) {
     case verify::Outcome::Holds:
@@ -144,12 +163,11 @@ Verdict decide_branching(const VerifyRequest& request, Compilation& c, const ver
       break;
   }
   verdict.text += note;
-  if (found.outcome == verify::Outcome::Holds && c.system->code.has_cpp()) verdict.text += kCppReturns;
+  if (holds && c.system->code.has_cpp()) verdict.text += kCppReturns;
   json["property"] = formula.text;
-  if (found.outcome == verify::Outcome::Holds) json["method"] = "branching";
+  if (holds) json["method"] = "branching";
   if (found.states != 0) json["states"] = found.states;
-  const bool has_run = found.outcome == verify::Outcome::Violated ||
-                       (found.outcome == verify::Outcome::Holds && verify::begins_with_possibly(formula));
+  const bool has_run = found.outcome == verify::Outcome::Violated || (holds && verify::begins_with_possibly(formula));
   if (has_run) {
     json["steps"] = found.choices.size();
     json["choices"] = found.choices;

@@ -1,5 +1,6 @@
 // The states that the rows allow: the first one is among them, every step stays among them, and none of them is bad.
 // All at once, as terms with the rows as facts.
+#include "tools/certcheck/branches.hpp"
 #include "tools/certcheck/rounds.hpp"
 #include "tools/certcheck/waits.hpp"
 
@@ -19,8 +20,11 @@ class States {
     claim_ = read_trees(proof_.claim);
     const Text form = claim_.head();
     is_of_runs_ = form == "runs" || form == "points";
-    if (claim_.items.size() != 2 || (form != "never" && !is_of_runs_))
+    const bool is_of_branches = form == "branches";
+    if (claim_.items.size() != 2 || (form != "never" && !is_of_runs_ && !is_of_branches))
       throw Rejected("the claim " + quoted(proof_.claim));
+    if (is_of_branches && proof_.states.empty()) throw Rejected("no states are listed");
+    if (is_of_branches) branches_.emplace(proof_, claim_);
     if (!is_of_runs_) return;
     if (proof_.states.empty() && !proof_.rounds) throw Rejected("neither states nor rounds are given");
     if (proof_.states.empty()) rounds_.emplace(model_, proof_, claim_, terms_);
@@ -47,6 +51,7 @@ class States {
       check_from(first, true, &state);
     }
     if (runs_ && begin) runs_->check(*begin);
+    if (branches_ && begin) branches_->check(*begin);
     if (waits_) waits_->check();
   }
 
@@ -64,6 +69,7 @@ class States {
       throw NotCheckable("what a state does depends on values that are not followed");
     terms_.assume(no(system_.state_fault()));
     if (runs_) runs_->enter(*listed, system_);
+    if (branches_) branches_->enter(*listed, system_);
     if (waits_) waits_->enter(*listed, system_);
     const auto check_step = [&](const Step& step) {
       // First without what priorities hide, and only for the atoms that move.
@@ -100,7 +106,7 @@ class States {
     if (proof_.claim == "deadlock-free")
       demand(no(either(system_.has_step(), system_.is_final())), "a state that the certificate allows has no step");
     if (runs_) return runs_->leave(system_.has_step());
-    if (!claim_.items.empty())
+    if (!branches_ && !claim_.items.empty())
       demand(system_.claim(claim_.items[1]), "a state that the certificate allows is what should never be");
   }
   // Is all that a step can lead to listed? Where ports are merged there are several such states.
@@ -119,6 +125,7 @@ class States {
   bool goes_to(const std::u32string& state, const Step& step, const std::map<std::size_t, Local>& next, bool is_clear) {
     const std::optional<std::u32string> to = listed(state, next);
     if (to && waits_ && is_clear) waits_->lead(step, *to);
+    if (to && branches_) branches_->lead(step, *to, is_clear);
     if (!to || !runs_) return to.has_value();
     std::map<std::size_t, expr> parts = step.parts;
     auto value = next.at(kNone).begin();
@@ -256,6 +263,7 @@ class States {
   Tree claim_;
   bool is_of_runs_ = false;
   std::optional<Runs> runs_;
+  std::optional<Branches> branches_;
   std::optional<Rounds> rounds_;
   std::optional<Waits> waits_;
   std::map<std::size_t, std::map<std::size_t, std::set<const Case*>>> facts_of_;  // by atom and fact

@@ -67,6 +67,9 @@ class BranchingDecision {
   }
 
   BranchingResult decided(Outcome outcome, const std::vector<StateSet>& labels) {
+    const ExplainingRun run = explain(formula_, graph_, labels, outcome == Outcome::Holds);
+    if (!follow(run)) return unknown("a run that was found could not be confirmed");
+    report(run, outcome);
     // A certificate lists all states, though the first ones have decided.
     if (outcome == Outcome::Holds && options_.add_state) {
       const rt::ExploreEnd end = graph_.grow(kMostStates);
@@ -77,12 +80,11 @@ class BranchingDecision {
       result_.is_complete = true;
       result_.has_errors = graph_.errors() != 0;
       graph_.each_state(options_.add_state);
-      result_.outcome = outcome;
-      return std::move(result_);
     }
-    const ExplainingRun run = explain(formula_, graph_, labels, outcome == Outcome::Holds);
-    if (!follow(run)) return unknown("a run that was found could not be confirmed");
     result_.outcome = outcome;
+    return std::move(result_);
+  }
+  void report(const ExplainingRun& run, Outcome outcome) {
     result_.cycle = run.cycle;
     result_.repeats = run.repeats;
     const std::uint32_t last = run.steps.empty() ? 0 : run.steps.back().state;
@@ -95,7 +97,6 @@ class BranchingDecision {
       result_.claims.push_back(
           {claim.position, (outcome == Outcome::Holds) != node.is_negation, node.of_run, from.count, from.is_whole});
     }
-    return std::move(result_);
   }
   // Takes the run by a core. False: a step is not possible, or a condition has another value than in the graph.
   bool follow(const ExplainingRun& run) {

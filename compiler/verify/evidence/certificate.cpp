@@ -210,6 +210,13 @@ std::optional<std::string> certificate_of_runs(const Formula& formula, const std
          "\nmethod induction\n" + rows + "end\n";
 }
 
+std::optional<std::string> certificate_of_branches(const BranchingFormula& formula, const std::string& rows,
+                                                   const System& system, const std::string& root_name) {
+  const std::optional<std::string> text = certificate_text(formula, system);
+  if (!text) return std::nullopt;
+  return head_of_claim(root_name) + "branches " + *text + "\nmethod induction\n" + rows + "end\n";
+}
+
 std::optional<std::string> certificate_of_response(const Formula& formula, const rt::ZoneReport& report,
                                                    const std::string& rows, const System& system,
                                                    const std::string& root_name) {

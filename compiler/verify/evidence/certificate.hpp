@@ -32,6 +32,12 @@ namespace bip::verify {
                                                              const std::string& rows, const System& system,
                                                              const std::string& root_name);
 
+/// Returns the certificate of a property of branching time that holds: the rows of all reachable states. Nothing: as
+/// above.
+[[nodiscard]] std::optional<std::string> certificate_of_branches(const BranchingFormula& formula,
+                                                                 const std::string& rows, const System& system,
+                                                                 const std::string& root_name);
+
 /// Returns the certificate of a response that holds in the zone graph of `report`, of which `rows` are the rows, with
 /// those of its observer. Nothing: as above.
 [[nodiscard]] std::optional<std::string> certificate_of_response(const Formula& formula, const rt::ZoneReport& report,
