@@ -34,9 +34,11 @@ std::string verdict_table(const std::vector<NamedVerdict>& verdicts) {
   for (const NamedVerdict& row : verdicts) {
     const std::vector<std::string> lines = lines_of(row.verdict.text);
     BIP_ASSERT(!lines.empty(), "a verdict says something");
-    // The verdict of a violation follows its steps.
-    const auto verdict = std::find_if(lines.begin(), lines.end(),
-                                      [](const std::string& line) { return line.find("[V0") != std::string::npos; });
+    // The verdict follows the steps of a run: of a violation, or of what is possible.
+    const auto verdict = std::find_if(lines.begin(), lines.end(), [](const std::string& line) {
+      return line.find("[V0") != std::string::npos || line.starts_with("holds: ");
+    });
+    const bool has_run = verdict != lines.end() && verdict != lines.begin();
     const std::string& said = verdict != lines.end() ? *verdict : lines.front();
     table += fmt::format("{:<{}}  {}\n", row.name, width, said);
     if (row.verdict.exit_code != pipeline::kOk) {
@@ -44,6 +46,8 @@ std::string verdict_table(const std::vector<NamedVerdict>& verdicts) {
       continue;
     }
     for (std::size_t k = 1; k < lines.size(); ++k) {
+      // A run that shows what is possible is for `--property` alone.
+      if (has_run && !lines[k].starts_with("note: ")) continue;
       const bool is_new = std::find(notes.begin(), notes.end(), lines[k]) == notes.end();
       if (is_new) notes.push_back(lines[k]);
     }

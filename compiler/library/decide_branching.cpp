@@ -54,7 +54,7 @@ std::string claim_text(const verify::ClaimOfBranches& claim, std::size_t steps) 
 }
 
 std::string run_text(const rt::Image& image, const verify::BranchingResult& found) {
-  const bool has_ended = found.repeats && found.cycle == found.choices.size();
+  const bool has_ended = found.repeats && found.cycle == found.choices.size() && !found.only_errors_follow;
   return steps_text(image, {found.choices, found.cycle, has_ended}, kStepsShown);
 }
 
@@ -63,7 +63,7 @@ std::string explanation_text(const rt::Image& image, const verify::BranchingForm
   std::string text = found.repeats ? std::string() : last_state_text(image, formula, found);
   for (const verify::ClaimOfBranches& claim : found.claims) text += claim_text(claim, found.choices.size());
   if (found.only_errors_follow)
-    text += "  each step from there ends in a run-time error, so the run is taken to end there\n";
+    text += "  each step from there ends in a run-time error: the last state counts as one that repeats for ever\n";
   return text;
 }
 
