@@ -227,6 +227,7 @@ def groups(options):
                          script("terminal", "tests/verify/test_terminal.py", alone=True), script("exports", "tests/verify/test_exports.py", weight=20, sample=["2"]),
                          script("aiger", "tests/verify/test_aiger.py", weight=10, sample=LEFT_OUT), script("timed", "tests/verify/test_timed.py", weight=10, sample=["20"]),
                          *needs("bip-prove-runs", script("liveness", "tests/verify/test_liveness.py", weight=10, sample=["20"])),
+                         script("branching", "tests/verify/test_branching.py", weight=5, sample=["20"]),
                          script("timed certificates", "tests/verify/test_timed_certificates.py", weight=15, sample=["5"]),
                          *timed_zone_jobs(),
                          script("certificate table", "tests/verify/test_certificate_table.py", weight=5),

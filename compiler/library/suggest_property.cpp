@@ -12,18 +12,22 @@
 #include "compiler/diag/diagnostics.hpp"
 #include "compiler/library/decide.hpp"
 #include "compiler/system/system.hpp"
+#include "compiler/system/uses_time.hpp"
 
 namespace bip::library {
 namespace {
 
+// What a model with time is asked in the place of `possibly`.
+constexpr std::string_view kReached = "a run that violates `never` is one that gets there";
+
 /// How UPPAAL, CTL and LTL begin a property.
 struct Prefix {
-  std::string_view other, word, note;
+  std::string_view other, word;
 };
 constexpr Prefix kPrefixes[] = {
-    {"A[]", "always", ""},     {"AG", "always", ""},     {"[]", "always", ""},           {"G", "always", ""},
-    {"E<>", "possibly", ""},   {"EF", "possibly", ""},   {"E[]", "possibly always", ""}, {"EG", "possibly always", ""},
-    {"A<>", "eventually", ""}, {"AF", "eventually", ""}, {"<>", "eventually", ""},       {"F", "eventually", ""}};
+    {"A[]", "always"},     {"AG", "always"},     {"[]", "always"},           {"G", "always"},
+    {"E<>", "possibly"},   {"EF", "possibly"},   {"E[]", "possibly always"}, {"EG", "possibly always"},
+    {"A<>", "eventually"}, {"AF", "eventually"}, {"<>", "eventually"},       {"F", "eventually"}};
 constexpr std::string_view kWords[] = {
     "never", "always", "can",   "happens", "eventually", "next",       "implies",      "until",  "unless",  "leads",
     "to",    "true",   "false", "since",   "once",       "previously", "historically", "within", "possibly"};
@@ -283,13 +287,17 @@ std::optional<PropertySuggestion> suggest_property(const std::string& text, cons
     if (ends) continue;
     rest = trimmed(whole.substr(prefix.other.size()));
     word = prefix.word;
-    suggestion.note = prefix.note;
+    if (!word.starts_with("possibly") || !system::is_timed(system)) continue;
+    if (word != "possibly") return std::nullopt;
+    word = "never";
+    suggestion.note = kReached;
   }
   if (word.empty()) {
     std::size_t end = 0;
     while (end < whole.size() && is_letter(whole[end])) ++end;
     const bool is_word = end < whole.size() && (whole[end] == ' ' || whole[end] == '(');
-    const std::vector<std::string> similar = similar_names(whole.substr(0, end), {"never", "always", "eventually"});
+    const std::vector<std::string> similar =
+        similar_names(whole.substr(0, end), {"never", "always", "eventually", "possibly"});
     if (is_word && !similar.empty()) {
       word = similar.front();
       rest = trimmed(whole.substr(end));

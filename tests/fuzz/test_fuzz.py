@@ -73,7 +73,7 @@ def rules():
 PROPERTIES = ["never tank.level > 1.5", "always tank.heat <= 2.5e3 && tank@LOW", "never tank@HIGH && other@LOW || can fills", "never !can tank.drain",
               "always tank.level + other.level * 2 - 1 < 10", 'never tank.name == "tank"', "never tank.open == true && (tank.level & 3 | 4 ^ 1) != -2",
               "always ROOT.tank.level >= 0", "never ~tank.level % 3 == 10 / (other.level - 1)", "always tank.level != 0 && 7 / tank.level / -1 > 0 || tank.heat / 2 < 1.0",
-              "tank.level % 2 == 0 leads to tank.level / 2 == 1", "never " + "!" * 150 + "tank.open", "never tank.level > .5", "never " + " || ".join(["tank@LOW"] * 100)]
+              "always possibly tank.open", "possibly (tank@LOW until (possibly always other@LOW))", "tank.level % 2 == 0 leads to tank.level / 2 == 1", "never " + "!" * 150 + "tank.open", "never tank.level > .5", "never " + " || ".join(["tank@LOW"] * 100)]
 
 
 def number(value):

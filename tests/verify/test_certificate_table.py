@@ -45,6 +45,9 @@ ROWS = {
         ("fail_certificate_of_time.golden", ["--root", "Counts()", "--memory", "2"], "refused", None)],
     "a property of two of many like components with time, by pairs": [
         ("scaling/fischer.bip", ["--root", "Group(40)", "--property", "never process[7]@CRITICAL && process[22]@CRITICAL"], "accepted", "method pairs")],
+    "branching time (`possibly`)": [
+        ("classic/philosophers_safe.bip", ["--root", "Table(3)", "--property", "always possibly phil[0]@EATS"], "accepted", "claim branches "),
+        ("fail_branching_not_supported.golden", ["--root", "Warm()", "--property", "possibly l@LIT"], "refused", None)],
     "limits of time (`within`)": [
         ("certificate_of_response.golden", ["--property", "p@CALLED leads to p@RUNS within 20 ms"], "accepted", "method zones")],
     "properties of runs without a limit, of a model with time": [

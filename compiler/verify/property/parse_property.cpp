@@ -579,6 +579,8 @@ class PropertyParser {
   bool is_misplaced() {
     const std::size_t start = at_;
     for (const OtherSign& other : kOtherPrefixes) {
+      // Branching time is not asked of models with time.
+      if (other.word.starts_with("possibly") && system::is_timed(system_)) continue;
       if (begins_name(other.sign.back()) ? !take_words(other.sign) : !take_sign(other.sign)) continue;
       at_ = start;
       set_problem("`" + std::string(other.sign) + "` is written `" + std::string(other.word) + "`");

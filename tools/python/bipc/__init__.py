@@ -135,7 +135,8 @@ class Model:
         return self._model._explore(max_states, seconds, megabytes, threads, reduction, maximal_progress, trust_cpp)
 
     def verify(self, property="", *, partial=False, timeout=60.0, wall_timeout=0.0, megabytes=2048, certificate=False, explain=False, fair="none"):
-        """Decides a property: "" (deadlock-freedom), "errors", "never EXPR", "always EXPR", or of runs: "eventually EXPR", "EXPR leads to EXPR" and the like.
+        """Decides a property: "" (deadlock-freedom), "errors", "never EXPR", "always EXPR", or of runs: "eventually EXPR", "EXPR leads to EXPR" and the like, or
+        of what is possible: "possibly EXPR", "always possibly EXPR". `counterexample` of one that holds and begins with `possibly` is the run that shows it.
         Returns a `Verdict`; raises ValueError if it is none. fair: the runs that count for a property of runs, "none" (all), "weak", "strong", "weak:atoms" or
         "strong:atoms"; `counterexample.cycle` is the number of the first step that repeats for ever.
 

@@ -88,7 +88,8 @@ struct Exploration {
 };
 
 struct VerifyOptions {
-  // "deadlock" or empty, "errors", "never EXPR", "always EXPR", or of runs: "eventually EXPR", "EXPR leads to EXPR" …
+  // "deadlock" or empty, "errors", "never EXPR", "always EXPR", or of runs: "eventually EXPR", "EXPR leads to EXPR" …,
+  // or of what is possible: "possibly EXPR", "always possibly EXPR" …
   std::string property;
   // Properties of runs: which count. "none" or empty, "weak", "strong", "weak:atoms", "strong:atoms".
   std::string fairness;
@@ -106,10 +107,11 @@ struct Verdict {
   Outcome outcome = Outcome::Unknown;
   std::string name;      // "deadlock-free", "deadlock", "holds", "violated", "error-free", "error", "unknown" …
   std::string property;  // as it was read; empty: deadlock-freedom
-  std::string method;    // Holds: "invariants", "induction", "exhaustive", "parts"
+  std::string method;    // Holds: "invariants", "induction", "exhaustive", "parts", "branching"
   std::string reason;    // Unknown
   std::uint64_t states = 0, invariants = 0, lemmas = 0;
   std::string certificate;  // text for certcheck, if it was wanted and the answer has one
+  // Of a violation; also the run that shows a property to hold which begins with `possibly`.
   std::optional<Counterexample> counterexample;
   std::string text;  // for people, as `bipc verify` prints it
   std::string json;  // as `bipc verify --json` prints it
