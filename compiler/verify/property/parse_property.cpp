@@ -13,6 +13,7 @@
 #include "compiler/system/uses_time.hpp"
 #include "compiler/verify/property/expression.hpp"
 #include "compiler/verify/property/make_formula.hpp"
+#include "compiler/verify/property/property_words.hpp"
 #include "runtime/core/text.hpp"
 #include "runtime/engine/event_file.hpp"
 #include "runtime/include/bip/assert.hpp"
@@ -46,53 +47,6 @@ const std::vector<BinaryOperator>& binary_operators() {
 }
 
 bool begins_name(char c) { return is_letter(c) || c == '_'; }
-
-struct TemporalWord {
-  std::string_view word;
-  TemporalOperator meaning;
-};
-constexpr bool is_of_past(TemporalOperator op) {
-  return op == TemporalOperator::Previously || op == TemporalOperator::Once || op == TemporalOperator::Historically ||
-         op == TemporalOperator::Since;
-}
-constexpr TemporalWord kPrefixes[] = {{"always", TemporalOperator::Always},
-                                      {"never", TemporalOperator::Never},
-                                      {"eventually", TemporalOperator::Eventually},
-                                      {"next", TemporalOperator::Next},
-                                      {"previously", TemporalOperator::Previously},
-                                      {"once", TemporalOperator::Once},
-                                      {"historically", TemporalOperator::Historically},
-                                      {"possibly", TemporalOperator::Possibly}};
-// `implies` is one of C's operators in other words.
-constexpr TemporalWord kConnectives[] = {{"leads to", TemporalOperator::LeadsTo},
-                                         {"until", TemporalOperator::Until},
-                                         {"unless", TemporalOperator::Unless},
-                                         {"since", TemporalOperator::Since}};
-// How others write it, and how it is written here.
-struct OtherSign {
-  std::string_view sign, word;
-};
-constexpr OtherSign kOtherPrefixes[] = {{"[]", "always"},
-                                        {"<>", "eventually"},
-                                        {"G", "always"},
-                                        {"F", "eventually"},
-                                        {"X", "next"},
-                                        {"Y", "previously"},
-                                        {"O", "once"},
-                                        {"H", "historically"},
-                                        {"E<>", "possibly"},
-                                        {"EF", "possibly"},
-                                        {"E[]", "possibly always"},
-                                        {"EG", "possibly always"},
-                                        {"EX", "possibly next"},
-                                        {"A[]", "always"},
-                                        {"AG", "always"},
-                                        {"A<>", "eventually"},
-                                        {"AF", "eventually"},
-                                        {"AX", "next"},
-                                        {"yesterday", "previously"}};
-constexpr OtherSign kOtherConnectives[] = {{"->", "implies"}, {"=>", "implies"}, {"~>", "leads to"},
-                                           {"U", "until"},    {"W", "unless"},   {"S", "since"}};
 
 }  // namespace
 
