@@ -155,7 +155,8 @@ std::optional<std::vector<StateSet>> label_states(const BranchingFormula& formul
 }
 
 std::size_t bytes_of_labels(const BranchingFormula& formula, const rt::StateGraph& graph) {
-  constexpr std::size_t kBytesOfState = 8 + 8 + 4 + 4;  // predecessors while they are made, counters, states to do
+  // Predecessors while they are made, counters and states to do; a search for the run that explains the answer.
+  constexpr std::size_t kBytesOfState = 8 + 8 + 4 + 4 + 20;
   const std::size_t states = graph.states();
   return states * kBytesOfState + graph.steps() * 4 + formula.nodes.size() * (states / 8 + 8) * 2;
 }

@@ -60,7 +60,7 @@ enum class Bound : std::uint8_t { Surely, Possibly };
                                                                 const Predecessors& predecessors, Bound bound,
                                                                 const CancellationToken& cancellation);
 
-/// Bytes that both bounds, the predecessors and the counters take.
+/// Bytes that both bounds, the predecessors, the counters and a search for a run take.
 [[nodiscard]] std::size_t bytes_of_labels(const BranchingFormula& formula, const rt::StateGraph& graph);
 
 }  // namespace bip::verify

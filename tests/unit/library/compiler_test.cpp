@@ -139,6 +139,24 @@ TEST_CASE("a property that holds has a certificate, and a text that is no proper
   CHECK(result.model->explore({.threads = 1, .stop = stop.get_token()}).end == "interrupted");
 }
 
+TEST_CASE("what is possible has the run that shows it", "[library]") {
+  const bc::CompileResult result = interpreted(kTable);
+  REQUIRE(result.model != nullptr);
+  const bc::Verdict possible = result.model->verify({.property = "possibly t@EATS", .stop = {}});
+  REQUIRE(possible.is_answered);
+  CHECK(possible.outcome == bc::Outcome::Holds);
+  CHECK(possible.method == "branching");
+  REQUIRE(possible.counterexample.has_value());
+  CHECK_FALSE(possible.counterexample->steps.empty());
+  // The table has a deadlock.
+  const bc::Verdict always = result.model->verify({.property = "always possibly t@EATS", .stop = {}});
+  CHECK(always.outcome == bc::Outcome::Violated);
+  REQUIRE(always.counterexample.has_value());
+  const bc::Verdict fair = result.model->verify({.property = "possibly t@EATS", .fairness = "weak", .stop = {}});
+  CHECK_FALSE(fair.is_answered);
+  CHECK_FALSE(fair.diagnostics.empty());
+}
+
 TEST_CASE("models with clocks", "[library]") {
   const bc::CompileResult result = interpreted(kBeat);
   INFO(result.text);
