@@ -217,7 +217,8 @@ def groups(options):
         ("debuggers", [script("debuggers", "tests/debuggers/test_debuggers.py", alone=True, sample=LEFT_OUT)]),
         # A sanitized build cannot be installed.
         *([("package", [script("package", "tests/package/test_package.py", weight=25, sample=LEFT_OUT), *needs("bipc-runner", script("runner", "tests/package/test_runner.py", weight=5))])] if not is_sanitized() else []),
-        ("python", [script("python", "tests/python/test_python.py", alone=True), script("notebooks", "tests/python/test_notebooks.py", alone=True, sample=LEFT_OUT)]),
+        # Nor is its Python module built.
+        *([("python", [script("python", "tests/python/test_python.py", alone=True), script("notebooks", "tests/python/test_notebooks.py", alone=True, sample=LEFT_OUT)])] if not is_sanitized() else []),
         ("fuzz", needs("bip-fuzz", script("fuzz", "tests/fuzz/test_fuzz.py", weight=140, sample=["--edits", "5000"]))),
         ("graph", [script("graph", "tests/graph/test_pictures.py", weight=5)]),
         ("view", [script("view", "tests/view/test_page.py", alone=True, sample=LEFT_OUT), script("live", "tests/view/test_live.py"), script("attach", "tests/view/test_attach.py")]),

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "compiler/base/json_text.hpp"
 #include "compiler/library/add_run.hpp"
 #include "compiler/library/decide.hpp"
 #include "compiler/library/run_text.hpp"
@@ -197,7 +198,7 @@ Verdict decide_branching(const VerifyRequest& request, Compilation& c, const ver
     json["graph"] = {{"states", found.states}, {"steps", found.steps}};
     json["nodes"] = formula.nodes.size();
   }
-  verdict.json = json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
+  verdict.json = json_line(json) + '\n';
   verdict.is_answered = true;
   return verdict;
 }

@@ -20,7 +20,7 @@ BIPC = os.path.abspath(os.environ.get("BIPC") or BUILD / "bipc")
 CERTCHECK = pathlib.Path(BIPC).with_name("certcheck")  # not built without Z3
 PAGE = ROOT / "compiler/docs/verification.md"
 MODELS, GOLDENS = ROOT / "models", ROOT / "tests/golden/verify"
-TIMEOUT = 300
+TIMEOUT = 300 * float(os.environ.get("BIPC_TEST_PATIENCE") or 1)
 
 LANE = "never (into[0]@FULL || into[0]@FULL_NEXT) && into[0].round != out[0].round && into[0].bit != out[0].bit"
 AGREEMENT = "never proposer[0]@CHOSEN && proposer[1]@CHOSEN && proposer[0].value != proposer[1].value"
