@@ -142,6 +142,25 @@ def is_stable(oracle, state):
     return True
 
 
+def check_accepted(folder, r, question, certificate, points, oracle, kind, counts, bad):
+    """Is it accepted, and has it all points that the oracle reaches? Changed so that one is missing it is not accepted."""
+    code, said = certcheck(folder, certificate)
+    if code != 0:
+        bad.append(f"{question}: not accepted: {said}\n{certificate}")
+        return False
+    counts[kind + "accepted"] += 1
+    if misses_a_state(points, oracle.atoms, certificate):
+        bad.append(f"{question}: a point that is reached is not in the certificate\n{certificate}")
+    for _ in range(MUTATIONS):
+        changed = mutate(r, certificate)
+        is_less = misses_a_state(points, oracle.atoms, changed)
+        counts[kind + ("changed, not enough" if is_less else "changed, enough")] += 1
+        code, said = certcheck(folder, changed) if is_less else (1, "")
+        if code not in (1, 4):
+            bad.append(f"{question}: accepted without a reached point: {said}\n{changed}")
+    return True
+
+
 def check_demands(folder, seed, oracle, counts, bad):
     """Of limits of time that hold."""
     r = random.Random(f"demands {seed}")
@@ -160,21 +179,8 @@ def check_demands(folder, seed, oracle, counts, bad):
             if not oracle.has_no_state and ("error[B1900]" not in said or REFUSED not in said or not oracle.error):
                 bad.append(f"{demand_text(demand)}: {code}: {said}")
             continue
-        code, said = certcheck(folder, certificate)
-        if code != 0:
-            bad.append(f"{demand_text(demand)}: not accepted: {said}\n{certificate}")
+        if not check_accepted(folder, r, demand_text(demand), certificate, points, oracle, "limits ", counts, bad):
             continue
-        counts["limits accepted"] += 1
-        if misses_a_state(points, oracle.atoms, certificate):
-            bad.append(f"{demand_text(demand)}: a point that is reached is not in the certificate\n{certificate}")
-        for _ in range(MUTATIONS):
-            changed = mutate(r, certificate)
-            if not misses_a_state(points, oracle.atoms, changed):
-                continue
-            counts["limits changed, not enough"] += 1
-            code, said = certcheck(folder, changed)
-            if code not in (1, 4):
-                bad.append(f"{demand_text(demand)}: accepted without a reached point: {said}\n{changed}")
         for request, response, within in ((*demand[:2], demand[2] - 1), other):
             if within < 0 or oracle.misses((request, response, within)) is not True:
                 continue
@@ -301,23 +307,10 @@ def check_endless_demands(folder, seed, oracle, counts, bad):
             if "error[B1900]" not in said or REFUSED not in said or not oracle.error:
                 bad.append(f"{demand_text(demand)}: {code}: {said}")
             continue
-        code, said = certcheck(folder, certificate)
-        if code != 0:
-            bad.append(f"{demand_text(demand)}: not accepted: {said}\n{certificate}")
-            continue
-        counts["endless accepted"] += 1
         points = [(state, None if age is None else ANY) for state, age in follow(oracle, *demand[:2], 1) or ()
                   if is_stable(oracle, state)]
-        if misses_a_state(points, oracle.atoms, certificate):
-            bad.append(f"{demand_text(demand)}: a point that is reached is not in the certificate\n{certificate}")
-        for _ in range(MUTATIONS):
-            changed = mutate(r, certificate)
-            if not misses_a_state(points, oracle.atoms, changed):
-                continue
-            counts["endless changed, not enough"] += 1
-            code, said = certcheck(folder, changed)
-            if code not in (1, 4):
-                bad.append(f"{demand_text(demand)}: accepted without a reached point: {said}\n{changed}")
+        if not check_accepted(folder, r, demand_text(demand), certificate, points, oracle, "endless ", counts, bad):
+            continue
         if oracle.never_comes(*other[:2]) is True:
             counts["endless forged"] += 1
             claim = eventually_text(*other[:2])
@@ -352,22 +345,7 @@ def check(seed):
                     bad.append(f"{question}: {code}: {said}")
                 continue
             counts["proofs"] += 1
-            code, said = certcheck(folder, certificate)
-            if code != 0:
-                bad.append(f"{question}: not accepted: {said}\n{certificate}")
-                continue
-            counts["accepted"] += 1
-            if misses_a_state(points, atoms, certificate):
-                bad.append(f"{question}: a state that is reached is not in the certificate\n{certificate}")
-            for _ in range(MUTATIONS):
-                changed = mutate(r, certificate)
-                if not misses_a_state(points, atoms, changed):
-                    counts["changed, enough"] += 1
-                    continue
-                counts["changed, not enough"] += 1
-                code, said = certcheck(folder, changed)
-                if code not in (1, 4):
-                    bad.append(f"{question}: accepted without a reached state: {said}\n{changed}")
+            check_accepted(folder, r, question, certificate, points, oracle, "", counts, bad)
         check_demands(folder, seed, oracle, counts, bad)
         check_endless_demands(folder, seed, oracle, counts, bad)
         # The last one holds always.
