@@ -28,9 +28,8 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
       ->add_option(
           "--property", a.property,
           "property to decide: deadlock, errors, the name of a property of the model, 'never EXPR', 'always EXPR', or "
-          "of runs: 'eventually EXPR', 'EXPR leads to EXPR', 'EXPR until EXPR' …, or of what is possible: 'always "
-          "possibly "
-          "EXPR' … (default: deadlock, and each property that the model states)")
+          "of runs: 'eventually EXPR', 'EXPR leads to EXPR', 'EXPR until EXPR' …, or of what is possible: "
+          "'always possibly EXPR' … (default: deadlock, and each property that the model states)")
       ->check(is_no_empty_property())
       ->type_name("WHAT");
   command
@@ -98,13 +97,13 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
   command->footer(
       "EXPR is a condition on stable states: a@PLACE, a.data, can connector, can a.port, and the operators of guards.\n"
       "A property of runs has always, never, eventually, next before and leads to, until, unless, implies between its "
-      "parts,\npreviously, once, historically and since for what has been, and happens connector, happens a.port for "
-      "the "
-      "step that is taken.\nPossibly before a word asks for some run from a state: possibly EXPR, always possibly "
-      "EXPR, "
-      "possibly always EXPR.\nWith time: eventually F, always eventually F, E leads to F; and E leads to F within 50 "
-      "ms, "
-      "eventually F within 2 s.\n"
+      "parts,\n"
+      "previously, once, historically and since for what has been, and happens connector, happens a.port for the step "
+      "that is taken.\n"
+      "Possibly before a word asks for some run from a state: possibly EXPR, always possibly EXPR, possibly always "
+      "EXPR.\n"
+      "With time: eventually F, always eventually F, E leads to F; and E leads to F within 50 ms, eventually F within "
+      "2 s.\n"
       "Exit code: 0 the property holds, 3 it is violated (a run is printed), 4 unknown. Ctrl-C prints what is known "
       "and ends with 4.\n"
       "Example:\n  bipc verify --root 'Table(1000)' --certificate table.cert model.bip\n"
