@@ -2,10 +2,10 @@
 #include "compiler/verify/liveness/k_liveness.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <optional>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -24,8 +24,9 @@ namespace bip::verify {
 
 namespace {
 
-// Of the time that is left an attempt may use this part.
-constexpr double kShareOfAttempt = 1.0 / 4;
+// Of the time that is left an attempt may use this part, and each search in it, with units that the ones before taught,
+// that one.
+constexpr double kShareOfAttempt = 1.0 / 2, kShareOfSearch = 1.0 / 4;
 constexpr double kShareOfInvariants = 1.0 / 4, kShareOfRemark = 1.0 / 16;
 // Of a part, which mostly has such runs because it lacks what would end them.
 constexpr std::uint32_t kMostRoundsOfPart = 64;
@@ -133,7 +134,7 @@ class KLiveness {
   }
 
   // A step after which the circuit has lost its way must not be reachable, or runs would be missing.
-  [[nodiscard]] bool follows_all_internals() const { return is_never(machine_.lost, kShareOfAttempt); }
+  [[nodiscard]] bool follows_all_internals() const { return is_never(machine_.lost, kShareOfSearch); }
   [[nodiscard]] bool is_never(Signal bad, double share) const {
     Ic3Problem problem;
     problem.system = &machine_;
@@ -208,7 +209,7 @@ class KLiveness {
 
   bool is_proved(std::size_t row, std::uint32_t bound) {
     Part& part = parts_[row];
-    const CancellationToken share =
+    const CancellationToken attempt =
         options_.cancellation.within(options_.cancellation.seconds_left() * kShareOfAttempt);
     for (;;) {
       if (!part.monitor)
@@ -222,7 +223,7 @@ class KLiveness {
       problem.system = &monitor.machine();
       problem.invariants = monitor.clauses();
       problem.constraint = monitor.constraint();
-      problem.cancellation = share;
+      problem.cancellation = attempt.within(options_.cancellation.seconds_left() * kShareOfSearch);
       problem.report = [this](std::uint32_t, std::size_t lemmas) {
         if (options_.report) options_.report("k-liveness", lemmas, "lemmas");
       };
@@ -300,8 +301,8 @@ class KLiveness {
   }
 
   // Follows the run of a counterexample. If a part of it repeats, all demands included, then some unit that was not
-  // expected is left out there: the nearest one is expected from now on. Or none is left out, and no bound exists.
-  // True: a unit was added.
+  // expected is left out there: the nearest ones are expected from now on. Or none is left out, and no bound exists.
+  // True: units were added.
   bool learns_from(const Ic3Answer& answer, Part& part) {
     const std::vector<std::uint32_t> left_out = units_left_out(answer, *part.monitor, part.has_run);
     if (left_out.empty()) return false;
@@ -311,10 +312,12 @@ class KLiveness {
         most = std::max(most, distance_[atom]);
         sum += distance_[atom];
       }
-      return std::tuple(most, sum, unit);
+      return std::pair(most, sum);
     };
-    part.expected.push_back(*std::min_element(left_out.begin(), left_out.end(),
-                                              [&](std::uint32_t a, std::uint32_t b) { return cost(a) < cost(b); }));
+    const auto nearest = cost(*std::min_element(left_out.begin(), left_out.end(),
+                                                [&](std::uint32_t a, std::uint32_t b) { return cost(a) < cost(b); }));
+    std::copy_if(left_out.begin(), left_out.end(), std::back_inserter(part.expected),
+                 [&](std::uint32_t unit) { return cost(unit) == nearest; });
     part.monitor.reset();
     return true;
   }
