@@ -194,8 +194,11 @@ Verdict decide(const VerifyRequest& request, Compilation& c, const verify::Quest
   const bool is_timed = system::is_timed(*c.system);
   if (question.formula.has_limit() || (is_timed && question.formula.response))
     return decide_response(request, c, question, note, token);
-  if (question.what == verify::QuestionKind::Branching)
+  if (question.what == verify::QuestionKind::Branching) {
+    if (std::optional<Verdict> verdict = decide_possible(request, c, question, note, token, report))
+      return std::move(*verdict);
     return decide_branching(request, c, question, note, token, report);
+  }
   if (question.what == verify::QuestionKind::Runs) return decide_liveness(request, c, question, note, token, report);
   if (is_timed) return decide_timed(request, c, question, note, token);
   verify::PortfolioLimits limits;

@@ -1,6 +1,5 @@
 // Verdicts about properties of branching time: see decide.hpp. What the graph of states cannot treat is refused by name
 // or unknown with the reason.
-#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -35,14 +34,7 @@ std::string last_state_text(const rt::Image& image, const verify::BranchingFormu
   rt::Core core(image);
   bool is_sound = core.initialize();
   for (std::size_t at = 0; at < found.choices.size() && is_sound; ++at) is_sound = core.fire(found.choices[at]);
-  std::vector<std::uint32_t> atoms;
-  for (const verify::Property& condition : formula.states) {
-    const std::vector<std::uint32_t> own = verify::atoms_of(condition);
-    atoms.insert(atoms.end(), own.begin(), own.end());
-  }
-  std::sort(atoms.begin(), atoms.end());
-  atoms.erase(std::unique(atoms.begin(), atoms.end()), atoms.end());
-  return is_sound ? verify::atoms_text(core, atoms) : std::string();
+  return is_sound ? verify::atoms_text(core, verify::atoms_of(formula.states)) : std::string();
 }
 
 // "  no run from there reaches `robot@HOME`; 4 states can be reached from there"
@@ -108,11 +100,11 @@ bool add_certificate(Compilation& c, const verify::BranchingFormula& formula, co
 // A question that this engine does not answer.
 std::optional<Unsupported> unsupported(const VerifyRequest& request, const System& system) {
   if (const std::string what = system::first_timed(system); !what.empty())
-    return Unsupported{"`possibly` for a model with time", what,
-                       "`never E` is violated by a run that reaches E, and `E leads to F` has an answer"};
+    return Unsupported{"this property with `possibly` for a model with time", what,
+                       "`possibly E`, `possibly always E` and `E leads to F` have answers"};
   if (request.fairness.kind != verify::FairnessKind::None)
-    return Unsupported{"fairness for a property with `possibly`", "such a property is about all runs from each state",
-                       "without `--fair` the property is decided"};
+    return Unsupported{"fairness for this property with `possibly`", "it is about all runs from each state",
+                       "`possibly` before one word, as `possibly always E`, has an answer; this one without `--fair`"};
   return std::nullopt;
 }
 

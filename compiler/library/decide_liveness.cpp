@@ -1,6 +1,5 @@
 // Verdicts about properties of runs: see decide.hpp. What the graph of states cannot treat is refused by name or
 // unknown with the reason.
-#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -64,14 +63,7 @@ std::string last_state_text(const rt::Image& image, const verify::Question& ques
   rt::Core core(image);
   bool is_sound = core.initialize();
   for (std::size_t at = 0; at < found.choices.size() && is_sound; ++at) is_sound = core.fire(found.choices[at]);
-  std::vector<std::uint32_t> atoms;
-  for (const verify::Property& condition : question.formula.states) {
-    const std::vector<std::uint32_t> own = verify::atoms_of(condition);
-    atoms.insert(atoms.end(), own.begin(), own.end());
-  }
-  std::sort(atoms.begin(), atoms.end());
-  atoms.erase(std::unique(atoms.begin(), atoms.end()), atoms.end());
-  return is_sound ? verify::atoms_text(core, atoms) : std::string();
+  return is_sound ? verify::atoms_text(core, verify::atoms_of(question.formula.states)) : std::string();
 }
 
 std::string violated_text(const rt::Image& image, const verify::Question& question, const VerifyRequest& request,

@@ -65,15 +65,6 @@ std::string time_text(std::int64_t ticks) {
   return text;
 }
 
-// What goes on for ever, of a response without a limit.
-std::string endless_text(const rt::ZoneReport& found) {
-  const std::size_t size = found.match.steps.size();
-  if (!found.match_cycle) return "from then on time can pass for ever without a step";
-  return *found.match_cycle + 1 == size
-             ? fmt::format("step #{} can repeat for ever, and time goes on", size - 1)
-             : fmt::format("the steps #{} to #{} can repeat for ever, and time goes on", *found.match_cycle, size - 1);
-}
-
 // "`a leads to b within 50 ms`   (3 steps, at 57ms)" and since when.
 std::string missed_text(const verify::Formula& formula, const rt::ZoneReport& found, const rt::MissedResponse& missed) {
   const rt::TimedPath& path = found.match;
@@ -82,8 +73,9 @@ std::string missed_text(const verify::Formula& formula, const rt::ZoneReport& fo
   if (missed.at_step)
     text += fmt::format("  asked for by step #{}, at {}", missed.requested_by, time_text(missed.requested));
   else text += "  asked for from " + time_text(missed.requested) + " on";
-  if (found.is_match_end) return text + ": there the run ends, for time cannot pass and nothing can be done\n";
-  if (!formula.has_limit()) return text + ": " + endless_text(found) + '\n';
+  const rt::CounterexampleEnd end = found.is_match_end ? rt::CounterexampleEnd::TimeLock : rt::CounterexampleEnd::State;
+  if (found.is_match_end || !formula.has_limit())
+    return text + ": " + endless_text(end, path.steps.size(), found.match_cycle) + '\n';
   return text + fmt::format(": {} later it has not come\n", time_text(path.end - missed.requested));
 }
 

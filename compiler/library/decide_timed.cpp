@@ -128,6 +128,14 @@ std::string limit_text(const rt::ZoneReport& found, const verify::CancellationTo
   return "the limit of zones is reached";
 }
 
+std::string endless_text(rt::CounterexampleEnd end, std::size_t steps, std::optional<std::size_t> cycle) {
+  if (end == rt::CounterexampleEnd::TimeLock) return "there the run ends, for time cannot pass and nothing can be done";
+  if (!cycle) return "from then on time can pass for ever without a step";
+  return *cycle + 1 == steps
+             ? fmt::format("step #{} can repeat for ever, and time goes on", steps - 1)
+             : fmt::format("the steps #{} to #{} can repeat for ever, and time goes on", *cycle, steps - 1);
+}
+
 Verdict verdict_of(const nlohmann::ordered_json& json, std::string text, int exit_code) {
   Verdict verdict;
   verdict.is_answered = true;

@@ -1,10 +1,13 @@
 // What verdicts about models with time share. Internal to compiler/library.
 #pragma once
+#include <cstddef>
+#include <optional>
 #include <string>
 
 #include <nlohmann/json_fwd.hpp>
 
 #include "compiler/library/decide.hpp"
+#include "runtime/explore/counterexample.hpp"
 #include "runtime/explore/zones.hpp"
 
 namespace bip::library {
@@ -14,6 +17,9 @@ namespace bip::library {
 /// The note of a verdict that holds: with which error a run can end, if the search has met one; else empty. The image
 /// has its code.
 [[nodiscard]] std::string error_note(const rt::Image& image, const rt::ZoneReport& found);
+/// What goes on for ever after so many steps, without a full stop: the steps from number `cycle` on, or time alone; or
+/// the run ends there in a time lock.
+[[nodiscard]] std::string endless_text(rt::CounterexampleEnd end, std::size_t steps, std::optional<std::size_t> cycle);
 [[nodiscard]] Verdict verdict_of(const nlohmann::ordered_json& json, std::string text, int exit_code);
 /// Why a certificate of a zone graph says less than it should: guards of connectors or priorities that can fault, for
 /// which of several faults, or of a fault and a false guard, comes first is not for a checker to know.

@@ -3,7 +3,7 @@
 
     tests/verify/test_liveness.py [COUNT] [FROM]     COUNT systems (default 150) from seed FROM (default 1)
 
-Each system is asked three properties, each with one kind of fairness. The oracle enumerates states by semantics of its own and
+Each system is asked three properties, each with one kind of fairness, and whether some fair run has a word (`possibly (a until b)`). The oracle enumerates states by semantics of its own and
 decides by another method: positions of a run are (state, what was true at the position before, step, promises for the next
 position), truth comes from the memory and the promises (Lichtenstein, Pnueli 1985), and strong fairness by trying every set of interactions that are impossible from some point on. A
 violation that bipc reports is followed step by step: the cycle must close, be fair, and violate the property. The circuit is asked
@@ -538,6 +538,32 @@ def problems_of_proofs(folder, graph, asked_of_circuit, kinds):
     return problems
 
 
+# ---- one fair run: `possibly` before one word
+def problem_of_possible(path, atoms, connectors, graph, fairness, r, kinds):
+    """What is wrong with the answer about a fair run that has one word of conditions; empty: nothing."""
+    def condition():
+        kind, *args = random_condition(r, atoms, connectors)
+        while kind in ("happens", "port"):
+            kind, *args = random_condition(r, atoms, connectors)
+        return "is", (kind, *args)
+    word = r.choice(["always", "never", "next", "until", "unless"])
+    formula = (word, condition()) if word in UNARY else (word, condition(), condition())
+    expected = is_violated(graph, ("!", formula), fairness)
+    if expected is None:
+        return ""
+    asked = f"possibly ({print_formula(formula)})"
+    done = subprocess.run([BIPC, "verify", "--property", asked, "--fair", fairness, "--backend=interp", "--json", path], capture_output=True, text=True, timeout=120)
+    try:
+        verdict = json.loads(done.stdout)
+    except ValueError:
+        return f"`{asked}` --fair={fairness}: {done.stderr}"
+    kinds.append(f"one run {verdict['verdict']}")
+    difference = "" if verdict["verdict"] == ("holds" if expected else "violated") else f"{verdict['verdict']}, the oracle says {'holds' if expected else 'violated'}"
+    if not difference and expected:
+        difference = follow(graph, ("!", formula), fairness, verdict)
+    return f"`{asked}` --fair={fairness}: {difference}\n{verdict['text']}" if difference else ""
+
+
 # ---- the comparison
 def check(seed):
     """(what was found, a difference or "")"""
@@ -589,6 +615,9 @@ def check(seed):
             if difference:
                 problems.append(f"`{asked}` --fair={fairness}: {difference}\n{verdict['text']}")
             asked_of_circuit.append((fairness, asked, expected, is_invariant_of_past(formula), formula))
+        rest = random.Random(f"one run {seed}")
+        if problem := problem_of_possible(path, atoms, connectors, graph, rest.choice(FAIRNESS[1:]), rest, kinds):
+            problems.append(problem)
         done = subprocess.run([PROVER, path], input="".join(f"{fairness} {asked}\n" for fairness, asked, *_ in asked_of_circuit),
                               capture_output=True, text=True, timeout=120)
         if seed % CERTIFICATES_EVERY == 0 and os.path.exists(CERTCHECK):
@@ -623,6 +652,9 @@ def main():
     if count >= 100 and os.path.exists(CERTCHECK) and any(kinds[kind] < count // CERTIFICATES_EVERY // 3 for kind in ["certificates accepted", "circuit, certificate: accepted", *changed_claims]):
         bad += 1
         print("too few certificates")
+    if count >= 100 and any(kinds[f"one run {verdict}"] < count // 10 for verdict in ("holds", "violated")):
+        bad += 1
+        print("too few questions about one run")
     if count >= 100 and any(kinds[kind] < count // 30 for kind in proved):
         bad += 1
         print("the circuit proved too few")

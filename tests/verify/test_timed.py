@@ -7,7 +7,7 @@ The systems have clocks in ns with small constants, bounds that are open or clos
 `resume`, triggers, guards, transfers, and divisions by zero in guards, limits and actions. The oracle is written from
 compiler/docs/semantics.md and shares nothing with bipc: it visits every state at every ns, clocks cut off above all constants, and
 says whether a deadlock, a time lock and an error are reachable, and whether a random `never E`, `E leads to F within T`,
-`eventually F within T`, or one of these without T, is violated. Prints the text of a system with another answer. BIPC names the
+`eventually F within T`, or one of these without T, is violated, and `possibly E` and `possibly always E` hold. Prints the text of a system with another answer. BIPC names the
 program, JOBS the number of processes. Each tenth system is asked by the program, the others by the Python package of the build folder
 if there is one. To see it go red: let `may_pass` ignore one of its rules.
 """
@@ -46,6 +46,7 @@ State = collections.namedtuple("State", "place value clock waits")
 # `is_last`: an atom that waits cannot go on later.
 Expanded = collections.namedtuple("Expanded", "steps resumed later is_last")
 NEVER = 1 << 62  # ns
+WORDS_OF_STATES = "never", "possibly", "possibly always"
 
 
 class Fault(Exception):
@@ -493,7 +494,8 @@ def check(seed):
     nevers = [make_state_condition(r, atoms) for _ in range(3)]
     # Without a limit, of the same conditions.
     demands += [((request, response, None), oracle.never_comes(request, response)) for (request, response, _), _ in demands]
-    properties = [demand_text(demand) for demand, _ in demands] + [f"never {condition_text(never)}" for never in nevers]
+    properties = [demand_text(demand) for demand, _ in demands]
+    properties += [f"{words} ({condition_text(never)})" for words in WORDS_OF_STATES for never in nevers]
     explored, given = (ask_program if bipc is None or seed % 10 == 0 else ask_package)(text, properties)
     if explored is None:
         return ["refused"], f"seed {seed}: explore: {given}\n{text}"
@@ -514,12 +516,16 @@ def check(seed):
     if errors is None or errors["verdict"] != ("error" if oracle.error else "error-free"):
         difference += f"\nverify --property errors: {errors and errors['verdict']}"
     kinds = []
-    for never, answer in zip(nevers, about_states):
-        wanted = "violated" if any(oracle.is_true(never, state, None) for state in oracle.stable) else "holds"
-        wanted = "no-state" if oracle.has_no_state else wanted
-        kinds.append(f"never: {wanted}")
-        if answer is None or answer["verdict"] != wanted:
-            difference += f"\n`never {condition_text(never)}`: {answer and answer['text']}, the oracle says {wanted}"
+    for k, answer in enumerate(about_states):
+        words, never = WORDS_OF_STATES[k // len(nevers)], nevers[k % len(nevers)]
+        if words == "possibly always":
+            is_true = oracle.never_comes(None, ("!", never))
+        else:
+            is_true = any(oracle.is_true(never, state, None) for state in oracle.stable) == (words == "possibly")
+        wanted = "no-state" if oracle.has_no_state else {None: "large", True: "holds", False: "violated"}[is_true]
+        kinds.append(f"{words}: {wanted}")
+        if wanted != "large" and (answer is None or answer["verdict"] != wanted):
+            difference += f"\n`{words} {condition_text(never)}`: {answer and answer['text']}, the oracle says {wanted}"
     for (demand, is_missed), answer in zip(demands, answers):
         wanted = "no-state" if oracle.has_no_state else {None: "large", True: "violated", False: "holds"}[is_missed]
         kinds.append(f"{'without a limit' if demand[2] is None else 'within'}: {wanted}")
@@ -550,7 +556,7 @@ def main():
     compared = count - kinds["large"] - kinds["refused"]
     # What decides nothing is no test.
     if count >= 60 and (compared < count // 2 or any(kinds[k] == 0 for k in ("free", "deadlock", "time lock", "a cycle of steps"))
-                        or any(kinds[f"{limit}: {k}"] < count // 10 for limit in ("within", "without a limit") for k in ("holds", "violated"))):
+                        or any(kinds[f"{limit}: {k}"] < count // 10 for limit in ("within", "without a limit", *WORDS_OF_STATES) for k in ("holds", "violated"))):
         bad += 1
         print("too few systems of some kind")
     print(f"timed: {compared - bad if compared > bad else 0} passed, {bad} failed")

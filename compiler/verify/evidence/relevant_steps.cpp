@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <queue>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 
 #include "runtime/include/bip/assert.hpp"
@@ -107,16 +108,38 @@ class Replayer {
   std::uint64_t replayed_ = 0;
 };
 
+// The steps that those of these atoms depend on, by the atoms that they share: of a run through thousands of components
+// mostly few.
+std::vector<StepLabel> causal_past(const std::vector<StepLabel>& labels, const std::vector<u32>& atoms) {
+  std::unordered_set<u32> needed(atoms.begin(), atoms.end());
+  std::vector<StepLabel> past;
+  for (std::size_t k = labels.size(); k-- > 0;) {
+    const auto is_needed = [&](const std::pair<u32, u32>& port) { return needed.contains(port.first); };
+    if (std::none_of(labels[k].ports.begin(), labels[k].ports.end(), is_needed)) continue;
+    for (const auto& [atom, port] : labels[k].ports) needed.insert(atom);
+    past.push_back(labels[k]);
+  }
+  std::reverse(past.begin(), past.end());
+  return past;
+}
+
+// The run without the steps from `begin` on, before `end`, if it reaches the goal then; its end may come sooner.
+std::optional<std::vector<StepLabel>> without(Replayer& replayer, const std::vector<StepLabel>& labels,
+                                              std::size_t begin, std::size_t end) {
+  std::vector<StepLabel> fewer(labels.begin(), labels.begin() + static_cast<std::ptrdiff_t>(begin));
+  fewer.insert(fewer.end(), labels.begin() + static_cast<std::ptrdiff_t>(end), labels.end());
+  if (!replayer.take(fewer)) return std::nullopt;
+  return fewer;
+}
+
 // Leaves blocks out, from the end to the beginning: what comes late is needed by less.
 std::vector<StepLabel> leave_out(Replayer& replayer, std::vector<StepLabel> labels) {
   std::size_t size = std::max<std::size_t>(labels.size() / 2, 1);
   for (bool is_smaller = false;; is_smaller = false) {
     for (std::size_t end = labels.size(); end > 0 && !replayer.is_over();) {
       const std::size_t begin = end > size ? end - size : 0;
-      std::vector<StepLabel> fewer(labels.begin(), labels.begin() + static_cast<std::ptrdiff_t>(begin));
-      fewer.insert(fewer.end(), labels.begin() + static_cast<std::ptrdiff_t>(end), labels.end());
-      if (replayer.take(fewer)) {
-        labels = std::move(fewer);
+      if (std::optional<std::vector<StepLabel>> fewer = without(replayer, labels, begin, end)) {
+        labels = std::move(*fewer);
         is_smaller = true;
       }
       end = begin;
@@ -124,6 +147,22 @@ std::vector<StepLabel> leave_out(Replayer& replayer, std::vector<StepLabel> labe
     if (replayer.is_over() || (size == 1 && !is_smaller)) return labels;
     if (size > 1) size /= 2;
   }
+}
+
+// Of a short run, leaves out any block, at whatever step it begins: a component that comes and goes, of which no step
+// alone can be left out. Returns whether there was one.
+bool leave_out_any_block(Replayer& replayer, std::vector<StepLabel>& labels) {
+  constexpr std::size_t kShort = 64;
+  if (labels.size() > kShort) return false;
+  for (std::size_t size = 2; size < labels.size(); ++size) {
+    for (std::size_t end = labels.size(); end >= size && !replayer.is_over(); --end) {
+      if (std::optional<std::vector<StepLabel>> fewer = without(replayer, labels, end - size, end)) {
+        labels = std::move(*fewer);
+        return true;
+      }
+    }
+  }
+  return false;
 }
 
 // An order of the steps in which those of each atom keep theirs: next comes a step that depends on the one placed last,
@@ -347,14 +386,24 @@ std::vector<std::uint64_t> relevant_steps(const rt::Image& image, const SearchGo
   Replayer replayer(image, goal, token);
   std::vector<StepLabel> labels = replayer.read(choices);
   if (!replayer.take(labels)) return choices;
+  std::vector<u32> atoms = goal.atoms;
+  if (goal.faults) {
+    for (const auto& [atom, port] : labels.back().ports) atoms.push_back(atom);
+  }
+  if (!atoms.empty()) {
+    // Under priorities the others may matter, too.
+    std::vector<StepLabel> past = causal_past(labels, atoms);
+    if (replayer.take(past)) labels = std::move(past);
+  }
   std::vector<StepLabel> needed = leave_out(replayer, std::move(labels));
-  // Under priorities another order of the same steps can do without some of them.
+  // In another order of the same steps others can be left out: under priorities, and as a block.
   for (bool is_smaller = true; is_smaller;) {
     std::vector<StepLabel> by_cause = order_by_cause(needed);
     std::optional<std::vector<std::uint64_t>> ordered = replayer.take(by_cause);
     if (!ordered) break;
-    if (by_cause == needed) return std::move(*ordered);
-    std::vector<StepLabel> fewer = leave_out(replayer, by_cause);
+    std::vector<StepLabel> fewer = by_cause;
+    while (leave_out_any_block(replayer, fewer)) fewer = leave_out(replayer, std::move(fewer));
+    if (fewer.size() == by_cause.size() && by_cause != needed) fewer = leave_out(replayer, std::move(fewer));
     is_smaller = fewer.size() < by_cause.size();
     if (!is_smaller) return std::move(*ordered);
     needed = std::move(fewer);

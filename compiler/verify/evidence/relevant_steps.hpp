@@ -16,9 +16,10 @@
 namespace bip::verify {
 
 /// Returns the numbers of the candidates of a run to the goal whose steps are a part of the given one's. Loops are cut
-/// out, then blocks of steps are left out as long as the goal is reached (ddmin: Zeller, Hildebrandt 2002), down to
-/// single ones; within the bound no step can be left out any more. A step then follows what it depends on (a step
-/// before it of one of its atoms) as closely as it can; if some can be left out in this order, all begins anew.
+/// out, and steps that share no component with the goal's past if it is reached without them; then blocks of steps are
+/// left out as long as the goal is reached (ddmin: Zeller, Hildebrandt 2002), down to single ones; within the bound no
+/// step can be left out any more, of a run of at most 64 steps no block of them. A step then follows what it depends on
+/// (a step before it of one of its atoms) as closely as it can; if some can be left out in this order, all begins anew.
 /// `choices` must reach the goal. Cost: at most about 1,000,000 steps of the core.
 [[nodiscard]] std::vector<std::uint64_t> relevant_steps(const rt::Image& image, const SearchGoal& goal,
                                                         const std::vector<std::uint64_t>& choices,

@@ -10,6 +10,7 @@ SearchGoal goal_of(const Question& question) {
     case QuestionKind::NoErrors: goal.faults = true; break;
     case QuestionKind::State:
       goal.state = [&question](const rt::Core& core) { return is_broken(question.property, core); };
+      if (connectors_of(question.property).empty()) goal.atoms = atoms_of(question.property);
       break;
     case QuestionKind::NoLocalDeadlock:
     case QuestionKind::Runs:

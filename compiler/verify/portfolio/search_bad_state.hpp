@@ -16,6 +16,7 @@ enum class SearchEnd : std::uint8_t { Found, Exhausted, Limit };
 struct SearchGoal {
   bool stuck = false, faults = false;
   std::function<bool(const rt::Core&)> state;
+  std::vector<std::uint32_t> atoms = {};  // all that `state` reads; empty: not known
 };
 /// Is the core's state a bad one? A step that ends in an error shows when it is taken.
 [[nodiscard]] bool is_goal_state(const rt::Core& core, const SearchGoal& goal);

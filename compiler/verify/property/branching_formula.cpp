@@ -29,6 +29,7 @@ class BranchingMaker {
 
   Result<BranchingFormula> run() {
     made_.root = make(parsed_.root, Sign::Plain);
+    made_.negation = negation();
     made_.states = conditions_.take();
     if (problem_.empty() && made_.states.size() > kMaxConditions)
       problem_ = "the property has more than " + std::to_string(kMaxConditions) + " conditions";
@@ -54,10 +55,10 @@ class BranchingMaker {
   [[nodiscard]] std::string text_of(std::uint32_t row) const {
     return parsed_.text.substr(extents_[row].begin, extents_[row].end - extents_[row].begin);
   }
-  // The text behind the word `possibly`, without parentheses around all of it.
-  [[nodiscard]] std::string operand_of(std::uint32_t row) const {
-    constexpr std::string_view kWord = "possibly", kBlanks = " \t\n";
-    std::string text = text_of(row).substr(kWord.size());
+  // The text behind a word that stands in front, without parentheses around all of it.
+  [[nodiscard]] std::string operand_of(std::uint32_t row, std::string_view word = "possibly") const {
+    constexpr std::string_view kBlanks = " \t\n";
+    std::string text = text_of(row).substr(word.size());
     for (;;) {
       text = text.substr(text.find_first_not_of(kBlanks));
       text = text.substr(0, text.find_last_not_of(kBlanks) + 1);
@@ -83,6 +84,31 @@ class BranchingMaker {
     const PropertyNode& node = parsed_.nodes[row];
     if (node.kind != PropertyKind::Operator) return node.temporal != TemporalOperator::Possibly;
     return has_bare_word(node.a) || (node.b != node.a && has_bare_word(node.b));
+  }
+
+  // Of `possibly` before one word at most, whose operands are conditions on states.
+  [[nodiscard]] std::string negation() const {
+    const PropertyNode& root = parsed_.nodes[parsed_.root];
+    if (root.kind != PropertyKind::Temporal || root.temporal != TemporalOperator::Possibly) return {};
+    const auto before = [](const char* words, const std::string& operand) { return words + ('(' + operand + ')'); };
+    if (is_temporal_[root.a] == 0) return before("never ", operand_of(parsed_.root));
+    const PropertyNode& path = parsed_.nodes[root.a];
+    if (path.kind != PropertyKind::Temporal || is_temporal_[path.a] != 0 || is_temporal_[path.b] != 0) return {};
+    switch (path.temporal) {
+      case TemporalOperator::Eventually: return before("never ", operand_of(root.a, "eventually"));
+      case TemporalOperator::Always: return before("eventually !", operand_of(root.a, "always"));
+      case TemporalOperator::Never: return before("eventually ", operand_of(root.a, "never"));
+      case TemporalOperator::Next:
+      case TemporalOperator::Until:
+      case TemporalOperator::Unless: return before("!", operand_of(parsed_.root));
+      case TemporalOperator::LeadsTo:
+      case TemporalOperator::Previously:
+      case TemporalOperator::Once:
+      case TemporalOperator::Historically:
+      case TemporalOperator::Since:
+      case TemporalOperator::Possibly: return {};
+    }
+    BIP_UNREACHABLE("a word of no kind");
   }
 
   // The parser has limited the depth.

@@ -39,6 +39,9 @@ struct BranchingFormula {
   std::uint32_t root = 0;
   std::vector<Property> states;  // conditions, of type bool, at most 64
   std::string text;
+  // The property of all runs that this one negates: `never (E)` of `possibly E`, `eventually !(E)` of `possibly always
+  // E`. Empty: it asks for no run, or for one with several words.
+  std::string negation = {};
 };
 
 [[nodiscard]] inline bool is_quantified(BranchingKind kind) {

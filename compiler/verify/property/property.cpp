@@ -149,6 +149,17 @@ std::vector<std::uint32_t> atoms_of(const Property& property) {
   });
 }
 
+std::vector<std::uint32_t> atoms_of(const std::vector<Property>& properties) {
+  std::vector<std::uint32_t> atoms;
+  for (const Property& property : properties) {
+    const std::vector<std::uint32_t> own = atoms_of(property);
+    atoms.insert(atoms.end(), own.begin(), own.end());
+  }
+  std::sort(atoms.begin(), atoms.end());
+  atoms.erase(std::unique(atoms.begin(), atoms.end()), atoms.end());
+  return atoms;
+}
+
 std::vector<std::uint32_t> connectors_of(const Property& property) {
   return owners_of(property, [](PropertyKind kind) { return kind == PropertyKind::CanConnector; });
 }

@@ -84,6 +84,7 @@ struct Property {
 [[nodiscard]] bool has_fault(const Property& property, const rt::Core& core);
 /// Returns the rows of the atoms that the property is about, each once, ascending.
 [[nodiscard]] std::vector<std::uint32_t> atoms_of(const Property& property);
+[[nodiscard]] std::vector<std::uint32_t> atoms_of(const std::vector<Property>& properties);
 /// Does the property ask what can be done (`can`)? With time that changes within a location.
 [[nodiscard]] bool asks_offers(const Property& property);
 /// The data that it reads.

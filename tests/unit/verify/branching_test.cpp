@@ -60,6 +60,25 @@ BranchingResult decide(const HandMadeNet& made, const std::string& property) {
 
 }  // namespace
 
+TEST_CASE("what begins with `possibly` and has one word negates a property of all runs") {
+  const HandMadeNet robot(kRobot);
+  const auto negation = [&](const std::string& property) { return read(robot, property).negation; };
+  CHECK(negation("possibly r@HOME") == "never (r@HOME)");
+  CHECK(negation(" possibly  ( r@OUT && r.battery == 1 ) ") == "never (r@OUT && r.battery == 1)");
+  CHECK(negation("possibly !r@HOME") == "never (!r@HOME)");
+  CHECK(negation("possibly (r@HOME) || (r@OUT)") == "never ((r@HOME) || (r@OUT))");
+  CHECK(negation("possibly eventually (r@HOME)") == "never (r@HOME)");
+  CHECK(negation("(possibly always r@HOME)") == "eventually !(r@HOME)");
+  CHECK(negation("possibly never r@HOME") == "eventually (r@HOME)");
+  CHECK(negation("possibly next r@HOME") == "!(next r@HOME)");
+  CHECK(negation("possibly (r@HOME until r@OUT)") == "!(r@HOME until r@OUT)");
+  CHECK(negation("possibly (r@HOME unless r@OUT)") == "!(r@HOME unless r@OUT)");
+  // More than one word, or all runs first.
+  for (const char* other : {"always possibly r@HOME", "possibly always possibly r@HOME", "!(possibly r@HOME)",
+                            "(possibly r@HOME) && (possibly r@OUT)", "possibly eventually (always r@OUT)"})
+    CHECK(negation(other).empty());
+}
+
 TEST_CASE("words of branching time are read as operators of CTL") {
   const HandMadeNet robot(kRobot);
   const auto text = [&](const std::string& property) {
