@@ -76,8 +76,8 @@ struct Verdict {
                                        const verify::Report& report);
 
 /// The same for a property `possibly …` that is the negation of a property of all runs, which any of the engines above
-/// can decide: the run that violates the one shows the other, and a proof of the one, with its certificate, excludes the
-/// other. Nothing if the graph has to be asked, and has an answer.
+/// can decide: the run that violates the one shows the other, and a proof of the one, with its certificate, excludes
+/// the other. Nothing if the graph has to be asked, and has an answer.
 [[nodiscard]] std::optional<Verdict> decide_possible(const VerifyRequest& request, Compilation& c,
                                                      const verify::Question& question, const std::string& note,
                                                      const verify::CancellationToken& token,
