@@ -100,6 +100,7 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
       "parts,\n"
       "previously, once, historically and since for what has been, and happens connector, happens a.port for the step "
       "that is taken.\n"
+      "Over an array: forall i in a: a[i]@PLACE, exists i in a: EXPR, at most 1 i in a: EXPR, at least, exactly.\n"
       "Possibly before a word asks for some run from a state: possibly EXPR, always possibly EXPR, possibly always "
       "EXPR.\n"
       "With time: eventually F, always eventually F, E leads to F; and E leads to F within 50 ms, eventually F within "

@@ -12,13 +12,9 @@
 #include "compiler/diag/diagnostics.hpp"
 #include "compiler/library/decide.hpp"
 #include "compiler/system/system.hpp"
-#include "compiler/system/uses_time.hpp"
 
 namespace bip::library {
 namespace {
-
-// What a model with time is asked in the place of `possibly`.
-constexpr std::string_view kReached = "a run that violates `never` is one that gets there";
 
 /// How UPPAAL, CTL and LTL begin a property.
 struct Prefix {
@@ -100,6 +96,12 @@ std::string with_our_signs(std::string_view text) {
     if (is_single) out += '=';
   }
   return out;
+}
+
+bool has_quantifier(std::string_view text) {
+  constexpr std::string_view kQuantifiers[] = {"forall ", "exists ", "at most ", "at least ", "exactly "};
+  return std::any_of(std::begin(kQuantifiers), std::end(kQuantifiers),
+                     [&](std::string_view word) { return text.find(word) != std::string_view::npos; });
 }
 
 /// Gives each name that is not of the system the likeliest one that is.
@@ -287,10 +289,6 @@ std::optional<PropertySuggestion> suggest_property(const std::string& text, cons
     if (ends) continue;
     rest = trimmed(whole.substr(prefix.other.size()));
     word = prefix.word;
-    if (!word.starts_with("possibly") || !system::is_timed(system)) continue;
-    if (word != "possibly") return std::nullopt;
-    word = "never";
-    suggestion.note = kReached;
   }
   if (word.empty()) {
     std::size_t end = 0;
@@ -304,7 +302,8 @@ std::optional<PropertySuggestion> suggest_property(const std::string& text, cons
     }
   }
   NameMender names(with_our_signs(rest), system);
-  const std::string mended = names.run();
+  // Variables of quantifiers are no misspelt names.
+  const std::string mended = has_quantifier(rest) ? with_our_signs(rest) : names.run();
   if (!names.note().empty()) suggestion.note = names.note();
   // A condition alone: bad states are asked for more often than good ones.
   const std::vector<std::string> tries = word.empty() ? std::vector<std::string>{mended, "never " + mended}

@@ -9,15 +9,12 @@
 #include <fmt/format.h>
 
 #include "compiler/base/ascii.hpp"
+#include "compiler/system/index_expression.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::system {
 
 namespace {
-
-// Of an index; deeper ones have no value.
-constexpr int kMostParentheses = 100;
-constexpr std::int64_t kGreatest = 0x7fffffff;
 
 bool begins_name(char c) { return is_letter(c) || c == '_'; }
 
@@ -67,13 +64,18 @@ class PropertyExpander {
       last_word_ = {};
     } else if (is_digit(c)) {
       std::size_t end = at_;
-      while (end < text_.size() && (is_digit(text_[end]) || begins_name(text_[end]) || text_[end] == '.')) ++end;
+      // `0..n` is no number.
+      while (end < text_.size() && text_.substr(end, 2) != ".." &&
+             (is_digit(text_[end]) || begins_name(text_[end]) || text_[end] == '.'))
+        ++end;
       copy_until(end);
       is_unit_ = last_word_ == "within";
       last_word_ = {};
     } else if (begins_name(c)) {
       expand_name();
     } else {
+      if (c == '(') ++parentheses_;
+      if (c == ')') close_parenthesis();
       is_place_ = c == '@';
       is_unit_ = false;
       last_word_ = {};
@@ -101,9 +103,12 @@ class PropertyExpander {
     while (is_blank(peek(behind))) ++behind;
     const bool is_component = peek(behind) == '@';
     const bool is_offer = last_word_ == "can" || last_word_ == "happens";
+    const bool is_array = last_word_ == "in" && !is_bound(word) && !constants_.contains(word);
+    if (!is_path && word_at(behind) == "in") bound_.push_back({word, parentheses_});
     is_unit_ = last_word_ == "within";
     last_word_ = word;
-    if (is_path || is_component || is_offer) return expand_path(word);
+    if (is_path || is_component || is_offer || is_array) return expand_path(word);
+    if (is_bound(word)) return copy_until(at_ + word.size());
     if (const auto constant = constants_.find(word); constant != constants_.end()) {
       put(value_text(constant->second), at_);
       at_ += word.size();
@@ -122,7 +127,20 @@ class PropertyExpander {
   }
   void expand_index() {
     const std::size_t open = at_++;
-    const std::optional<std::int64_t> index = sum(0);
+    if (has_bound_name(open)) {
+      // What else it names has a value now.
+      put("[", open);
+      while (at_ < text_.size() && text_[at_] != ']' && problem_.empty()) expand_token();
+      if (at_ < text_.size()) copy_until(at_ + 1);
+      last_word_ = {};
+      return;
+    }
+    const std::optional<std::int64_t> index =
+        evaluate_index(text_, at_, [this](std::string_view word) -> std::optional<std::int64_t> {
+          const auto constant = constants_.find(word);
+          if (constant == constants_.end() || constant->second.type != Type::Int) return std::nullopt;
+          return constant->second.int_value;
+        });
     skip_blanks();
     if (!index || peek(at_) != ']') {
       const std::size_t close = std::min(text_.find(']', open), text_.size() - 1);
@@ -136,56 +154,26 @@ class PropertyExpander {
     }
   }
 
-  // ---- values of indices: C's `+ - * / %` of numbers and constants
   void skip_blanks() {
     while (is_blank(peek(at_))) ++at_;
   }
-  static std::optional<std::int64_t> limited(std::int64_t value) {
-    return value < -kGreatest || value > kGreatest ? std::nullopt : std::optional(value);
+
+  // ---- variables of quantifiers: `forall i in phil: …` binds `i` up to the end of the parentheses around it
+  [[nodiscard]] bool is_bound(std::string_view word) const {
+    return std::any_of(bound_.begin(), bound_.end(), [&](const BoundName& bound) { return bound.name == word; });
   }
-  std::optional<std::int64_t> sum(int depth) {
-    std::optional<std::int64_t> left = product(depth);
-    for (skip_blanks(); left && (peek(at_) == '+' || peek(at_) == '-'); skip_blanks()) {
-      const bool adds = text_[at_++] == '+';
-      const std::optional<std::int64_t> right = product(depth);
-      left = right ? limited(adds ? *left + *right : *left - *right) : std::nullopt;
+  // Does a bound variable stand in the index that opens here?
+  [[nodiscard]] bool has_bound_name(std::size_t open) const {
+    for (std::size_t at = open + 1; at < text_.size() && text_[at] != ']';) {
+      const std::string_view word = begins_name(text_[at]) ? word_at(at) : std::string_view();
+      if (is_bound(word)) return true;
+      at += std::max<std::size_t>(word.size(), 1);
     }
-    return left;
+    return false;
   }
-  std::optional<std::int64_t> product(int depth) {
-    std::optional<std::int64_t> left = factor(depth);
-    for (skip_blanks(); left && (peek(at_) == '*' || peek(at_) == '/' || peek(at_) == '%'); skip_blanks()) {
-      const char sign = text_[at_++];
-      const std::optional<std::int64_t> right = factor(depth);
-      if (!right || (sign != '*' && *right == 0)) return std::nullopt;
-      left = limited(sign == '*' ? *left * *right : sign == '/' ? *left / *right : *left % *right);
-    }
-    return left;
-  }
-  std::optional<std::int64_t> factor(int depth) {
-    skip_blanks();
-    if (depth > kMostParentheses) return std::nullopt;
-    if (peek(at_) == '-') {
-      ++at_;
-      const std::optional<std::int64_t> value = factor(depth + 1);
-      return value ? std::optional(-*value) : std::nullopt;
-    }
-    if (peek(at_) == '(') {
-      ++at_;
-      const std::optional<std::int64_t> value = sum(depth + 1);
-      skip_blanks();
-      return peek(at_++) == ')' ? value : std::nullopt;
-    }
-    if (is_digit(peek(at_))) {
-      std::int64_t value = 0;
-      for (; is_digit(peek(at_)) && value <= kGreatest; ++at_) value = value * 10 + (text_[at_] - '0');
-      return limited(value);
-    }
-    const std::string_view word = word_at(at_);
-    const auto constant = constants_.find(word);
-    if (word.empty() || constant == constants_.end() || constant->second.type != Type::Int) return std::nullopt;
-    at_ += word.size();
-    return constant->second.int_value;
+  void close_parenthesis() {
+    --parentheses_;
+    std::erase_if(bound_, [this](const BoundName& bound) { return bound.parentheses > parentheses_; });
   }
 
   [[nodiscard]] std::string value_text(const Value& value) const {
@@ -202,6 +190,12 @@ class PropertyExpander {
   const std::string& scope_;
   const std::map<std::string, Value, std::less<>>& constants_;
   const std::vector<std::string>& strings_;
+  struct BoundName {
+    std::string_view name;
+    int parentheses = 0;  // that are open around it
+  };
+  std::vector<BoundName> bound_;
+  int parentheses_ = 0;
   ExpandedProperty out_;
   std::string problem_;
   std::string_view last_word_;  // of the tokens before this one, if it is a name

@@ -18,8 +18,9 @@ struct ExpandedProperty {
 
 /// Returns the property with each path prefixed by `scope` ("" or "table."), parameters and variables of loops replaced
 /// by their values, indices computed, comments left out. `a.x`, `a@P`, `a[0]` and what follows `can` and `happens` are
-/// paths; those that begin with `ROOT.` stay. Grammar and names are checked by the parser of the result. The error says
-/// which index has no value. Linear in the text.
+/// paths; those that begin with `ROOT.` stay, and so do variables of quantifiers
+/// (`forall i in a: …`) with the indices that name them, but for their parameters. Grammar and names are checked by the
+/// parser of the result. The error says which index has no value. Linear in the text.
 [[nodiscard]] Result<ExpandedProperty> expand_property(std::string_view text, const std::string& scope,
                                                        const std::map<std::string, Value, std::less<>>& constants,
                                                        const std::vector<std::string>& strings);

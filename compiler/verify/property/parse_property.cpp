@@ -9,11 +9,14 @@
 #include "compiler/base/ascii.hpp"
 #include "compiler/model/fold.hpp"
 #include "compiler/model/operators.hpp"
+#include "compiler/system/index_expression.hpp"
 #include "compiler/system/system.hpp"
 #include "compiler/system/uses_time.hpp"
 #include "compiler/verify/property/expression.hpp"
 #include "compiler/verify/property/make_formula.hpp"
+#include "compiler/verify/property/property_rows.hpp"
 #include "compiler/verify/property/property_words.hpp"
+#include "compiler/verify/property/rows_of_paths.hpp"
 #include "runtime/core/text.hpp"
 #include "runtime/engine/event_file.hpp"
 #include "runtime/include/bip/assert.hpp"
@@ -23,8 +26,8 @@ namespace bip::verify {
 namespace {
 
 constexpr int kMaxPropertyDepth = 200;
-// A chain `a || b || c …` is a tree half as deep as it has nodes; the checker of certificates reads 10,000 levels.
-constexpr std::size_t kMaxPropertyNodes = 16'000;
+// Of variables of quantifiers.
+constexpr std::size_t kMaxRounds = 4'000'000;
 
 struct BinaryOperator {
   std::string_view sign;
@@ -48,25 +51,7 @@ const std::vector<BinaryOperator>& binary_operators() {
 
 bool begins_name(char c) { return is_letter(c) || c == '_'; }
 
-}  // namespace
-
-using RowsByPath = std::unordered_map<std::string_view, std::uint32_t>;
-struct RowsOfPaths {
-  explicit RowsOfPaths(const System& system)
-      : atoms(rows_by_path(system.atoms)), connectors(rows_by_path(system.connectors)) {}
-  template <class Rows>
-  static RowsByPath rows_by_path(const Rows& rows) {
-    RowsByPath found;
-    std::uint32_t row = 0;
-    for (const auto& row_of_path : rows) found.try_emplace(row_of_path.path, row++);
-    return found;
-  }
-  RowsByPath atoms, connectors;
-};
-
-namespace {
-
-class PropertyParser {
+class PropertyParser : private PropertyRows {
  public:
   PropertyParser(const std::string& text, const System& system, const RowsOfPaths& rows)
       : text_(text), system_(system), rows_(rows) {
@@ -165,68 +150,6 @@ class PropertyParser {
   }
 
  private:
-  // ---- divisions
-  std::uint32_t make_constant(std::int32_t value) { return add({.type = Type::Int, .int_value = value}); }
-  std::uint32_t make_condition(Op op, std::uint32_t a, std::uint32_t b) {
-    return add({.kind = PropertyKind::Operator, .op = op, .a = a, .b = b});
-  }
-  // Disjunction of two rows, of which either may be missing: false.
-  std::uint32_t make_either(std::uint32_t a, std::uint32_t b) {
-    if (a == Property::kNoRow || b == Property::kNoRow) return a == Property::kNoRow ? b : a;
-    return make_condition(Op::Or, a, b);
-  }
-  // The number that a row is, if it is written as one.
-  [[nodiscard]] std::optional<std::int32_t> constant_of(std::uint32_t row) const {
-    const PropertyNode& node = property_.nodes[row];
-    if (node.type != Type::Int) return std::nullopt;
-    if (node.kind == PropertyKind::Constant) return node.int_value;
-    if (node.kind != PropertyKind::Operator || node.op != Op::Neg) return std::nullopt;
-    const std::optional<std::int32_t> operand = constant_of(node.a);
-    return operand ? std::optional(fold_int(Op::Neg, *operand)) : std::nullopt;
-  }
-  // When does this division itself fault? A row, or kNoRow: never.
-  std::uint32_t fault_of_division(std::uint32_t a, std::uint32_t b) {
-    const std::optional<std::int32_t> divisor = constant_of(b), divided = constant_of(a);
-    std::uint32_t fault = Property::kNoRow;
-    if (!divisor || *divisor == 0) fault = make_condition(Op::Eq, b, make_constant(0));
-    const bool may_overflow = (!divisor || *divisor == -1) && (!divided || *divided == INT32_MIN);
-    if (!may_overflow) return fault;
-    const std::uint32_t is_least = make_condition(Op::Eq, a, make_constant(INT32_MIN));
-    const std::uint32_t is_minus_one = make_condition(Op::Eq, b, make_constant(-1));
-    return make_either(fault, make_condition(Op::And, is_least, is_minus_one));
-  }
-  // When does a division in this expression fault, of those that C evaluates? A row, or kNoRow: never. The parser has
-  // limited the depth; rows of operands are shared.
-  std::uint32_t fault_of(std::uint32_t row) {
-    if (!problem_.empty()) return Property::kNoRow;
-    const PropertyNode node = property_.nodes[row];
-    if (node.kind != PropertyKind::Operator) return Property::kNoRow;
-    const std::uint32_t a = fault_of(node.a);
-    if (operand_count(node.op) == 1) return a;
-    std::uint32_t b = fault_of(node.b);
-    if (b != Property::kNoRow && node.op == Op::And) b = make_condition(Op::And, node.a, b);
-    if (b != Property::kNoRow && node.op == Op::Or) {
-      const std::uint32_t goes_on = add({.kind = PropertyKind::Operator, .op = Op::Not, .a = node.a, .b = node.a});
-      b = make_condition(Op::And, goes_on, b);
-    }
-    const std::uint32_t own =
-        is_division(node.op) && node.type == Type::Int ? fault_of_division(node.a, node.b) : Property::kNoRow;
-    return make_either(make_either(a, b), own);
-  }
-  // A state in which a division faults violates the property. After this no value of such a division matters.
-  void guard_divisions() {
-    if (!problem_.empty()) return;
-    const std::uint32_t whole = property_.root;
-    const std::uint32_t fault = fault_of(whole);
-    if (fault == Property::kNoRow) return;
-    property_.fault = fault;
-    if (property_.is_never) {
-      property_.root = make_condition(Op::Or, fault, whole);
-      return;
-    }
-    const std::uint32_t is_sound = add({.kind = PropertyKind::Operator, .op = Op::Not, .a = fault, .b = fault});
-    property_.root = make_condition(Op::And, is_sound, whole);
-  }
   // Where no state can be blamed for a fault.
   void refuse_divisions(const std::string& where) {
     if (!problem_.empty() || !division_at_) return;
@@ -257,9 +180,6 @@ class PropertyParser {
     set_problem(why);
     return Failure{problem_};
   }
-  void set_problem(const std::string& why) {
-    if (problem_.empty()) problem_ = "column " + std::to_string(at_ + 1) + ": " + why;
-  }
   void skip_blanks() {
     while (at_ < text_.size() && (text_[at_] == ' ' || text_[at_] == '\t' || text_[at_] == '\n')) ++at_;
   }
@@ -269,51 +189,47 @@ class PropertyParser {
     at_ += sign.size();
     return true;
   }
-  // "a", "a[3].b"; empty: no name here.
+  // "a", "a[3].b"; empty: no name here. Of an index that names bound variables, its value.
   std::string parse_path() {
     skip_blanks();
-    const std::size_t first = at_;
+    std::string path;
     while (at_ < text_.size() && begins_name(text_[at_])) {
-      while (at_ < text_.size() && (begins_name(text_[at_]) || is_digit(text_[at_]))) ++at_;
+      while (at_ < text_.size() && (begins_name(text_[at_]) || is_digit(text_[at_]))) path += text_[at_++];
       while (at_ < text_.size() && text_[at_] == '[') {
         std::size_t end = at_ + 1;
         while (end < text_.size() && is_digit(text_[end])) ++end;
-        if (end == at_ + 1 || end >= text_.size() || text_[end] != ']') break;
-        at_ = end + 1;
+        if (end > at_ + 1 && end < text_.size() && text_[end] == ']') {
+          path.append(text_, at_, end + 1 - at_);
+          at_ = end + 1;
+        } else if (bound_.is_empty() || !take_index(path)) {
+          return path;
+        }
       }
       if (at_ + 1 >= text_.size() || text_[at_] != '.' || !begins_name(text_[at_ + 1])) break;
-      ++at_;
+      path += text_[at_++];
     }
-    return text_.substr(first, at_ - first);
+    return path;
   }
-  [[nodiscard]] Type type(std::uint32_t row) const {
-    return row < property_.nodes.size() ? property_.nodes[row].type : Type::Bool;
+  [[nodiscard]] std::optional<std::int64_t> evaluate(std::size_t& at) const {
+    return system::evaluate_index(text_, at, [this](std::string_view name) { return bound_.value_of(name); });
   }
-  std::uint32_t add(PropertyNode node) {
-    // After a problem rows are placeholders.
-    BIP_ASSERT(!problem_.empty() || node.kind != PropertyKind::Operator ||
-                   (node.a < property_.nodes.size() && node.b < property_.nodes.size()),
-               "an operator before its operands");
-    if (property_.nodes.size() == kMaxPropertyNodes)
-      set_problem("the property has more than " + std::to_string(kMaxPropertyNodes) + " values and operators");
-    const bool joins = node.kind == PropertyKind::Operator && problem_.empty();
-    is_temporal_.push_back(node.kind == PropertyKind::HappensConnector || node.kind == PropertyKind::HappensPort ||
-                                   node.kind == PropertyKind::Temporal ||
-                                   (joins && (is_temporal(node.a) || is_temporal(node.b)))
-                               ? 1
-                               : 0);
-    const bool has_operands = problem_.empty() && (joins || node.kind == PropertyKind::Temporal);
-    const bool is_word = node.kind == PropertyKind::Temporal;
-    const auto any = [&](const std::vector<std::uint8_t>& of) {
-      return has_operands && (of[node.a] | of[node.b]) != 0;
-    };
-    is_of_past_.push_back((is_word && is_of_past(node.temporal)) || any(is_of_past_) ? 1 : 0);
-    looks_ahead_.push_back((is_word && !is_of_past(node.temporal)) || any(looks_ahead_) ? 1 : 0);
-    extents_.emplace_back();
-    property_.nodes.push_back(node);
-    return static_cast<std::uint32_t>(property_.nodes.size() - 1);
+  // `[(i + 1) % 3]` behind the path. False: it has no value.
+  bool take_index(std::string& path) {
+    std::size_t at = at_ + 1;
+    const std::optional<std::int64_t> index = evaluate(at);
+    at = std::min(text_.find_first_not_of(" \t\n", at), text_.size());
+    if (!index || at == text_.size() || text_[at] != ']') {
+      set_problem("this index is no number: it may name variables that are bound around it");
+      return false;
+    }
+    if (*index < 0) {
+      set_problem("an index is at least 0, this is " + std::to_string(*index));
+      return false;
+    }
+    path += '[' + std::to_string(*index) + ']';
+    at_ = at + 1;
+    return true;
   }
-
   static std::uint32_t find_path(const RowsByPath& rows, const std::string& path) {
     const auto found = rows.find(rt::whole_path(path));
     return found == rows.end() ? kNotFound : found->second;
@@ -446,7 +362,13 @@ class PropertyParser {
     if (take_sign("\"")) return parse_string();
     if (is_at_number()) return parse_number();
     if (accepts_formulas_ && is_misplaced()) return 0;
+    if (const std::optional<IndexQuantifier> quantifier = take_quantifier())
+      return parse_quantified(*quantifier, depth);
+    if (!problem_.empty()) return 0;
     const std::string name = parse_path();
+    if (!problem_.empty()) return 0;
+    if (const std::optional<std::int64_t> value = bound_.value_of(name); value && !is_next('@'))
+      return constant(Type::Int, static_cast<std::int32_t>(*value));
     if (name == "true" || name == "false") return add({.int_value = name == "true" ? 1 : 0});
     if (name == "can") return parse_offer(start, PropertyKind::CanConnector, PropertyKind::CanPort);
     if (accepts_formulas_ && name == "happens" && !is_next('@'))
@@ -465,9 +387,11 @@ class PropertyParser {
                   : op == Op::BitNot ? "`~` needs an int"
                                      : "`-` needs a number");
     }
+    if (fits && is_folded(a)) return constant(type(a), fold_int(op, property_.nodes[a].int_value));
     return add({.kind = PropertyKind::Operator, .type = type(a), .op = op, .a = a, .b = a});
   }
   std::uint32_t parse_expression(int level, int depth) {
+    const std::size_t mark = property_.nodes.size();
     std::uint32_t left = parse_operand(depth);
     while (problem_.empty()) {
       skip_blanks();
@@ -482,11 +406,13 @@ class PropertyParser {
       at_ += found->sign.size();
       const std::uint32_t right = parse_expression(found->level + 1, depth + 1);
       if (!problem_.empty()) return left;
-      left = make_binary(*found, left, right, start);
+      left = make_binary(*found, left, right, start, mark);
     }
     return left;
   }
-  std::uint32_t make_binary(const BinaryOperator& binary, std::uint32_t a, std::uint32_t b, std::size_t start) {
+  // `mark`: the operands are the rows from there on.
+  std::uint32_t make_binary(const BinaryOperator& binary, std::uint32_t a, std::uint32_t b, std::size_t start,
+                            std::size_t mark) {
     const bool numbers = is_numeric(type(a)) && is_numeric(type(b));
     const OperandTypes operands = info_of(binary.op).operands;
     if (problem_.empty() && binary.op != Op::And && binary.op != Op::Or && (is_temporal(a) || is_temporal(b))) {
@@ -505,12 +431,107 @@ class PropertyParser {
       const std::optional<std::int32_t> divisor = constant_of(b);
       if (!divisor || *divisor == 0 || *divisor == -1) division_at_ = start;
     }
+    if (binary.op == Op::And || binary.op == Op::Or) return join(binary.op, a, b, mark);
+    if (problem_.empty() && is_folded(a) && is_folded(b) && type(a) == Type::Int) {
+      const std::int32_t left = property_.nodes[a].int_value, right = property_.nodes[b].int_value;
+      if (!is_division(binary.op) || !division_faults(left, right)) {
+        forget_from(mark);
+        return constant(result, fold_int(binary.op, left, right));
+      }
+    }
     return add({.kind = PropertyKind::Operator, .type = result, .op = binary.op, .a = a, .b = b});
   }
 
-  // Is it about a run, not about one state?
-  [[nodiscard]] bool is_temporal(std::uint32_t row) const {
-    return row < is_temporal_.size() && is_temporal_[row] != 0;
+  // ---- quantifiers
+  // `forall` and the others, unless they are names.
+  std::optional<IndexQuantifier> take_quantifier() {
+    const std::size_t start = at_;
+    for (const QuantifierWord& quantifier : kQuantifiers) {
+      if (!take_words(quantifier.word)) continue;
+      const char next = is_next('(') ? '(' : at_ < text_.size() ? text_[at_] : '\0';
+      if (begins_name(next) || is_digit(next) || next == '(') return quantifier.meaning;
+      at_ = start;
+    }
+    return std::nullopt;
+  }
+  std::optional<std::int64_t> parse_index(const char* what) {
+    skip_blanks();
+    const std::size_t start = at_;
+    const std::optional<std::int64_t> value = evaluate(at_);
+    if (value) return value;
+    at_ = start;
+    set_problem(what);
+    return std::nullopt;
+  }
+  struct Positions {
+    std::int64_t low = 0, high = 0;  // `high` excluded
+  };
+  // `0..n`, or an array.
+  Positions parse_range() {
+    skip_blanks();
+    const std::size_t start = at_;
+    if (begins_name(at_ < text_.size() ? text_[at_] : '\0')) {
+      const std::string path = parse_path();
+      if (!bound_.value_of(path)) {
+        if (const std::uint32_t size = rows_.size_of_array(rt::whole_path(path)); size != 0) return {0, size};
+        at_ = start;
+        set_problem("there is no array of components `" + path + "`");
+        return {};
+      }
+      at_ = start;
+    }
+    const std::optional<std::int64_t> low = parse_index("a range was expected: `0..3`, or an array of components");
+    if (low && !take_sign("..")) set_problem("a range has two bounds: `0..3`");
+    const std::optional<std::int64_t> high = low ? parse_index("the upper bound of a range was expected") : low;
+    return low && high ? Positions{*low, *high} : Positions{};
+  }
+  // Behind the quantifier's word. At the beginning of a formula it reaches over one, else over an expression.
+  std::uint32_t parse_quantified(IndexQuantifier quantifier, int depth, bool is_formula = false) {
+    const std::size_t start = at_;
+    const auto wrong = [&](std::size_t at, const std::string& why) {
+      at_ = at;
+      set_problem(why);
+      return 0u;
+    };
+    const std::string forms = "quantifiers are written " + std::string(kQuantifierForms);
+    const std::optional<std::int64_t> limit = counts(quantifier) ? parse_index("a number was expected") : std::nullopt;
+    if (!problem_.empty()) return 0;
+    skip_blanks();
+    const std::size_t name_at = at_;
+    const std::string name = parse_path();
+    if (name.empty() || name.find_first_of(".[") != std::string::npos || !take_words("in")) return wrong(start, forms);
+    const Positions range = parse_range();
+    if (!problem_.empty()) return 0;
+    if (!take_sign(":")) return wrong(at_, "a `:` was expected; " + forms);
+    const std::size_t body = at_, mark = property_.nodes.size();
+    std::vector<std::uint32_t> rows;
+    std::size_t known = 0;  // of counted ones: true whatever the state
+    ++quantifiers_;
+    bool is_decided = false;
+    for (std::int64_t value = range.low; value < range.high && !is_decided && problem_.empty(); ++value) {
+      at_ = body;
+      if (++rounds_ > kMaxRounds) return wrong(name_at, "there are too many values of variables");
+      bound_.bind(name, value);
+      const std::size_t before = property_.nodes.size();
+      const std::uint32_t row = is_formula ? parse_formula(depth + 1) : parse_expression(1, depth + 1);
+      const bool is_constant = is_folded(row) && type(row) == Type::Bool;
+      bound_.release();
+      if (problem_.empty() && (type(row) != Type::Bool || (counts(quantifier) && is_temporal(row))))
+        return wrong(body, counts(quantifier) ? "conditions on one state are counted"
+                                              : "a condition was expected, this is " + std::string(name_of(type(row))));
+      if (!is_constant || !problem_.empty()) {
+        rows.push_back(row);
+        continue;
+      }
+      const bool is_true = property_.nodes[row].int_value != 0;
+      forget_from(before);
+      if (counts(quantifier)) known += is_true ? 1 : 0;
+      else is_decided = is_true == (quantifier == IndexQuantifier::Exists);
+    }
+    if (range.low >= range.high) at_ = end_of_body(text_, body, is_formula ? Reach::Formula : Reach::Expression);
+    const std::uint32_t made = problem_.empty() ? join_all(quantifier, rows, limit, known, is_decided, mark) : 0;
+    --quantifiers_;
+    return made;
   }
   [[nodiscard]] bool is_next(char c) {
     skip_blanks();
@@ -533,8 +554,6 @@ class PropertyParser {
   bool is_misplaced() {
     const std::size_t start = at_;
     for (const OtherSign& other : kOtherPrefixes) {
-      // Branching time is not asked of models with time.
-      if (other.word.starts_with("possibly") && system::is_timed(system_)) continue;
       if (begins_name(other.sign.back()) ? !take_words(other.sign) : !take_sign(other.sign)) continue;
       at_ = start;
       set_problem("`" + std::string(other.sign) + "` is written `" + std::string(other.word) + "`");
@@ -675,7 +694,9 @@ class PropertyParser {
   }
   std::uint32_t parse_formula(int depth) {
     skip_blanks();
-    const std::size_t start = at_;
+    const std::size_t start = at_, mark = property_.nodes.size();
+    if (const std::optional<IndexQuantifier> quantifier = take_quantifier())
+      return parse_quantified(*quantifier, depth + 1, !counts(*quantifier));
     bool has_prefix = false;
     const std::uint32_t left = parse_prefixed(depth, has_prefix);
     if (!problem_.empty()) return 0;
@@ -716,7 +737,12 @@ class PropertyParser {
       return 0;
     }
     if (!is_implication) return add_temporal(found->meaning, left, right, start, middle);
-    const std::uint32_t negated = add({.kind = PropertyKind::Operator, .op = Op::Not, .a = left, .b = left});
+    if (is_folded(left)) {
+      if (property_.nodes[left].int_value != 0) return right;
+      forget_from(mark);
+      return constant(Type::Bool, 1);
+    }
+    const std::uint32_t negated = make_not(left);
     return add({.kind = PropertyKind::Operator, .op = Op::Or, .a = negated, .b = right});
   }
 
@@ -726,10 +752,6 @@ class PropertyParser {
   const std::string& text_;
   const System& system_;
   const RowsOfPaths& rows_;
-  Property property_;
-  // By node.
-  std::vector<std::uint8_t> is_temporal_, is_of_past_, looks_ahead_;
-  std::vector<TextExtent> extents_;  // of temporal operators
   // The first word of its kind.
   std::optional<std::size_t> possibly_at_, past_at_, happens_at_;
   bool accepts_formulas_ = false;
@@ -737,8 +759,7 @@ class PropertyParser {
   std::optional<std::int64_t> within_;
   std::uint32_t within_row_ = 0;
   std::size_t within_at_ = 0;
-  std::string problem_;
-  std::size_t at_ = 0;
+  std::size_t rounds_ = 0;                  // values of variables
   std::optional<std::size_t> division_at_;  // the last one that may fault
 };
 

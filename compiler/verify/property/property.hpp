@@ -2,7 +2,7 @@
 //
 //   property = ('never' | 'always') expr
 //   expr     = C's operators over: COMPONENT@PLACE, COMPONENT.DATA, can CONNECTOR, can COMPONENT.PORT, ints, floats,
-//              strings, true, false
+//              strings, true, false, and quantifiers over positions of arrays (quantifier.hpp)
 //
 // `can c` is true if connector c has an enabled interaction that nothing hides, `can a.p` if port p of a is enabled.
 // Paths are those of traces, without ROOT. A division of ints by 0, or of the least int by -1, fails as in models: a
@@ -67,7 +67,8 @@ struct Property {
 };
 
 /// Parses a property and resolves its names in `system`. The error says the first problem and its column. Cost:
-/// linear in the text and the system; a property has at most 16,000 nodes.
+/// linear in the text, with what quantifiers write out (quantifier.hpp), and the system; a property has at most 16,000
+/// nodes, written out 1,000,000.
 [[nodiscard]] Result<Property> parse_property(const std::string& text, const System& system);
 
 /// Parses an expression as those of properties, of any type but string, and resolves its names.

@@ -55,6 +55,19 @@ TEST_CASE("indices are computed") {
   CHECK(expanded("never p[").starts_with("error: "));
 }
 
+TEST_CASE("variables of quantifiers stay, also in indices, up to the parentheses around them") {
+  CHECK(expanded("never exists k in p: p[k]@X && p[(k + i) % n].q[i]@X") ==
+        "never exists k in t.p: t.p[k]@X && t.p[(k + 2) % 3].q[2]@X");
+  CHECK(expanded("always at most n k in low..n * 2: k != i || p[k + low].x == k") ==
+        "always at most 3 k in (-4)..3 * 2: k != 2 || t.p[k + (-4)].x == k");
+  CHECK(expanded("never exists k in 0..n: a.x == k") == "never exists k in 0..3: t.a.x == k");
+  // `i` is a parameter around the parentheses.
+  CHECK(expanded("never (exists i in p: p[i]@X && a.x == i) || p[i]@X || a.x == i") ==
+        "never (exists i in t.p: t.p[i]@X && t.a.x == i) || t.p[2]@X || t.a.x == 2");
+  CHECK(expanded("never exists k in p[i].q: forall m in k..n: p[i].q[m]@X") ==
+        "never exists k in t.p[2].q: forall m in k..3: t.p[2].q[m]@X");
+}
+
 TEST_CASE("comments and line breaks become a blank; places are kept") {
   CHECK(expanded("  never // why\n\ta@X /* and\n how */ ") == "never t.a@X");
   CHECK(expanded("") == "");
