@@ -23,11 +23,15 @@
 #include "compiler/verify/net/unread_cpp.hpp"
 #include "compiler/verify/evidence/relevant_steps.hpp"
 #include "compiler/verify/portfolio/search_bad_state.hpp"
+#include "compiler/verify/property/counted_property.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::library {
 
 namespace {
+
+constexpr const char* kSymmetricConditions =
+    "note: the components that the quantifier is about are interchangeable: the first ones stand for any\n";
 
 // The note of a verdict that holds: whether a run can end in an error. The same engines decide it, within
 // kErrorSeconds.
@@ -192,6 +196,13 @@ Verdict decide(const VerifyRequest& request, Compilation& c, const verify::Quest
   const verify::CancellationToken token =
       request.wall_timeout > 0 ? asked.within_wall_clock(request.wall_timeout) : asked;
   const bool is_timed = system::is_timed(*c.system);
+  if (question.what == verify::QuestionKind::State && !request.wants_certificate) {
+    if (std::optional<verify::Property> fewer = verify::with_first_conditions(question.property, c.lowered->image)) {
+      verify::Question about_fewer = question;
+      about_fewer.property = std::move(*fewer);
+      return decide(request, c, about_fewer, note + kSymmetricConditions, asked, report);
+    }
+  }
   if (question.formula.has_limit() || (is_timed && question.formula.response))
     return decide_response(request, c, question, note, token);
   if (question.what == verify::QuestionKind::Branching) {

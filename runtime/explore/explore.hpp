@@ -88,6 +88,11 @@ struct ExploreReport {
 /// Returns why the image cannot be explored with the reduction, or an empty text. Partial order reduction may leave out
 /// states where the predicate holds; symmetry reduction too, unless `symmetry` says which exchanges preserve it.
 [[nodiscard]] std::string reduction_problem(const Image& image, const ExploreOptions& options);
+/// Members of arrays whose exchange is an automorphism of the system, by group and member their atoms, those of all
+/// members of a group in one order; with time, too. Empty: none, or C++, priorities, or more work than the limits
+/// allow.
+[[nodiscard]] std::vector<std::vector<std::vector<u32>>> interchangeable_members(const Image& image,
+                                                                                 const SymmetryLimits& limits);
 
 /// Explores all reachable states of an image that has its code. With C++ in the model one thread works, and equal
 /// states are taken to behave equally. Requires that reduction_problem() is empty. Time and memory: see above.

@@ -24,4 +24,10 @@ std::string reduction_problem(const Image& image, const ExploreOptions& options)
   return {};
 }
 
+std::vector<std::vector<std::vector<u32>>> interchangeable_members(const Image& image, const SymmetryLimits& limits) {
+  if (image.ffi != nullptr) return {};
+  const Core core(image);
+  return Symmetry(image, Locals(core), limits).members();
+}
+
 }  // namespace bip::rt

@@ -286,6 +286,16 @@ void Symmetry::fix_first_members() {
   name_groups();
 }
 
+std::vector<std::vector<std::vector<u32>>> Symmetry::members() const {
+  std::vector<std::vector<std::vector<u32>>> members;
+  for (const Group& group : groups_) {
+    members.emplace_back();
+    for (auto first = group.atoms.begin(); first != group.atoms.end(); first += group.width)
+      members.back().emplace_back(first, first + group.width);
+  }
+  return members;
+}
+
 std::vector<u32> Symmetry::permuted_atoms() const {
   std::vector<u32> atoms;
   for (const Group& group : groups_) atoms.insert(atoms.end(), group.atoms.begin(), group.atoms.end());

@@ -37,6 +37,8 @@ class Symmetry {
   void normalize(u64* state, const Layout& layout, std::vector<u64>& scratch) const;
   /// The same of the numbers of all atoms. Returns whether any has changed.
   bool normalize(std::vector<u32>& numbers, std::vector<u64>& scratch) const;
+  /// By group and member its atoms, those of all members in one order.
+  [[nodiscard]] std::vector<std::vector<std::vector<u32>>> members() const;
   /// Returns the atoms that are permuted, in no order.
   [[nodiscard]] std::vector<u32> permuted_atoms() const;
 

@@ -26,6 +26,8 @@
 
 #include "compiler/interp/interp.hpp"
 #include "compiler/system/bsys.hpp"
+#include "compiler/verify/property/counted_property.hpp"
+#include "compiler/verify/property/formula.hpp"
 #include "compiler/verify/evidence/certificate.hpp"
 #include "compiler/verify/evidence/counterexample_text.hpp"
 #include "compiler/verify/portfolio/local_deadlock_search.hpp"
@@ -63,6 +65,8 @@ struct Totals {
   // that were saved.
   std::uint64_t symmetric = 0, permuted = 0, permuted_violated = 0, orbits = 0, orbits_saved = 0;
   std::uint64_t permuted_stuck = 0;
+  // Properties with quantifiers; those whose first conditions were asked; the violated ones of these.
+  std::uint64_t counted = 0, counted_few = 0, counted_violated = 0;
   std::uint64_t reused = 0, whole = 0, rows = 0, forged_rows = 0;
   verify::test::RelevanceCounts relevance;
 };
@@ -140,6 +144,7 @@ class Check {
       }
       search_up_to_symmetry(c, question, asked[number]);
     }
+    for (const std::string& counted : net.counted) ask_first_conditions(c, counted);
     wait_up_to_symmetry(c);
   }
 
@@ -248,6 +253,30 @@ class Check {
     const auto* const run = std::get_if<verify::Counterexample>(&found.evidence);
     if (run != nullptr && !verify::reaches(image, verify::goal_of(question), run->choices))
       fail(asked + ": the way cannot be taken");
+  }
+
+  // A property with a quantifier: if the first conditions stand for all, they have the answer of all.
+  void ask_first_conditions(const gen::Compiled& c, const std::string& asked) {
+    Result<verify::ParsedProperty> parsed = verify::PropertyReader(*c.system).read(asked);
+    if (!parsed) return fail(asked + ": " + parsed.error());
+    ++t_.counted;
+    const rt::Image& image = c.lowered->image;
+    const std::optional<verify::Property> first = verify::with_first_conditions(parsed->state, image);
+    if (!first) return;
+    verify::Question whole, few;
+    whole.what = few.what = verify::QuestionKind::State;
+    whole.property = std::move(parsed->state);
+    few.property = *first;
+    const verify::Net net = verify::build_net(*c.system);
+    const verify::SearchResult of_all = verify::search(net, image, verify::goal_of(whole), {}, limits_of_visit());
+    const verify::SearchResult of_few = verify::search(net, image, verify::goal_of(few), {}, limits_of_visit());
+    if (of_all.end == verify::SearchEnd::Limit || of_few.end == verify::SearchEnd::Limit) return;
+    ++t_.counted_few;
+    t_.counted_violated += of_all.end == verify::SearchEnd::Found ? 1 : 0;
+    if (of_all.end != of_few.end) fail(asked + ": the first conditions have another answer");
+    // It breaks the property as a whole, too.
+    if (of_few.end == verify::SearchEnd::Found && !verify::reaches(image, verify::goal_of(whole), of_few.choices))
+      fail(asked + ": the way to the first conditions does not violate it");
   }
 
   void wait_up_to_symmetry(const gen::Compiled& c) {
@@ -451,6 +480,13 @@ int main(int argc, char** argv) {
                                         t.permuted_stuck == 0 || t.orbits_saved == 0)) {
     ++t.failed;
     std::printf("FAILED: of %llu searches none permuted components with each answer\n", n(t.symmetric));
+  }
+  std::printf("quantifiers: %llu properties, %llu by their first conditions (%llu violated)\n", n(t.counted),
+              n(t.counted_few), n(t.counted_violated));
+  if (t.counted >= kManySymmetric && (t.counted_few == 0 || t.counted_few == t.counted || t.counted_violated == 0 ||
+                                      t.counted_violated == t.counted_few)) {
+    ++t.failed;
+    std::printf("FAILED: of %llu properties with quantifiers none of each kind\n", n(t.counted));
   }
   // Of so many systems some have answers; a run without is no test.
   constexpr std::uint64_t kMany = 20;

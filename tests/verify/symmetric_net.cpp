@@ -129,6 +129,25 @@ SymmetricNet symmetric_net(std::uint64_t seed) {
   net.properties.push_back("never " + condition("s") + " && " + over_all(" && "));
   std::string sum;
   for (std::uint64_t i = 0; i < size; ++i) sum += (i == 0 ? "" : " + ") + client(i) + ".n";
+  // Quantifiers; `can x[i].a.p` stands for no array.
+  const auto any_client = [&] {
+    std::string of = condition("?");
+    while (of.starts_with("can")) of = condition("?");
+    return of.replace(of.find('?'), 1, any + (has_pairs ? ".a" : ""));
+  };
+  for (int k = 0; k < 3; ++k) {
+    const std::string of = any_client() + (random.percent(30) ? " || " + any_client() : "") +
+                           (random.percent(15) ? " && i != " + number(random.below(size)) : "");
+    const std::string least = number(1 + random.below(size)), over = " i in x: " + of;
+    switch (random.below(4)) {
+      case 0: net.counted.push_back("never exists" + over); break;
+      case 1: net.counted.push_back("never at least " + least + over); break;
+      case 2: net.counted.push_back("always at most " + least + over); break;
+      default:
+        net.counted.push_back("never " + condition(random.percent(80) ? "s" : client(0)) + " && (at least " + least +
+                              over + ")");
+    }
+  }
   net.properties.push_back("always " + sum + " <= " + number(random.below(2 * size)));
   return net;
 }

@@ -9,6 +9,7 @@ namespace bip::verify::test {
 struct SymmetricNet {
   std::string text;
   std::vector<std::string> properties;
+  std::vector<std::string> counted;  // properties with quantifiers over the clients
 };
 /// Returns clients of a desk: mostly equal, some with other arguments or with connectors of their own, so that a wrong
 /// exchange of two changes what is reachable. Properties name none, some or all of them. The same seed gives the same.

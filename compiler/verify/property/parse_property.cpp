@@ -102,6 +102,7 @@ class PropertyParser : private PropertyRows {
       property_.nodes.pop_back();
       guard_divisions();
       if (!problem_.empty()) return Failure{problem_};
+      note_counted();
       parsed.state = std::move(property_);
       return parsed;
     }
@@ -169,6 +170,17 @@ class PropertyParser : private PropertyRows {
     refuse(happens_at_,
            "`happens` speaks of a step of one run, `possibly` of states: `can …` asks whether it is possible");
     if (within_) refuse(within_at_, "`within` bounds the time of each run, and `possibly` has no such limit");
+  }
+
+  // `never at least 2 i in a: E`, `always at most 1 i in a: E`, `never F && exists i in a: E`.
+  void note_counted() {
+    const std::uint32_t made = last_counted_.made;
+    if (made == Property::kNoRow || last_counted_.is_negated == property_.is_never) return;
+    const PropertyNode& root = property_.nodes[property_.root];
+    const bool joins = property_.is_never && root.kind == PropertyKind::Operator && root.op == Op::And;
+    if (joins && (root.a == made || root.b == made)) last_counted_.counted.beside = root.a == made ? root.b : root.a;
+    else if (property_.root != made) return;
+    property_.counted = std::move(last_counted_.counted);
   }
 
   void parse_whole(const char* about_the_rest) {

@@ -9,6 +9,7 @@
 // state in which the property fails violates it. The parser says so in the expression itself, so that no engine and no
 // checker has to know. Properties of runs: formula.hpp.
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -64,6 +65,14 @@ struct Property {
   std::uint32_t fault = kNoRow;  // where it holds, a division fails; kNoRow: none can
   bool is_never = false;         // states where the expression is true violate it; else those where it is false
   std::string text;
+  // Of a property that is a quantifier, or one and another condition: states where so many of these rows are true, and
+  // the row beside them, and no others, violate it.
+  struct Counted {
+    std::vector<std::uint32_t> rows;
+    std::uint32_t least = 0;
+    std::uint32_t beside = kNoRow;
+  };
+  std::optional<Counted> counted = {};
 };
 
 /// Parses a property and resolves its names in `system`. The error says the first problem and its column. Cost:

@@ -159,16 +159,22 @@ std::uint32_t PropertyRows::join_all(IndexQuantifier quantifier, const std::vect
     return at_least(static_cast<std::size_t>(needed), rows.data(), rows.data() + rows.size(), both, either,
                     [this] { return !problem_.empty(); });
   };
+  const auto note = [&](std::uint32_t made, std::int64_t count, bool is_negated) {
+    const std::int64_t needed = count - static_cast<std::int64_t>(known);
+    if (needed > 0 && needed <= static_cast<std::int64_t>(rows.size()))
+      last_counted_ = {made, is_negated, {rows, static_cast<std::uint32_t>(needed)}};
+    return made;
+  };
   switch (quantifier) {
     case IndexQuantifier::ForAll:
     case IndexQuantifier::Exists: {
       const bool is_forall = quantifier == IndexQuantifier::ForAll;
       if (is_decided || rows.empty()) return whole(is_decided != is_forall);
       const std::uint32_t* const end = rows.data() + rows.size();
-      return is_forall ? join_rows(rows.data(), end, both) : join_rows(rows.data(), end, either);
+      return is_forall ? join_rows(rows.data(), end, both) : note(join_rows(rows.data(), end, either), 1, false);
     }
-    case IndexQuantifier::AtLeast: return least(*limit);
-    case IndexQuantifier::AtMost: return make_not(least(*limit + 1));
+    case IndexQuantifier::AtLeast: return note(least(*limit), *limit, false);
+    case IndexQuantifier::AtMost: return note(make_not(least(*limit + 1)), *limit + 1, true);
     case IndexQuantifier::Exactly: {
       const std::uint32_t enough = least(*limit);
       return both(enough, make_not(least(*limit + 1)));

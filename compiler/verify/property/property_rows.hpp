@@ -53,6 +53,14 @@ class PropertyRows {
   void guard_divisions();
 
   Property property_;
+  // The last row that a quantifier made, and what it counts: it is true, or, if it is negated, false, exactly where so
+  // many rows are true.
+  struct CountedRow {
+    std::uint32_t made = Property::kNoRow;
+    bool is_negated = false;
+    Property::Counted counted;
+  };
+  CountedRow last_counted_;
   // By node.
   std::vector<std::uint8_t> is_temporal_, is_of_past_, looks_ahead_;
   std::vector<TextExtent> extents_;  // of temporal operators

@@ -2,11 +2,13 @@
 // it; and what is wrong with them is told.
 #include <catch2/catch.hpp>
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "compiler/interp/interp.hpp"
+#include "compiler/verify/property/counted_property.hpp"
 #include "compiler/verify/property/formula.hpp"
 #include "compiler/verify/property/property.hpp"
 #include "runtime/core/core.hpp"
@@ -138,6 +140,37 @@ TEST_CASE("quantifiers over runs and over what is possible") {
   form("forall i in car: possibly car[i]@OUT");
   form("(exists i in car: car[i]@OUT) leads to (forall i in car: car[i]@HOME)");
   form("eventually exists i in car: happens car[i].go");
+}
+
+TEST_CASE("of interchangeable components the first ones stand for all") {
+  const HandMadeNet made(kCars);
+  const auto first = [&](const std::string& text) -> std::string {
+    INFO(text);
+    Result<ParsedProperty> parsed = PropertyReader(*made.compiled.system).read(text);
+    REQUIRE(parsed);
+    const std::optional<Property> found = with_first_conditions(parsed->state, made.compiled.lowered->image);
+    if (found) CHECK(found->text == text);
+    return found ? certificate_text(*found, *made.compiled.system) : "";
+  };
+  const std::string zero = "(at ROOT.car[0] OUT)", one = "(at ROOT.car[1] OUT)", lone = "(at ROOT.lone OUT)";
+  CHECK(first("never exists i in car: car[i]@OUT") == zero);
+  CHECK(first("always at most 1 i in car: car[i]@OUT") == "(and " + zero + " " + one + ")");
+  CHECK(first("never at least 2 i in car: car[i]@OUT") == "(and " + zero + " " + one + ")");
+  CHECK(first("never lone@OUT && exists i in car: car[i]@OUT") == "(and " + lone + " " + zero + ")");
+  CHECK(first("never (at least 2 i in car: car[i]@OUT) && lone@OUT") ==
+        "(and " + lone + " (and " + zero + " " + one + "))");
+  CHECK(first("never exists i in 1..4: car[0]@OUT && car[i]@OUT") == "(and " + zero + " " + one + ")");
+  CHECK(first("never exists i in fleet: fleet[i].car[1]@OUT") == "(at ROOT.fleet[0].car[1] OUT)");
+  // The whole, what is beside it names one of them, conditions that differ, two of them in one, no quantifier.
+  for (const char* other :
+       {"always forall i in car: car[i]@OUT", "always exactly 1 i in car: car[i]@OUT",
+        "always at most 4 i in car: car[i]@OUT", "never car[3]@OUT && exists i in car: car[i]@HOME",
+        "never exists i in car: car[i].level == i", "never exists i in car: car[i]@OUT && car[(i + 1) % 5]@OUT",
+        "never lone@OUT || exists i in car: car[i]@OUT", "never car[0]@OUT && car[1]@OUT",
+        "always exists i in car: car[i]@OUT", "never exists i in car: lone@OUT"}) {
+    INFO(other);
+    CHECK(first(other).empty());
+  }
 }
 
 TEST_CASE("what is wrong with a quantifier") {
