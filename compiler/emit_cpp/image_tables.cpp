@@ -143,9 +143,10 @@ void TableWriter::atom_type(const rt::AtomType& type) {
   const std::string invariants = table("Invariant", name + "_invariants", rows);
   const std::string time = atom_time(name, type.time);
   std::string rest = time.empty() ? invariants : invariants + ", " + time;
-  if (type.final_places.size != 0 || type.draws != rt::kNone)
+  if (type.final_places.size != 0 || type.draws != rt::kNone || type.guards_call)
     rest += (time.empty() ? ", nullptr, " : ", ") + list(name + "_final_places", type.final_places);
-  if (type.draws != rt::kNone) rest += ", " + row_text(type.draws);
+  if (type.draws != rt::kNone || type.guards_call) rest += ", " + row_text(type.draws);
+  if (type.guards_call) rest += ", true";
   atom_rows_.push_back(braces({string_literal(name), cells, ports, places, initial, row_text(type.initial_action),
                                transitions, loc_text(type.loc), priorities, rest}));
 }

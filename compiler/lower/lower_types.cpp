@@ -1,6 +1,8 @@
 // Lowers types to runtime tables, with one code unit per guard, action and transfer of a type.
 //
 // Linear in the size of the types, independent of the instances.
+#include <algorithm>
+
 #include "compiler/lower/code_facts.hpp"
 #include "compiler/lower/pools.hpp"
 #include "compiler/lower/range_code.hpp"
@@ -44,6 +46,18 @@ void lower_atom_rules(Lowering& l, std::uint32_t row, const AtomType& type, rt::
   to.invariants = l.pools.list(invariants);
 }
 
+// What decides whether ports of an atom are enabled: does any of it call C++?
+bool guards_call(const CodeTable& code, const AtomType& type) {
+  const auto calls = [&](ExprId guard, const TimeGuard& when) { return code_facts(code, guard, when.measure).calls; };
+  return std::any_of(
+             type.transitions.begin(), type.transitions.end(),
+             [&](const Transition& t) { return calls(t.guard, t.when) || calls(t.resume.guard, t.resume.when); }) ||
+         std::any_of(type.priorities.begin(), type.priorities.end(),
+                     [&](const AtomPriority& p) { return calls(p.guard, {}); }) ||
+         std::any_of(type.invariants.begin(), type.invariants.end(),
+                     [&](const Invariant& i) { return calls(i.condition, i.when); });
+}
+
 void lower_atom_type(Lowering& l, std::uint32_t row, const AtomType& type) {
   rt::AtomType to{};
   to.name = type.name.c_str();
@@ -81,6 +95,7 @@ void lower_atom_type(Lowering& l, std::uint32_t row, const AtomType& type) {
   to.loc = loc_of(type.loc);
   lower_atom_rules(l, row, type, to);
   to.time = lower_time(l, row, type);
+  to.guards_call = guards_call(l.system.code, type);
   l.pools.atom_types.push_back(to);
 }
 

@@ -89,6 +89,7 @@ bool EventFeed::is_due(const Event& event, i64 target) const {
 
 // Jobs of a state that was left are nothing.
 void EventFeed::forget_jobs(const Core& core, std::size_t first) {
+  if (first == arrived_.size()) return;
   const auto begin = arrived_.begin() + static_cast<std::ptrdiff_t>(first);
   arrived_.erase(std::remove_if(begin, arrived_.end(),
                                 [&](const Event& e) {

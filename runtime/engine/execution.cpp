@@ -209,6 +209,8 @@ struct Execution::Impl {
     if (!is_real || !core.is_timed()) return true;
     lateness = wall.note_late(core.now());
     const rt::i64 actual = core.now() + wall.in_model(lateness);
+    // No interval ends before now: what is in time for that needs no look at the candidates.
+    if (!wall.is_too_late(actual, core.now())) return true;
     if (!wall.is_too_late(actual, limiting.latest(core, scheduler))) return true;
     if (core.time().is_resumed(core.candidate(scheduler.choice()))) return true;
     ++late;

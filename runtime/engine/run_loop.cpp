@@ -314,6 +314,7 @@ RunLoop::Choice RunLoop::choose(EnabledSet::Position& at) {
 // In real time: does the step start before its interval is over? If not, that is a fault, or with --relaxed a warning.
 bool RunLoop::is_in_time(EnabledSet::Position at) {
   const i64 late = wall_.in_model(wall_.note_late(core_.now()));
+  if (!wall_.is_too_late(core_.now() + late, core_.now())) return true;
   if (!wall_.is_too_late(core_.now() + late, limiting_.latest(core_, timed_))) return true;
   if (core_.time().is_resumed(core_.candidate(at))) return true;
   const i64 last = timed_.latest(core_), actual = core_.now() + late;

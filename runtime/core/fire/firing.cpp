@@ -17,6 +17,17 @@ bool Firing::fire(const Candidate& candidate) {
   return fire_parts(candidate);
 }
 
+bool Firing::fire(const Candidate& candidate, const std::vector<Participant>& participants) {
+  const InteractionInfo info = core_.tables.interactions[candidate.interaction];
+  const bool has_code = info.kind != InteractionKind::Planned || core_.tables.plans[info.plan()].needs_ups;
+  if (has_code || core_.partial.is_on()) return fire(candidate);
+  core_.history.remember(candidate.interaction);
+  for (const Participant& p : participants) {
+    if (!core_.atom_steps.fire_port(core_.tables.instance(p.atom, p.port))) return false;
+  }
+  return core_.settle();
+}
+
 bool Firing::fire_parts(const Candidate& candidate) {
   BIP_ASSERT(core_.enabled.weight(candidate.interaction) != 0, "interaction {} has no candidate",
              candidate.interaction);

@@ -22,6 +22,8 @@ class Firing {
 
   /// Takes the step, by its program if it has one; the core is settled then. False: a fault.
   bool fire(const Candidate& candidate);
+  /// The same of a candidate whose participants() are known, while no steps are in progress.
+  bool fire(const Candidate& candidate, const std::vector<Participant>& participants);
   /// fire(candidate(at)) by the shortest way, while no steps are in progress.
   bool take(EnabledSet::Position at);
   /// Takes the step port by port.

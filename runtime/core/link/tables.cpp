@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "bip/assert.hpp"
+#include "bip/image_time.hpp"
 
 namespace bip::rt {
 
@@ -60,6 +61,20 @@ bool is_simple(const AtomType& type) {
   return true;
 }
 
+// Does the transition leave the atom and what it offers as they are? No action, the same place, and no variables that
+// the transfer of an interaction could write. An event is taken from a queue, C++ may answer otherwise next time, and
+// an action beside the others or `resume` makes the atom busy.
+bool is_idle(const AtomType& type, u32 row) {
+  const Transition& t = type.transitions[row];
+  if (t.port == kNone || t.from.size != 1 || t.to.size != 1 || t.from[0] != t.to[0] || t.action != kNone) return false;
+  if (type.guards_call || type.ports[t.port].variables.size != 0) return false;
+  if (type.time == nullptr) return true;
+  const TransitionTime& timing = type.time->transitions[row];
+  return !timing.resume.present && !timing.async.present &&
+         std::none_of(type.time->events.begin(), type.time->events.end(),
+                      [&](const EventPort& event) { return event.port == t.port; });
+}
+
 // For each transition of a fixed type the ports whose enabled transition changes.
 void add_deltas(Tables& tables, const AtomType& type, const LinkedType& linked) {
   std::vector<u32> before(type.ports.size), after(type.ports.size);
@@ -104,11 +119,12 @@ void link_atoms(Tables& tables) {
     linked.has_priorities = type.priorities.size != 0;
     linked.has_invariants = type.invariants.size != 0;
     linked.initial = tables.code(type.initial_action);
-    for (const Transition& t : type.transitions) {
+    for (u32 k = 0; k < type.transitions.size; ++k) {
+      const Transition& t = type.transitions[k];
       linked.has_internal |= t.port == kNone;
       const u32 row = static_cast<u32>(tables.transitions.size());
       tables.transitions.push_back({tables.code(t.guard), tables.code(t.action), t.port, automaton ? t.from[0] : kNone,
-                                    automaton ? t.to[0] : kNone, 0, 0, &t});
+                                    automaton ? t.to[0] : kNone, 0, 0, &t, automaton && is_idle(type, k)});
       if (automaton) (t.port == kNone ? internal : labelled).push_back({linked.first_place + t.from[0], row});
     }
     tables.types.push_back(linked);

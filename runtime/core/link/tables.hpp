@@ -88,6 +88,7 @@ struct LinkedTransition {
   u32 from, to;                  // the place, if the type is an automaton
   u32 delta_first, delta_count;  // rows of Tables::deltas, if the type is fixed
   const Transition* source;
+  bool is_idle = false;  // the atom's state and its ports stay as they are
 };
 /// Firing a transition of a fixed type makes `transition` (or none) the enabled one of `port`.
 struct PortDelta {

@@ -214,6 +214,11 @@ bool AtomSteps::fire_port(u32 instance) {
              transition.port);
   BIP_ASSERT(!type.simple || before == port.place, "port {} is enabled from place {}, its atom is at {}", instance,
              port.place, before);
+  if (transition.is_idle) {
+    if (type.is_timed && !core_.clocks.begin_resume(atom, &transition)) return false;
+    if (info.watched != 0) core_.ports.touch(atom);
+    return true;
+  }
   if (type.is_timed && core_.actions.any()) {
     if (const Async* async = core_.actions.async_of(atom, transition))
       return core_.actions.begin_action(atom, transition, *async);

@@ -645,7 +645,7 @@ bool Clocks::take(EnabledSet::Position at) {
     if (!begin_port(core_.tables.instance(participant.atom, participant.port))) return false;
   }
   resumes_together_ = together.size() >= 2;
-  const bool is_fired = core_.firing.fire(chosen);
+  const bool is_fired = core_.firing.fire(chosen, participant_scratch_);
   resumes_together_ = false;
   if (!is_fired) return false;
   if (together.size() < 2) return true;

@@ -126,6 +126,7 @@ struct AtomType {
   const AtomTime* time = nullptr;         // null: it has nothing to do with time
   Span<std::uint32_t> final_places = {};  // where the atom may be when a run has reached its end
   std::uint32_t draws = kNone;            // the variable that holds the generator of its random numbers
+  bool guards_call = false;  // guards, limits of clocks or invariants call C++: they may change without its data
 };
 /// Preorder; node 0 is the root group. children are rows of the same array.
 struct DefineNode {
