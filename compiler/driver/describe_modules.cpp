@@ -23,7 +23,10 @@ std::string period_text(std::int64_t microseconds) {
 }
 
 graph::ModuleRow described(const genom::Module& module) {
-  graph::ModuleRow row{module.name.text, {}, {}, {}, module.in_ports};
+  graph::ModuleRow row{module.name.text, {}, {}, {}, {}};
+  for (const genom::Port& port : module.ports) {
+    if (!port.is_out) row.in_ports.push_back(port.name);
+  }
   for (const genom::Task& task : module.tasks) row.tasks.push_back({task.name.text, period_text(task.period_us)});
   for (const genom::Service& service : module.services)
     row.services.push_back({service.name.text, service.kind == genom::ServiceKind::Execution});
@@ -42,6 +45,29 @@ void add_reads(graph::ModuleGraph& graph, const std::vector<genom::Module>& modu
           }
         }
       }
+    }
+  }
+}
+
+// Where in ports read before anybody asks for `connect_port`. Of several out ports the last one, as in the C++ of
+// codels.
+void add_connections(graph::ModuleGraph& graph, const std::vector<genom::Module>& modules) {
+  for (std::size_t m = 0; m < modules.size(); ++m) {
+    std::size_t row = 0;
+    for (const genom::Port& in : modules[m].ports) {
+      if (in.is_out) continue;
+      std::optional<ModuleMember> source;
+      for (std::size_t w = 0; w < modules.size(); ++w) {
+        for (const genom::Port& out : modules[w].ports) {
+          if (!genom::reads_by_itself(in, out)) continue;
+          const std::vector<std::string>& posters = graph.modules[w].posters;
+          const auto poster = std::find(posters.begin(), posters.end(), out.name);
+          BIP_ASSERT(poster != posters.end(), "the out port `{}` is no poster", out.name);
+          source = {w, static_cast<std::size_t>(poster - posters.begin())};
+        }
+      }
+      if (source) graph.connections.push_back({*source, {m, row}});
+      ++row;
     }
   }
 }
@@ -142,6 +168,7 @@ graph::ModuleGraph described(const std::string& name, const std::vector<genom::M
   graph.name = name;
   for (const genom::Module& module : modules) graph.modules.push_back(described(module));
   add_reads(graph, modules);
+  add_connections(graph, modules);
   return graph;
 }
 

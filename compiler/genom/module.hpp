@@ -122,6 +122,18 @@ struct Poster {
   std::vector<DataRef> data{};
 };
 
+/// GenoM 3. `type` is its name in C; empty: a header that may declare it was missing.
+struct Port {
+  std::string name, type;
+  bool is_out = false, is_multiple = false;
+};
+/// Does the in port read the out port of another component until `connect_port` names another one? Types that are not
+/// known are taken to be equal.
+[[nodiscard]] inline bool reads_by_itself(const Port& in, const Port& out) {
+  const bool has_same_type = in.type == out.type || in.type.empty() || out.type.empty();
+  return !in.is_out && out.is_out && in.name == out.name && in.is_multiple == out.is_multiple && has_same_type;
+}
+
 struct Module {
   Name name;
   int generation = 2;
@@ -129,7 +141,7 @@ struct Module {
   std::vector<Service> services;
   std::vector<Task> tasks;
   std::vector<Poster> posters;              // GenoM 3: ports out
-  std::vector<std::string> in_ports;        // GenoM 3, by name; nothing of the translation depends on them
+  std::vector<Port> ports;                  // GenoM 3, by name; nothing of the translation depends on them
   std::string data_type;                    // GenoM 2: its internal data, one of `structs` if it is described
   std::vector<CStruct> structs;             // GenoM 2; nothing of the translation depends on them
   std::optional<idl::Component> component;  // GenoM 3, if its codels are called in C

@@ -3,10 +3,10 @@
 #include "compiler/genom/parse_genom3.hpp"
 
 #include <algorithm>
-#include <deque>
+#include <cmath>
 #include <utility>
 
-#include "compiler/genom/condition.hpp"
+#include "compiler/genom/constant_expression.hpp"
 #include "compiler/genom/declarations.hpp"
 #include "compiler/genom/parse_genom.hpp"
 
@@ -193,7 +193,7 @@ class Genom3Parser {
     for (const std::string& port : unit.ports) {
       const bool is_out = std::any_of(module_.posters.begin(), module_.posters.end(),
                                       [&](const Poster& poster) { return poster.name.text == port; });
-      if (!is_out) module_.in_ports.push_back(port);
+      module_.ports.push_back({port, "", is_out});
     }
     scopes_.members = std::move(unit.members);
     scopes_.ports = std::move(unit.ports);
@@ -293,40 +293,54 @@ class Genom3Parser {
     return true;
   }
 
-  // const TYPE name = expression;
+  // const TYPE name = expression; What is wrong with it is reported where types are read (idl.cpp).
   bool constant() {
     std::string name;
-    for (in_.take(); !in_.at_end() && !in_.at("=") && !in_.at(";"); in_.take()) name = in_.peek().text;
-    if (!in_.expect("=")) return false;
-    std::vector<Token> tokens;
-    while (!in_.at_end() && !in_.at(";")) tokens.push_back(in_.take());
-    if (const std::optional<std::int64_t> value = constant_value(with_constants(tokens))) {
-      values_.push_back(std::to_string(*value));
-      constants_[name] = values_.back();
-      constants_[scope_ + name] = values_.back();
+    SourceRange range;
+    for (in_.take(); !in_.at_end() && !in_.at("=") && !in_.at(";"); in_.take()) {
+      name = in_.peek().text;
+      range = in_.peek().range;
     }
+    if (!in_.expect("=")) return false;
+    Diagnostics unheard;
+    const std::vector<Token> tokens = tokens_up_to(";");
+    Cursor in(tokens, unheard);
+    const std::optional<idl::Value> value = idl::read_constant_expression(in, finder(), {});
+    idl::Value known = value && in.at(";") ? *value : idl::Value{.kind = idl::ValueKind::Error};
+    known.range = range;
+    // Without its scope for who provides or extends the interface.
+    constants_[name] = constants_[scope_ + name] = known;
     return in_.expect(";");
   }
 
-  // Names of constants, `max` or `robot::max`, replaced by their values.
-  [[nodiscard]] std::vector<Token> with_constants(const std::vector<Token>& tokens) const {
-    std::vector<Token> replaced;
-    for (std::size_t i = 0; i < tokens.size(); ++i) {
-      Token token = tokens[i];
-      if (token.kind == TokenKind::Word) {
-        std::string path(token.text);
-        for (; i + 2 < tokens.size() && tokens[i + 1].is("::") && tokens[i + 2].kind == TokenKind::Word; i += 2)
-          path += "::" + std::string(tokens[i + 2].text);
-        const auto inner = constants_.find(scope_ + path);
-        const auto known = inner != constants_.end() ? inner : constants_.find(path);
-        if (known != constants_.end()) {
-          token.kind = TokenKind::Number;
-          token.text = known->second;
+  // Up to one of these signs, which is in the result as well.
+  std::vector<Token> tokens_up_to(std::string_view ends) {
+    std::vector<Token> tokens;
+    while (!in_.at_end() &&
+           !(in_.peek().kind == TokenKind::Sign && ends.find(in_.peek().text) != std::string_view::npos))
+      tokens.push_back(in_.take());
+    tokens.push_back(in_.peek());
+    Token end = in_.peek();
+    end.kind = TokenKind::End;
+    tokens.push_back(end);
+    return tokens;
+  }
+
+  // `max` or `robot::max`: of the scope, or of one around it.
+  [[nodiscard]] idl::FindConstant finder() {
+    return [this](const std::string& name) -> std::optional<idl::Value> {
+      std::string scope = scope_;
+      while (true) {
+        if (const auto found = constants_.find(scope + name); found != constants_.end()) {
+          if (found->second.kind == idl::ValueKind::Error) without_value_ = found->second.range;
+          return found->second;
         }
+        if (scope.empty()) return std::nullopt;
+        scope.resize(scope.size() - 2);
+        const std::size_t outer = scope.rfind("::");
+        scope.resize(outer == std::string::npos ? 0 : outer + 2);
       }
-      replaced.push_back(token);
-    }
-    return replaced;
+    };
   }
 
   bool ids() {
@@ -397,44 +411,55 @@ class Genom3Parser {
 
   // `1ms` is one word: a number, then its unit.
   static void split_unit(std::vector<Token>& tokens) {
-    if (tokens.empty() || tokens.back().kind != TokenKind::Number || tokens.back().text.starts_with("0x")) return;
-    const std::size_t digits = tokens.back().text.find_last_of("0123456789.") + 1;
-    Token unit = tokens.back();
+    // Before the sign that ends it.
+    if (tokens.size() < 3) return;
+    const auto last = tokens.end() - 3;
+    if (last->kind != TokenKind::Number || last->text.starts_with("0x")) return;
+    const std::size_t digits = last->text.find_last_of("0123456789.") + 1;
+    Token unit = *last;
     unit.kind = TokenKind::Word;
     unit.text.remove_prefix(digits);
     if (!is_one_of(unit, {"s", "sec", "ms", "us"})) return;
-    tokens.back().text = tokens.back().text.substr(0, digits);
-    tokens.push_back(unit);
+    last->text = last->text.substr(0, digits);
+    tokens.insert(last + 1, unit);
   }
 
-  // EXPRESSION [s|ms|us], in microseconds.
+  // EXPRESSION [s|ms|us], in microseconds, to the nearest one.
   bool duration(std::int64_t& into) {
-    std::vector<Token> tokens;
     const SourceRange range = in_.peek().range;
-    while (!in_.at_end() && !in_.at(";") && !in_.at("}")) tokens.push_back(in_.take());
+    std::vector<Token> tokens = tokens_up_to(";}");
     split_unit(tokens);
+    Cursor in(tokens, diags_);
+    const std::size_t errors = diags_.error_count();
+    const std::optional<idl::Value> value = idl::read_constant_expression(in, finder(), {});
+    if (!value) return false;
+    if (value->kind == idl::ValueKind::Error) {
+      // The error of a constant is not reported here.
+      if (diags_.error_count() == errors)
+        diags_.report(Diag::kB6031, range, "a constant in it has none").label(without_value_, "this one");
+      return false;
+    }
+    if (value->kind != idl::ValueKind::Integer && value->kind != idl::ValueKind::Real) {
+      diags_.report(Diag::kB6000, range, "a time", idl::name_of(value->kind));
+      return false;
+    }
     std::int64_t unit = 1'000'000;
-    if (!tokens.empty() && is_one_of(tokens.back(), {"s", "sec", "ms", "us"})) {
-      unit = tokens.back().text == "ms" ? 1000 : tokens.back().text == "us" ? 1 : 1'000'000;
-      tokens.pop_back();
+    if (is_one_of(in.peek(), {"s", "sec", "ms", "us"})) {
+      const Token& name = in.take();
+      unit = name.is("ms") ? 1000 : name.is("us") ? 1 : 1'000'000;
     }
-    // Seconds may be a fraction.
-    if (tokens.size() == 1 && tokens.front().text.find('.') != std::string_view::npos) {
-      const std::optional<std::int64_t> us = v3::scaled(tokens.front().text, unit);
-      if (!us) diags_.report(Diag::kB6000, range, "a time", describe(tokens.front()));
-      into = us.value_or(0);
-      return us.has_value();
-    }
-    const std::optional<std::int64_t> value = constant_value(with_constants(tokens));
-    if (!value) {
-      diags_.report(Diag::kB6000, range, "a time", tokens.empty() ? describe(in_.peek()) : describe(tokens.front()));
+    if (!in.at(";") && !in.at("}")) {
+      in.unexpected("`s`, `ms`, `us` or the end of the time");
       return false;
     }
-    if (*value < 0 || *value > 1'000'000'000) {
-      diags_.report(Diag::kB6010, range, "a time", *value, 0, 1'000'000'000);
+    const bool is_whole = value->kind == idl::ValueKind::Integer;
+    const double number = is_whole ? static_cast<double>(value->integer) : value->real;
+    if (!(number >= 0 && number <= 1e9)) {
+      diags_.report(Diag::kB6010, range, "a time", idl::json_of(*value), 0, 1'000'000'000);
       return false;
     }
-    into = *value * unit;
+    into =
+        is_whole ? static_cast<std::int64_t>(value->integer) * unit : std::llround(number * static_cast<double>(unit));
     return true;
   }
 
@@ -564,10 +589,10 @@ class Genom3Parser {
   std::optional<Unit> component_;
   std::map<std::string, Unit> units_;  // interfaces, and components of included files
   std::set<std::string> exceptions_;
-  Declarations declared_;  // "port robot::speed"
-  std::string scope_;      // "robot::" inside of interface or module robot
-  std::map<std::string, std::string, std::less<>> constants_;
-  std::deque<std::string> values_;  // texts of constants: tokens are views
+  Declarations declared_;                        // "port robot::speed"
+  std::string scope_;                            // "robot::" inside of interface or module robot
+  std::map<std::string, idl::Value> constants_;  // with their scopes, "robot::max"; of kind Error: without a value
+  SourceRange without_value_;                    // the constant that was looked for last and has no value
 };
 
 }  // namespace

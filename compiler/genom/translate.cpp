@@ -42,6 +42,16 @@ void check_reads(const std::vector<Module>& modules, Diagnostics& diags) {
   }
 }
 
+void find_port_types(Module& module, const idl::Component& component) {
+  for (Port& port : module.ports) {
+    const auto declared = std::find_if(component.ports.begin(), component.ports.end(),
+                                       [&](const idl::Port& p) { return p.name == port.name; });
+    if (declared == component.ports.end()) continue;
+    port.type = component.types[declared->type].c_name;
+    port.is_multiple = declared->is_multiple;
+  }
+}
+
 }  // namespace
 
 Module read_module(SourceMap& sources, const Description& description, const PreprocessOptions& options,
@@ -54,6 +64,7 @@ Module read_module(SourceMap& sources, const Description& description, const Pre
   if (diags.has_errors() || (types == Types::Skipped && module.is_open)) return module;
   std::optional<idl::Component> component = idl::read_idl(
       text.tokens, description.file, types == Types::Read ? idl::Purpose::Codels : idl::Purpose::Check, diags);
+  if (component) find_port_types(module, *component);
   if (component && check_data(*component, diags) && types == Types::Read) module.component = std::move(component);
   return module;
 }

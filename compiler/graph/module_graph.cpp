@@ -58,6 +58,8 @@ std::string dot(const ModuleGraph& graph) {
   }
   for (const PosterRead& read : graph.reads)
     out += fmt::format("  m{}:p{} -> m{}:t{};\n", read.poster.module, read.poster.row, read.module, read.task);
+  for (const PortConnection& c : graph.connections)
+    out += fmt::format("  m{}:p{} -> m{}:i{};\n", c.poster.module, c.poster.row, c.in_port.module, c.in_port.row);
   for (std::size_t r = 0; r < graph.rules.size(); ++r) {
     const RuleRow& rule = graph.rules[r];
     const auto sees = [&](const std::vector<ModuleMember>& members, char port) {
@@ -82,6 +84,9 @@ std::string json(const ModuleGraph& graph) {
   };
   const auto poster = [&](const ModuleMember& at) {
     return graph.modules[at.module].name + "." + graph.modules[at.module].posters[at.row];
+  };
+  const auto in_port = [&](const ModuleMember& at) {
+    return graph.modules[at.module].name + "." + graph.modules[at.module].in_ports[at.row];
   };
   const auto task = [&](const ModuleMember& at) {
     return graph.modules[at.module].name + "." + graph.modules[at.module].tasks[at.row].name;
@@ -109,6 +114,9 @@ std::string json(const ModuleGraph& graph) {
   });
   out["reads"] = list(graph.reads, [&](const PosterRead& read) {
     return ModuleJson{{"poster", poster(read.poster)}, {"task", task({read.module, read.task})}};
+  });
+  out["connections"] = list(graph.connections, [&](const PortConnection& c) {
+    return ModuleJson{{"poster", poster(c.poster)}, {"in_port", in_port(c.in_port)}};
   });
   out["rules"] = list(graph.rules, [&](const RuleRow& rule) {
     return ModuleJson{{"name", rule.name},

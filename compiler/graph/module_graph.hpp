@@ -25,7 +25,7 @@ struct ModuleRow {
   std::vector<std::string> posters, in_ports;  // out ports are posters
 };
 
-/// A service or a poster of a module.
+/// A service, a poster or an in port of a module.
 struct ModuleMember {
   std::size_t module = 0, row = 0;
   auto operator<=>(const ModuleMember&) const = default;
@@ -35,6 +35,11 @@ struct ModuleMember {
 struct PosterRead {
   std::size_t module = 0, task = 0;
   ModuleMember poster;
+};
+
+/// GenoM 3: where an in port reads until it is connected to another out port.
+struct PortConnection {
+  ModuleMember poster, in_port;
 };
 
 struct RuleRow {
@@ -50,6 +55,7 @@ struct ModuleGraph {
   std::string name;
   std::vector<ModuleRow> modules;
   std::vector<PosterRead> reads;
+  std::vector<PortConnection> connections;
   std::vector<RuleRow> rules;
 };
 

@@ -92,12 +92,14 @@ class ModuleDrawing {
 
   void find_links() {
     std::map<std::pair<std::size_t, std::size_t>, std::vector<std::string>> posters;
-    for (const PosterRead& read : graph_.reads) {
-      if (read.poster.module == read.module) continue;
-      std::vector<std::string>& names = posters[{read.poster.module, read.module}];
-      const std::string& name = graph_.modules[read.poster.module].posters[read.poster.row];
+    const auto add = [&](const ModuleMember& poster, std::size_t reader) {
+      if (poster.module == reader) return;
+      std::vector<std::string>& names = posters[{poster.module, reader}];
+      const std::string& name = graph_.modules[poster.module].posters[poster.row];
       if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-    }
+    };
+    for (const PosterRead& read : graph_.reads) add(read.poster, read.module);
+    for (const PortConnection& connection : graph_.connections) add(connection.poster, connection.in_port.module);
     for (const auto& [ends, names] : posters) {
       Link& link = links_.emplace_back();
       link.from = static_cast<std::uint32_t>(ends.first);
