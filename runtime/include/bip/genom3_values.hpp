@@ -189,18 +189,37 @@ void assign(T& to, const T& from) {
 }
 
 template <class T>
+std::string number_text(T v) {
+  char text[40];
+  return {text, std::to_chars(text, text + sizeof text, v).ptr};
+}
+
+/// What is nearer to 0 than any number of the type is 0; what is beyond its numbers is refused.
+template <class T>
 void read_number(const Json& json, T& v, const std::string& where) {
-  const char* const end = json.text.data() + json.text.size();
+  const char* const begin = json.text.data();
+  const char* const end = begin + json.text.size();
   T value{};
   std::from_chars_result read{};
-  if (json.kind == Json::Kind::Number) read = std::from_chars(json.text.data(), end, value);
-  if (json.kind != Json::Kind::Number || read.ec != std::errc() || read.ptr != end) {
-    if constexpr (std::is_floating_point_v<T>) refuse(where, "is a number");
-    else
-      refuse(where, "is a whole number from " + std::to_string(std::numeric_limits<T>::min()) + " to " +
-                        std::to_string(std::numeric_limits<T>::max()));
+  if (json.kind == Json::Kind::Number) read = std::from_chars(begin, end, value);
+  const bool is_number = json.kind == Json::Kind::Number && read.ptr == end;
+  const std::string range =
+      " from " + number_text(std::numeric_limits<T>::lowest()) + " to " + number_text(std::numeric_limits<T>::max());
+  if constexpr (std::is_floating_point_v<T>) {
+    if (!is_number) refuse(where, "is a number");
+    long double wide = 0;
+    if (read.ec != std::errc() && (std::from_chars(begin, end, wide).ec != std::errc() || std::fabs(wide) > 1))
+      refuse(where, "is a number" + range);
+  } else if (!is_number || read.ec != std::errc()) {
+    refuse(where, "is a whole number" + range);
   }
   v = value;
+}
+
+/// Texts of C end at their first zero byte, so codels would get another text than rules. In C++ alike, for ports
+/// connect both.
+inline void refuse_zero_bytes(const Json& json, const std::string& where) {
+  if (json.text.find('\0') != std::string::npos) refuse(where, "is a text without zero bytes");
 }
 
 template <class T>
@@ -248,16 +267,19 @@ void from_json(const Json& json, T& v, const std::string& where) {
     read_number(json, v, where);
   } else if constexpr (std::is_same_v<T, char*>) {
     if (json.kind != Json::Kind::Text) refuse(where, "is a text");
+    refuse_zero_bytes(json, where);
     std::free(v);
     v = ::strdup(json.text.c_str());
   } else if constexpr (is_cxx_text<T>) {
     if (json.kind != Json::Kind::Text) refuse(where, "is a text");
     if (json.text.size() > v.max_size())
       refuse(where, "is a text of at most " + std::to_string(v.max_size()) + " bytes");
+    refuse_zero_bytes(json, where);
     v.assign(json.text);
   } else if constexpr (Text<T>) {
     if (json.kind != Json::Kind::Text || json.text.size() >= sizeof v)
       refuse(where, "is a text of at most " + std::to_string(sizeof v - 1) + " bytes");
+    refuse_zero_bytes(json, where);
     std::memset(v, 0, sizeof v);
     std::memcpy(v, json.text.data(), json.text.size());
   } else if constexpr (is_cxx_sequence<T>) {
@@ -339,11 +361,10 @@ void to_json(std::string& out, const T& v) {
   } else if constexpr (std::is_same_v<T, char>) {
     out += json_text(std::string_view(&v, v == '\0' ? 0 : 1));
   } else if constexpr (std::is_arithmetic_v<T>) {
-    char text[40];
     if constexpr (std::is_floating_point_v<T>) {
       if (!std::isfinite(v)) return void(out += "null");
     }
-    out.append(text, std::to_chars(text, text + sizeof text, v).ptr);
+    out += number_text(v);
   } else if constexpr (std::is_same_v<T, char*>) {
     out += json_text(v == nullptr ? "" : v);
   } else if constexpr (Text<T>) {

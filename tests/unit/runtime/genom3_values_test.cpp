@@ -195,11 +195,29 @@ TEST_CASE("genom3 values: both mappings refuse the same JSON") {
   for (const char* text :
        {R"({"list":3})", R"({"few":[{},{},{},{}]})", R"({"name":"nine99999"})", R"({"maybe":true})",
         R"({"table":[[1,2]]})", R"({"table":[[1,2],[3,4.5]]})", R"({"flags":[0]})", R"({"choice":{"_d":"BLUE"}})",
-        R"({"choice":{"_d":"RED","b":"x"}})", R"({"hue":7})", R"({"gone":1})", R"({"list":[{"s":1}]})"}) {
+        R"({"choice":{"_d":"RED","b":"x"}})", R"({"hue":7})", R"({"gone":1})", R"({"list":[{"s":1}]})",
+        R"({"name":"a\u0000b"})", R"({"list":[{"s":"a\u0000"}]})", R"({"maybe":1e400})"}) {
     CAPTURE(text);
     CHECK(problem_of<in_cxx::All>(text) == problem_of<in_c::All>(text));
     CHECK(!problem_of<in_cxx::All>(text).empty());
   }
+}
+
+TEST_CASE("genom3 values: numbers are in the range of their type") {
+  CHECK(problem_of<float>("1e39") == "`v` is a number from -3.4028235e+38 to 3.4028235e+38");
+  CHECK(problem_of<float>("-3.5e38") == "`v` is a number from -3.4028235e+38 to 3.4028235e+38");
+  CHECK(problem_of<double>("1e309") == "`v` is a number from -1.7976931348623157e+308 to 1.7976931348623157e+308");
+  CHECK(problem_of<float>("\"1\"") == "`v` is a number");
+  CHECK(problem_of<std::uint8_t>("256") == "`v` is a whole number from 0 to 255");
+  CHECK(problem_of<std::int16_t>("-32769") == "`v` is a whole number from -32768 to 32767");
+  for (const char* text : {"3.4028235e+38", "-3.4028235e+38", "1e-46", "-1e-300", "1e-400", "0", "1e-45"}) {
+    CAPTURE(text);
+    CHECK(problem_of<float>(text).empty());
+    CHECK(problem_of<double>(text).empty());
+  }
+  float small = 1;
+  values3::from_json(values3::JsonReader::read("1e-60"), small, "v");
+  CHECK(small == 0);
 }
 
 TEST_CASE("genom3 values: bytes of one mapping are read by the other") {
