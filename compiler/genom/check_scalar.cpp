@@ -3,6 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <limits>
+
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::genom::idl {
@@ -38,6 +41,21 @@ bool is_value_of(const Type& plain, ValueKind kind) {
   BIP_UNREACHABLE("a kind of types");
 }
 
+// In bytes, of a text as it is written: an escape is one byte at least.
+std::int64_t least_length(std::string_view text) {
+  std::int64_t length = 0;
+  for (std::size_t k = 0; k < text.size(); ++k, ++length) {
+    if (text[k] == '\\') k += text.substr(k).starts_with("\\u") ? 5 : 1;
+  }
+  return length;
+}
+
+// Of type `float`: beyond its numbers?
+bool is_too_large(const PrimitiveType& row, const Value& value) {
+  return row.kind == PrimitiveKind::Real && row.c_name == "float" && value.kind == ValueKind::Real &&
+         std::fabs(value.real) > static_cast<double>(std::numeric_limits<float>::max());
+}
+
 }  // namespace
 
 std::string type_text(const Type& plain) {
@@ -64,7 +82,16 @@ void check_scalar(const Type& plain, const Value& value, std::string_view what, 
     diags.report(Diag::kB6032, range, what, name_of(value.kind), type_text(plain));
     return;
   }
+  if (plain.kind == Kind::String && plain.bound != 0 && least_length(value.text) > plain.bound) {
+    diags.report(Diag::kB6010, range, fmt::format("the length of {}", what), least_length(value.text), 0, plain.bound);
+    return;
+  }
   const PrimitiveType* const row = plain.kind == Kind::Primitive ? find_primitive_type(plain.c_name) : nullptr;
+  if (row != nullptr && is_too_large(*row, value)) {
+    constexpr float kMost = std::numeric_limits<float>::max();
+    diags.report(Diag::kB6010, range, what, json_of(value), -kMost, kMost);
+    return;
+  }
   if (row == nullptr || row->kind != PrimitiveKind::Integer || value.kind != ValueKind::Integer) return;
   if (value.integer < row->low || value.integer > row->high)
     diags.report(Diag::kB6010, range, what, fmt::format("{}", value.integer), fmt::format("{}", row->low),
