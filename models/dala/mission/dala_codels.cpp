@@ -95,6 +95,15 @@ void talk_to_rover(Bus& b) {
   b.follows = w.is_tracking;
 }
 
+// Nothing before the first scan.
+std::string scan_text(const std::array<double, dala::kRays>& scan) {
+  if (scan[0] == 0) return {};
+  std::ostringstream out;
+  out.precision(4);
+  for (const double range : scan) out << (out.tellp() == 0 ? "{\"data\": [" : ", ") << range;
+  return out.str() + "]}";
+}
+
 }  // namespace
 
 // The watchdog's thread: it waits for nothing.
@@ -115,6 +124,7 @@ extern "C" const char* bip_poster_value(const char* poster) {
     return out.str() + "}";
   };
   if (name == "POM.Pos") json = "{\"data\": " + object({{"x", w.x}, {"y", w.y}, {"theta", w.heading}}) + "}";
+  else if (name == "LaserRF.Scan") json = scan_text(w.scan);
   else if (name == "NDD.Speed") json = "{\"data\": " + object({{"v", w.wanted_v}, {"w", w.wanted_turn}}) + "}";
   else if (name == "Heating.Temperature") json = object({{"data", w.temperature}});
   else if (name == "Battery.State") json = object({{"data", w.charge}});

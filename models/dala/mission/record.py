@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
 """Writes what a served Dala does as an MCAP file with Foxglove's schemas: an observer of `bipc serve`, beside the executive.
 
-    models/dala/mission/record.py SOCKET FILE.mcap [--rate HZ]
+    models/dala/mission/record.py SOCKET FILE.mcap [--rate HZ] [--compress]
 
 /log (foxglove.Log) has each reply to a request, and what the watchdog says. With --rate also, so often a second: /rover/pose
-(foxglove.PoseInFrame), /rover/path (foxglove.PosesInFrame, where it was, once a second), /diagnostics (diagnostic_msgs/DiagnosticArray: the requests that run)
+(foxglove.PoseInFrame), /rover/path (foxglove.PosesInFrame, where it was, once a second), /rover/scan (foxglove.LaserScan, each scan once, from where the
+rover is), /diagnostics (diagnostic_msgs/DiagnosticArray: the requests that run)
 and /poster/MODULE.POSTER (what it holds). Instants are the model's. Prints a line when it listens: what happens from then on is in the file. Ends
-when the server ends; the file is whole then. Python's library only.
+when the server ends; the file is whole then. --compress: chunks in Zstandard's format, by the system's libzstd. Python's library only.
 """
 import argparse
+import ctypes
 import json
 import math
 import pathlib
@@ -38,6 +40,8 @@ SCHEMAS = {
     "foxglove.Log": struct_of(timestamp=TIME, level=WHOLE, message=TEXT, name=TEXT, file=TEXT, line=WHOLE),
     "foxglove.PoseInFrame": struct_of(timestamp=TIME, frame_id=TEXT, pose=POSE),
     "foxglove.PosesInFrame": struct_of(timestamp=TIME, frame_id=TEXT, poses={"type": "array", "items": POSE}),
+    "foxglove.LaserScan": struct_of(timestamp=TIME, frame_id=TEXT, pose=POSE, start_angle=NUMBER, end_angle=NUMBER, ranges={"type": "array", "items": NUMBER},
+                                    intensities={"type": "array", "items": NUMBER}),
     "diagnostic_msgs/DiagnosticArray": struct_of(header=struct_of(stamp=ROS_TIME, frame_id=TEXT), status={"type": "array", "items": STATUS}),
     "dala.Poster": struct_of(),
 }
@@ -52,12 +56,34 @@ def record(opcode, content):
     return struct.pack("<BQ", opcode, len(content)) + content
 
 
+def zstd_compressor():
+    """The function that makes a frame (RFC 8878) of bytes."""
+    try:
+        library = ctypes.CDLL("libzstd.so.1")
+    except OSError as problem:
+        sys.exit(f"record.py: --compress needs libzstd: {problem}")
+    library.ZSTD_compressBound.restype = library.ZSTD_compress.restype = ctypes.c_size_t
+    library.ZSTD_compressBound.argtypes = [ctypes.c_size_t]
+    library.ZSTD_compress.argtypes = [ctypes.c_char_p, ctypes.c_size_t, ctypes.c_char_p, ctypes.c_size_t, ctypes.c_int]
+    library.ZSTD_isError.argtypes = [ctypes.c_size_t]
+
+    def compress(data):
+        bound = library.ZSTD_compressBound(len(data))
+        out = ctypes.create_string_buffer(bound)
+        size = library.ZSTD_compress(out, bound, data, len(data), 3)
+        if library.ZSTD_isError(size):
+            sys.exit("record.py: libzstd does not compress a chunk")
+        return out.raw[:size]
+    return compress
+
+
 class McapFile:
-    """The format's version 0 (mcap.dev): one chunk for each 256 KiB, indexes, a summary."""
+    """The format's version 0 (mcap.dev): one chunk for each 256 KiB, indexes, a summary. compress: of the chunks, zstd; None: they are not."""
 
     CHUNK = 1 << 18
 
-    def __init__(self, path):
+    def __init__(self, path, compress=None):
+        self.compress = compress
         self.file, self.at, self.crc = open(path, "wb"), 0, 0
         self.schemas, self.channels, self.rows, self.counts = {}, {}, [], {}
         self.chunks, self.open, self.index = [], b"", {}
@@ -94,14 +120,15 @@ class McapFile:
         if not instants:
             return
         first, last, begin = min(instants), max(instants), self.at
-        self.put(record(6, struct.pack("<QQQI", first, last, len(self.open), zlib.crc32(self.open)) + text("") + struct.pack("<Q", len(self.open)) + self.open))
+        packed, compression = (self.compress(self.open), text("zstd")) if self.compress else (self.open, text(""))
+        self.put(record(6, struct.pack("<QQQI", first, last, len(self.open), zlib.crc32(self.open)) + compression + struct.pack("<Q", len(packed)) + packed))
         size, where = self.at - begin, {}
         for channel, rows in sorted(self.index.items()):
             where[channel] = self.at
             self.put(record(7, struct.pack("<HI", channel, 16 * len(rows)) + b"".join(struct.pack("<QQ", *row) for row in rows)))
         offsets = b"".join(struct.pack("<HQ", *row) for row in where.items())
-        self.chunks.append(record(8, struct.pack("<QQQQI", first, last, begin, size, len(offsets)) + offsets + struct.pack("<Q", self.at - begin - size) + text("") +
-                                  struct.pack("<QQ", len(self.open), len(self.open))))
+        self.chunks.append(record(8, struct.pack("<QQQQI", first, last, begin, size, len(offsets)) + offsets + struct.pack("<Q", self.at - begin - size) + compression +
+                                  struct.pack("<QQ", len(packed), len(self.open))))
         self.open, self.index = b"", {}
 
     def close(self):
@@ -126,7 +153,7 @@ class McapFile:
 class Recorder:
     def __init__(self, level, file, rate):
         self.level, self.file, self.rate = level, file, rate
-        self.path, self.next_path = [], 0
+        self.path, self.next_path, self.scan = [], 0, None
 
     @staticmethod
     def stamp(ns):
@@ -159,6 +186,12 @@ class Recorder:
                 self.path.append(pose)
                 self.next_path = now + 10**9
                 self.file.write("/rover/path", "foxglove.PosesInFrame", now, {"timestamp": self.stamp(now), "frame_id": "map", "poses": self.path})
+            scan = self.poster("LaserRF.Scan")
+            if scan and scan != self.scan:
+                self.scan, ranges = scan, scan["data"]
+                end = 2 * math.pi * (len(ranges) - 1) / len(ranges)
+                self.file.write("/rover/scan", "foxglove.LaserScan", now, {"timestamp": self.stamp(now), "frame_id": "map", "pose": pose, "start_angle": 0, "end_angle": end,
+                                                                           "ranges": ranges, "intensities": []})
         for name in POSTERS:
             value = self.poster(name)
             if value is not None:
@@ -190,12 +223,13 @@ def main():
     arguments.add_argument("socket")
     arguments.add_argument("file")
     arguments.add_argument("--rate", type=float, default=0)
+    arguments.add_argument("--compress", action="store_true", help="chunks in Zstandard's format")
     options = arguments.parse_args()
 
     def end(*_):
         raise KeyboardInterrupt
     signal.signal(signal.SIGTERM, end)
-    file = McapFile(options.file)
+    file = McapFile(options.file, zstd_compressor() if options.compress else None)
     try:
         with Client(options.socket, 60) as level:
             Recorder(level, file, options.rate).run()
