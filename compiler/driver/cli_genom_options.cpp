@@ -34,10 +34,10 @@ void add_generation(CLI::App* command, GenomArguments& a) {
   auto* executive = command->add_flag("--executive", a.executive,
                                       "use the execution flavour and take requests from the C++ functions "
                                       "executive_request, executive_answer and executive_reply");
-  command
-      ->add_flag("--served", a.served,
-                 "use the execution flavour in real time and take requests from clients of `bipc serve`")
-      ->excludes(executive);
+  auto* served = command
+                     ->add_flag("--served", a.served,
+                                "use the execution flavour in real time and take requests from clients of `bipc serve`")
+                     ->excludes(executive);
   command
       ->add_flag("--skeleton", a.skeleton,
                  "use the execution flavour and write empty C++ codels and their header beside the output; existing "
@@ -53,6 +53,12 @@ void add_generation(CLI::App* command, GenomArguments& a) {
       "--processes", a.processes,
       "use the execution flavour and run the codels of each module in a process of its own, which is started again "
       "when it has died");
+  command
+      ->add_flag(
+          "--task-threads", a.task_threads,
+          "run the codels of activities and tasks in threads: a slow one holds up its own task, and nothing else")
+      ->needs(served)
+      ->excludes(processes);
   add_duration(*command, "--kill-after", a.kill_after,
                "end the process of a codel that takes so long, or so much longer than its budget (default: 0: never)")
       ->needs(processes);

@@ -95,6 +95,7 @@ genom::TranslateOptions translate_options(const GenomArguments& a, const std::ve
   if (o.generate.package.empty()) o.generate.package = package;
   for (const std::string& file : files) o.generate.sources.push_back(fs::path(file).filename().string());
   if (a.executive || a.served) o.generate.executive = a.served ? genom::Executive::Served : genom::Executive::Cpp;
+  o.generate.has_task_threads = a.task_threads;
   o.generate.calls_c = !a.codels.empty();
   o.codel_files = a.codels;
   o.generate.processes = {.are_own = a.processes, .kill_after_us = a.kill_after / 1000, .memory_mb = a.module_memory};

@@ -221,6 +221,7 @@ struct GenomArguments {
   bool served = false;              // requests come from clients of `bipc serve`
   bool skeleton = false;            // empty codels beside the output
   std::vector<std::string> codels;  // files of genom3's C codels; empty: none
+  bool task_threads = false;        // codels run beside the engine, and their tasks wait for them
   bool processes = false;           // codels of each module run in a process of its own
   std::int64_t kill_after = 0;      // ns
   std::int64_t module_memory = 0;   // MB

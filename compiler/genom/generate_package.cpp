@@ -65,7 +65,7 @@ std::string header(const std::vector<Module>& modules, const GenerateOptions& op
           ? fmt::format("@cpp(include=\"{0}_codels.hpp\", src=\"{0}_codels.cpp{1}\")\n", options.package, sources)
           : "",
       options.package,
-      (any_async(modules) ? std::string("  use genom.codels\n") : std::string()) +
+      (any_async(modules) || options.has_task_threads ? std::string("  use genom.codels\n") : std::string()) +
           (options.constraints.has_parts() ? "  use genom.rules\n" : ""));
 }
 
@@ -76,7 +76,7 @@ void write_types(std::string& out, const Plan& plan, std::int64_t tick_us) {
     if (s.kind != ServiceKind::Execution) continue;
     write_activity(out, plan, s.activity, plan.services[i].activity, &s,
                    fmt::format("The activity of {}: its codels, one after the other.", s.name.text));
-    if (plan.services[i].activity.has_async)
+    if (plan.services[i].activity.has_work())
       write_work(out, plan, plan.module->services[i].activity, plan.services[i].activity, plan.services[i].work_type,
                  plan.module->services[i].name.text);
     write_service(out, plan, i, tick_us);
@@ -86,7 +86,8 @@ void write_types(std::string& out, const Plan& plan, std::int64_t tick_us) {
     if (!t.activity.states.empty())
       write_activity(out, plan, t.activity, plan.tasks[i].permanent, nullptr,
                      fmt::format("The codels of task {} itself.", t.name.text), plan.owner_of_task(i));
-    if (plan.tasks[i].permanent.has_async)
+    if (!plan.tasks[i].permanent_type.empty()) write_threaded_permanent(out, plan, i);
+    if (plan.tasks[i].permanent.has_work())
       write_work(out, plan, t.activity, plan.tasks[i].permanent, plan.tasks[i].work_type, "task " + t.name.text,
                  plan.owner_of_task(i));
     write_scheduler(out, plan, i);

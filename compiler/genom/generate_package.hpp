@@ -31,6 +31,7 @@ enum class Design : std::uint8_t { Ours, First, Repaired };
 struct GenerateOptions {
   Flavour flavour = Flavour::Verification;
   Executive executive = Executive::Anybody;  // another one: execution flavour
+  bool has_task_threads = false;             // codels run beside the engine, and their tasks wait for them; served only
   bool calls_c = false;                      // codels are genom3's C functions (c_codels.hpp)
   std::vector<std::string> c_sources;        // and these are their files
   Processes processes;                       // of codels; execution flavour only

@@ -144,6 +144,7 @@ class Planner {
                      (options.lock == LockGranularity::ByGeneration && module.generation == 3);
     plan_.calls = options.flavour == Flavour::Execution;
     plan_.calls_c = options.calls_c;
+    plan_.has_task_threads = plan_.calls && options.has_task_threads;
     plan_.has_processes = options.processes.are_own;
     plan_.executive = options.executive;
     plan_.design = options.design;
@@ -183,7 +184,8 @@ class Planner {
       plan.type = types_.claim(plan_.type + type_name(s.name.text), "Service");
       plan.activity = plan_activity(s.activity, StoppedBy::Requests, activity_reports(plan_, s), module_.generation);
       plan.activity.type = types_.claim(plan.type + "Activity", "Atom");
-      if (plan.activity.has_async) plan.work_type = types_.claim(plan.type + "Work", "Atom");
+      find_threaded(s.activity, plan.activity);
+      if (plan.activity.has_work()) plan.work_type = types_.claim(plan.type + "Work", "Atom");
     }
     for (std::size_t k = 0; k < s.instances; ++k) {
       plan.activities.push_back(plan_.activities.size());
@@ -193,6 +195,16 @@ class Planner {
     BIP_ASSERT(plan.activities.size() == s.instances && i == plan_.services.size(), "service {} has {} activities", i,
                plan.activities.size());
     plan_.services.push_back(std::move(plan));
+  }
+
+  // With one lock for the module nobody tells an activity to stop while its codel runs, so that the activity itself can
+  // be at work; else another atom is.
+  void find_threaded(const Activity& activity, ActivityPlan& a) const {
+    a.threaded.assign(activity.states.size(), false);
+    for (std::size_t i = 0; i < activity.states.size(); ++i) {
+      a.threaded[i] = plan_.has_task_threads && a.used[i] && !a.async[i] && activity.states[i].codel.name.is_set();
+      a.has_turns = a.has_turns || (a.threaded[i] && plan_.by_codel);
+    }
   }
 
   void task(std::size_t i) {
@@ -205,7 +217,9 @@ class Planner {
       plan.permanent =
           plan_activity(t.activity, module_.is_killed ? StoppedBy::Kill : StoppedBy::Nobody, {}, module_.generation);
     plan.permanent.type = types_.claim(plan.type + "Permanent", "Atom");
-    if (plan.permanent.has_async) plan.work_type = types_.claim(plan.type + "Work", "Atom");
+    if (t.permanent.name.is_set() && plan_.has_task_threads) plan.permanent_type = plan.permanent.type;
+    find_threaded(t.activity, plan.permanent);
+    if (plan.permanent.has_work()) plan.work_type = types_.claim(plan.type + "Work", "Atom");
     for (std::size_t k = 0; k < plan_.activities.size(); ++k) {
       const Service& s = plan_.service_of(k);
       if (s.kind == ServiceKind::Execution && s.task_index == i) plan.activities.push_back(k);

@@ -20,7 +20,11 @@ struct ActivityPlan {
   std::vector<bool> async;          // by state: used, and its codel runs beside the task
   std::vector<bool> holds;          // by state: async, and locks are held until its codel has returned
   std::vector<bool> timed;          // by state: rules ask whether its codel, which the task waits for, took too long
+  std::vector<bool> threaded;       // by state: its codel runs in a thread, and the task waits for it
   bool has_async = false;
+  bool has_turns = false;  // threaded codels are called by the atom that runs async ones, too
+  /// Is there such an atom?
+  [[nodiscard]] bool has_work() const { return has_async || has_turns; }
   bool has_sleep = false, has_zombie = false, has_bad = false;
   bool goes_on = false;       // yields a state
   bool pauses = false;        // GenoM 3: yields a state of the next cycle
@@ -67,6 +71,7 @@ struct TaskPlan {
   std::string component, type, scheduler;
   ActivityPlan permanent;               // GenoM 3
   std::string work_type;                // of the atom that runs its own codels beside it, if there are such
+  std::string permanent_type;           // GenoM 2, of the atom that runs its permanent codel in a thread; else empty
   std::vector<std::size_t> activities;  // its activities, in activity order
   bool is_watched = false;              // rules ask whether it has missed its period
 };
@@ -84,10 +89,11 @@ struct PosterPlan {
 
 struct Plan {
   const Module* module = nullptr;
-  bool by_codel = false;       // lock granularity
-  bool calls = false;          // execution flavour: codels are called
-  bool calls_c = false;        // codels get inputs of requests and give outputs
-  bool has_processes = false;  // codels of each module run in a process of its own
+  bool by_codel = false;          // lock granularity
+  bool calls = false;             // execution flavour: codels are called
+  bool calls_c = false;           // codels get inputs of requests and give outputs
+  bool has_task_threads = false;  // codels run beside the engine, and their tasks wait for them
+  bool has_processes = false;     // codels of each module run in a process of its own
   Executive executive = Executive::Anybody;
   Design design = Design::Ours;
   bool is_launched_by_rules = false;  // rules say when activities begin
@@ -143,6 +149,10 @@ struct Plan {
 /// Of all modules of a package. They point to `modules` and to the constraints of `options`.
 [[nodiscard]] std::vector<Plan> make_plans(const std::vector<Module>& modules, const GenerateOptions& options);
 
+/// The port type of what a codel answered that another atom called.
+[[nodiscard]] inline const char* outcome_type(const ActivityPlan& a) {
+  return a.has_turns && a.has_timed() ? "TimedOutcome" : "Outcome";
+}
 /// The atom of a service's or (GenoM 3) a task's codels. `service`: it is a service's. `owner`: of a task; that of an
 /// activity is the atom's parameter.
 void write_activity(std::string& out, const Plan& plan, const Activity& activity, const ActivityPlan& a,
@@ -154,6 +164,11 @@ void write_work(std::string& out, const Plan& plan, const Activity& activity, co
 /// What binds it to activity and controller inside the service's compound.
 void write_work_wires(std::string& out, const Plan& plan, std::size_t service, std::int64_t tick_us);
 void write_work_exports(std::string& out, const ServicePlan& p);
+/// Codels that run in threads while the activity `component` and its task wait for them, by the atom `work`; in the
+/// compound of both. They are exported with these beginnings of names.
+void write_turns(std::string& out, const ActivityPlan& a, const std::string& component, const std::string& exported);
+/// GenoM 2: the permanent codel of a task, in a thread.
+void write_threaded_permanent(std::string& out, const Plan& plan, std::size_t task);
 /// The same inside of a task's compound.
 void write_task_work(std::string& out, const Plan& plan, std::size_t task);
 void write_scheduler(std::string& out, const Plan& plan, std::size_t task);

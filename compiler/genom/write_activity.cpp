@@ -61,6 +61,8 @@ class ActivityWriter {
   [[nodiscard]] std::string ended(std::size_t i) const { return places_[i] + (leaves(i) ? "_ENDS" : "_RUNS"); }
   // Is what happens between its turn and its answer seen by others?
   [[nodiscard]] bool leaves(std::size_t i) const { return plan_.by_codel || activity_plan_.async[i]; }
+  // Is its codel called by another atom while the task waits?
+  [[nodiscard]] bool has_turn(std::size_t i) const { return plan_.by_codel && activity_plan_.threaded[i]; }
   // A task waits for its own codels, however long they take.
   [[nodiscard]] bool is_given_up() const { return stoppable() && activity_plan_.has_async; }
   [[nodiscard]] bool remembers() const {
@@ -112,6 +114,9 @@ class ActivityWriter {
       if (activity_plan_.async[i])
         out_ += fmt::format("    export port {} back_{}({})\n", plan_.calls ? "Outcome" : "Signal", places_[i],
                             plan_.calls ? "next, report" : "");
+      else if (plan_.by_codel && activity_plan_.threaded[i])
+        out_ += fmt::format("    export port {} done_{}(next, report{})\n", outcome_type(activity_plan_), places_[i],
+                            activity_plan_.has_timed() ? ", over" : "");
       else if (plan_.by_codel) port("done_" + places_[i]);
     }
     if (activity_plan_.has_timed()) port("late");
@@ -206,18 +211,21 @@ class ActivityWriter {
     for (std::size_t i = 0; i < places_.size(); ++i) {
       if (!activity_plan_.used[i]) continue;
       const Codel& codel = activity_.states[i].codel;
-      const bool calls = plan_.calls && codel.name.is_set() && !activity_plan_.async[i];
+      const bool is_called_elsewhere = activity_plan_.async[i] || has_turn(i);
+      const bool calls = plan_.calls && codel.name.is_set() && !is_called_elsewhere;
       std::string action =
           calls ? fmt::format("report = 0; next = {}({}, report)", codel_function(codel.name.text), owner_) : "";
       if (activity_plan_.timed[i]) {
         // Where nothing is called it may have been late, or not.
-        action += calls ? "; over = codel_was_late() != 0" : "over = true";
-        on("late", places_[i] + "_RUNS", places_[i] + "_RUNS", "over = false", "over");
+        action += calls ? "; over = codel_was_late() != 0" : has_turn(i) ? "" : "over = true";
+        const std::string at = places_[i] + (has_turn(i) ? "_ENDS" : "_RUNS");
+        on("late", at, at, "over = false", "over");
       }
+      if (calls && activity_plan_.threaded[i]) out_ += "    @async\n";
       on("run_" + places_[i], places_[i], places_[i] + "_RUNS", action);
       if (leaves(i))
         on((activity_plan_.async[i] ? "back_" : "done_") + places_[i], places_[i] + "_RUNS", places_[i] + "_ENDS", {},
-           is_told_first(i) ? "!over" : "");
+           is_told_first(i) && !has_turn(i) ? "!over" : "");
       if (!activity_plan_.async[i]) continue;
       on("wait", places_[i] + "_RUNS", places_[i] + "_RUNS");
       if (is_given_up()) on("lost", places_[i] + "_RUNS", "LOST", "stopping = false");
@@ -245,7 +253,7 @@ class ActivityWriter {
       const bool calls = plan_.calls && s.codel.name.is_set();
       const auto answers = [&](const std::string& port, const std::string& to, const std::string& action,
                                const std::string& guard) {
-        const bool waits = is_told_first(i) && !leaves(i);
+        const bool waits = is_told_first(i) && (!leaves(i) || has_turn(i));
         on(port, from, to, action, !waits ? guard : guard.empty() ? "!over" : "!over && (" + guard + ")");
       };
       std::string known;

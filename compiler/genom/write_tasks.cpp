@@ -140,15 +140,17 @@ void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64
   out += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component TaskController controller({}, {})\n",
                      p.activities.size(), t.has_permanent() ? "true" : "false");
   if (is_periodic) {
-    out += fmt::format("    component {} timer({}, {})\n", p.is_watched ? "WatchedTimer" : "Timer",
-                       std::max<std::int64_t>(1, ticks(t.period_us)), ticks(t.delay_us));
+    out += fmt::format("    component {}{} timer({}, {})\n", plan.has_task_threads ? "Patient" : "",
+                       p.is_watched ? "WatchedTimer" : "Timer", std::max<std::int64_t>(1, ticks(t.period_us)),
+                       ticks(t.delay_us));
   } else {
     out += "    component WakeUp timer()\n";
   }
   if (t.permanent.name.is_set())
-    out += "    @SuppressWarning(unboundcomponentport)\n    component Permanent permanent()\n";
+    out += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component {} permanent()\n",
+                       p.permanent_type.empty() ? "Permanent" : p.permanent_type);
   if (!t.activity.states.empty()) out += fmt::format("    component {} permanent()\n", p.permanent.type);
-  if (p.permanent.has_async) out += fmt::format("    component {} work()\n", p.work_type);
+  if (p.permanent.has_work()) out += fmt::format("    component {} work()\n", p.work_type);
 
   write_wire(out, {.name = "wake_up", .ports = {"scheduler.trigger", "timer.trigger"}});
   if (!t.has_permanent()) {
@@ -161,9 +163,10 @@ void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64
   const bool calls = plan.calls && t.permanent.name.is_set();
   write_wire(out, {.name = "begin",
                    .ports = begin,
-                   .action = calls ? fmt::format("permanent.exec.answer <- {}({})",
-                                                 codel_function(t.permanent.name.text), plan.owner_of_task(task))
-                                   : "",
+                   .action = calls && p.permanent_type.empty()
+                                 ? fmt::format("permanent.exec.answer <- {}({})", codel_function(t.permanent.name.text),
+                                               plan.owner_of_task(task))
+                                 : "",
                    .exported = true});
   if (t.permanent.name.is_set()) {
     write_wire(out, {.name = "permanent_done",
@@ -206,11 +209,12 @@ void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64
   if (!t.activity.states.empty()) {
     const ActivityPlan& a = p.permanent;
     for (std::size_t i = 0; i < t.activity.states.size(); ++i) {
-      if (!a.used[i] || a.async[i]) continue;
+      if (!a.used[i] || a.async[i] || (a.has_turns && a.threaded[i])) continue;
       const std::string& place = a.places[i];
       write_export(out, "permanent.run_" + place, "permanent_run_" + place);
       if (plan.by_codel) write_export(out, "permanent.done_" + place, "permanent_done_" + place);
     }
+    write_turns(out, a, "permanent", "permanent_");
     if (plan.module->is_killed) write_export(out, "permanent.abt", "permanent_abt");
     if (a.has_async) write_task_work(out, plan, task);
     if (a.goes_on) write_export(out, "permanent." + a.went_on(), "permanent_went_on");
@@ -242,8 +246,8 @@ void write_service(std::string& out, const Plan& plan, std::size_t service, std:
                      plan.calls ? "int owner" : "");
   out += "    @SuppressWarning(unboundcomponentport)\n    component ServiceController controller()\n";
   out += fmt::format("    component {} activity({})\n", a.type, owner);
-  if (a.has_async)
-    out += fmt::format("    component {} work({})\n    component CodelWatch watch()\n", p.work_type, owner);
+  if (a.has_work()) out += fmt::format("    component {} work({})\n", p.work_type, owner);
+  if (a.has_async) out += "    component CodelWatch watch()\n";
   const std::string interrupted = plan.module->generation == 2 ? "ACTIVITY_INTERRUPTED" : "interrupted";
   write_wire(out, {.name = "start", .ports = {"controller.start", "activity.start"}, .exported = true});
   write_wire(out, {.name = "cancel",
@@ -312,10 +316,11 @@ void write_service(std::string& out, const Plan& plan, std::size_t service, std:
   for (std::size_t i = 0; i < s.activity.states.size(); ++i) {
     if (!a.used[i]) continue;
     const std::string& place = a.places[i];
-    if (a.async[i]) continue;
+    if (a.async[i] || (a.has_turns && a.threaded[i])) continue;
     write_export(out, "activity.run_" + place, "run_" + place);
     if (plan.by_codel) write_export(out, "activity.done_" + place, "done_" + place);
   }
+  write_turns(out, a, "activity", "");
   if (a.has_async) write_work_exports(out, p);
   if (a.has_timed()) write_export(out, "activity.late", "late");
   if (a.goes_on) write_export(out, "activity." + a.went_on(), "went_on");

@@ -6,6 +6,7 @@
 //                              goes on. Execution flavour: the call is an action with `@async`, so that the atom is
 //                              at work, and offers nothing, until the C++ function has returned
 //   AWAY -returned-> BACK      it has returned; in verification whenever it likes
+//   HERE -begin_STATE-> BACK   the task waits for it (--task-threads): while the function runs the atom is at work
 //   BACK -take-> HERE          its answer is heard at the next turn, or thrown away if it came too late
 //
 // A CodelWatch (stdlib/genom/codels.bip) counts its budget down. Cost: two atoms a service that has such codels.
@@ -56,10 +57,11 @@ void write_work(std::string& out, const Plan& plan, const Activity& activity, co
   out += fmt::format("\n  // Codels of {} that run beside {} task.\n  atom type {}({})\n", says,
                      owner ? "the" : "their", type, plan.calls && !owner ? "int owner" : "");
   if (plan.calls) out += "    data int next = 0, report = 0\n";
+  if (a.has_turns && a.has_timed()) out += "    data bool late = false\n";
   std::string places = "HERE";
   if (returns_plainly(a)) places += ", AWAY";
   for (std::size_t i = 0; i < a.places.size(); ++i) {
-    if (a.async[i]) out += fmt::format("    export port Signal begin_{}()\n", a.places[i]);
+    if (a.async[i] || a.threaded[i]) out += fmt::format("    export port Signal begin_{}()\n", a.places[i]);
     if (a.holds[i]) places += ", AWAY_" + a.places[i];
   }
   if (returns_plainly(a)) out += "    export port Signal returned()\n";
@@ -67,7 +69,10 @@ void write_work(std::string& out, const Plan& plan, const Activity& activity, co
     if (a.holds[i]) out += fmt::format("    export port Signal returned_{}()\n", a.places[i]);
   }
   out += fmt::format("    export port {}\n\n    place {}, BACK\n\n    initial to HERE\n\n",
-                     plan.calls ? "Outcome take(next, report)" : "Signal take()", places);
+                     !plan.calls                                 ? "Signal take()"
+                     : outcome_type(a) == std::string("Outcome") ? "Outcome take(next, report)"
+                                                                 : "TimedOutcome take(next, report, late)",
+                     places);
   for (std::size_t i = 0; i < a.places.size(); ++i) {
     if (!a.async[i]) continue;
     const Codel& codel = activity.states[i].codel;
@@ -80,11 +85,48 @@ void write_work(std::string& out, const Plan& plan, const Activity& activity, co
                                              codel_function(codel.name.text), owner ? std::to_string(*owner) : "owner")
                                : "");
   }
+  for (std::size_t i = 0; i < a.places.size(); ++i) {
+    if (!a.threaded[i]) continue;
+    out += fmt::format("    @async\n    on begin_{} from HERE to BACK do {{ report = 0; next = {}({}, report);{} }}\n",
+                       a.places[i], codel_function(activity.states[i].codel.name.text),
+                       owner ? std::to_string(*owner) : "owner", a.has_timed() ? " late = codel_was_late() != 0;" : "");
+  }
   if (returns_plainly(a)) out += "    on returned from AWAY to BACK\n";
   for (std::size_t i = 0; i < a.places.size(); ++i) {
     if (a.holds[i]) out += fmt::format("    on returned_{0} from AWAY_{0} to BACK\n", a.places[i]);
   }
   out += "    on take from BACK to HERE\n  end\n";
+}
+
+void write_turns(std::string& out, const ActivityPlan& a, const std::string& component, const std::string& exported) {
+  for (std::size_t i = 0; a.has_turns && i < a.places.size(); ++i) {
+    if (!a.threaded[i]) continue;
+    const std::string& place = a.places[i];
+    const std::string done = fmt::format("{}.done_{}", component, place);
+    write_wire(out, {.name = "send_" + place,
+                     .ports = {fmt::format("{}.run_{}", component, place), "work.begin_" + place},
+                     .exported = true});
+    write_wire(out, {.name = "done_" + place,
+                     .ports = {done, "work.take"},
+                     .action = fmt::format("{0}.next <- work.take.next; {0}.report <- work.take.report{1}", done,
+                                           a.has_timed() ? fmt::format("; {}.late <- work.take.late", done) : ""),
+                     .exported = true});
+    write_export(out, fmt::format("send_{}.out", place), fmt::format("{}run_{}", exported, place));
+    write_export(out, fmt::format("done_{}.out", place), fmt::format("{}done_{}", exported, place));
+  }
+}
+
+void write_threaded_permanent(std::string& out, const Plan& plan, std::size_t task) {
+  const Codel& codel = plan.module->tasks[task].permanent;
+  out += fmt::format(
+      "\n  // The permanent codel of task {}, in a thread.\n  atom type {}()\n    data int answer = 0\n"
+      "    export port Answer exec(answer)\n    export port Answer done(answer)\n    export port Answer "
+      "fail(answer)\n\n"
+      "    place sleep, runs\n\n    initial to sleep\n\n    @async\n"
+      "    on exec from sleep to runs do {{ answer = {}({}); }}\n"
+      "    on done from runs to sleep\n    on fail from runs to sleep\n  end\n",
+      plan.module->tasks[task].name.text, plan.tasks[task].permanent_type, codel_function(codel.name.text),
+      plan.owner_of_task(task));
 }
 
 void write_work_wires(std::string& out, const Plan& plan, std::size_t service, std::int64_t tick_us) {

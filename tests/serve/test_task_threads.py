@@ -1,0 +1,240 @@
+#!/usr/bin/env python3
+"""Codels in threads, for which their tasks wait (`bipc genom --task-threads`, compiler/docs/genom.md): a slow one holds up its task and who needs its
+data, and nothing else. Both generations of GenoM, one lock a module and one a datum; without the option the same codels hold up everything,
+so that the test shows what it is for. Python's library only. The last line is "task threads: N passed, N failed".
+"""
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import time
+
+from checks import BIPC, Client, check, finish
+
+SLOW = """component slow {
+  ids { long count; long other; };
+  task heavy { period 500 ms; codel<start> slowTask(ids in other) yield pause::start; };
+  activity think(in long ms, out long counted) {
+    task heavy;
+    codel<start> slowStart(in ms, ids inout count, out counted) yield again, ether wcet 400 ms;
+    codel<again> slowAgain(ids inout count) yield pause::again, ether;
+    codel<stop> slowStop(ids out count) yield ether;
+    interrupts think;
+  };
+  function rest() { codel slowRest(ids in other); interrupts think; };
+  attribute get_count(out count);
+  attribute get_other(out other);
+};
+"""
+QUICK = """component quick {
+  ids { long ticks; };
+  task fast { period 10 ms; codel<start> quickTask(ids inout ticks) yield pause::start; };
+  attribute get_ticks(out ticks);
+};
+"""
+RULES = """rules both;
+modules "slow.gen", "quick.gen";
+when slow.think.late run slow.rest;
+"""
+C = """#include "acslow.h"
+#include "acquick.h"
+#include <time.h>
+
+static void nap(long ms)
+{
+  struct timespec t = { ms / 1000, ms % 1000 * 1000000 };
+  nanosleep(&t, NULL);
+}
+genom_event slowTask(int32_t other, genom_context self) { (void)other, (void)self; return slow_pause_start; }
+genom_event slowStart(int32_t ms, int32_t *count, int32_t *counted, genom_context self)
+{
+  (void)self;
+  nap(ms);
+  *counted = ++*count;
+  return ms >= 1000 ? slow_again : slow_ether;
+}
+genom_event slowAgain(int32_t *count, genom_context self) { (void)self; *count += 10; return slow_pause_again; }
+genom_event slowStop(int32_t *count, genom_context self) { (void)self; *count = -1; return slow_ether; }
+genom_event slowRest(int32_t other, genom_context self) { (void)other, (void)self; return genom_ok; }
+genom_event quickTask(int32_t *ticks, genom_context self) { (void)self; ++*ticks; return quick_pause_start; }
+"""
+OLD = """module old { number: 1; internal_data: DATA; };
+request Go { type: exec; exec_task: Motion; codel_main: oldGo; codel_inter: oldInter; };
+request Stop { type: control; interrupt_activity: Go; };
+exec_task Motion { period: 10; codel_task_main: oldMotion; };
+"""
+LIVELY = """module lively { number: 2; internal_data: DATA; };
+request Count { type: exec; exec_task: Fast; codel_main: livelyCount; fail_reports: TICKS; };
+exec_task Fast { period: 1; codel_task_main: livelyFast; };
+"""
+CPP = """#include "old_codels.hpp"
+#include <atomic>
+#include <chrono>
+#include <thread>
+static std::atomic<int> ticks, naps, inside;
+static std::atomic<bool> overlaps;
+static void nap(int ms) {
+  if (++inside > 1) overlaps = true;
+  std::this_thread::sleep_for(std::chrono::milliseconds(ms));
+  --inside;
+}
+int oldGo(int&) { nap(300); return 2; }
+int oldInter(int&) { return overlaps ? 201 : 0; }
+int oldMotion() { nap(++naps % 4 == 0 ? 250 : 1); return 0; }
+int livelyCount(int&) { return 0; }
+int livelyFast() { ++ticks; return 0; }
+void request_asked(const char*, const char*) {}
+void request_input(const char*, const char*) {}
+extern "C" const char* bip_poster_value(const char* poster) {
+  static std::string json;
+  if (std::string_view(poster) != "ticks") return nullptr;
+  return (json = std::to_string(ticks)).c_str();
+}
+"""
+
+
+class Level:
+    def __init__(self, work, model):
+        self.notes = []
+        self.socket = os.path.join(work, "s")
+        self.process = subprocess.Popen([BIPC, "serve", model, "--asap", "--policy", "fair", "--seed", "1", "--late-after", "0", "--socket", self.socket], cwd=work, stderr=subprocess.DEVNULL)
+        while True:
+            assert self.process.poll() is None, "bipc serve has ended"
+            try:
+                self.client = Client(self.socket, 60)
+                return
+            except (FileNotFoundError, ConnectionRefusedError):
+                time.sleep(0.02)
+
+    def begin(self, service, **given):
+        answer = self.client.ask("request", service=service, input=given if given else "")
+        assert answer["ok"], answer
+        return answer["request"]
+
+    def next(self, number, reply):
+        """A note, also one that came while another was waited for."""
+        def is_it(note):
+            return note["note"] == "request" and note["request"] == number and note["reply"] == reply
+        while not any(map(is_it, self.notes)):
+            self.notes.append(self.client.note(timeout=20))
+        note = next(filter(is_it, self.notes))
+        self.notes.remove(note)
+        return note
+
+    def ask(self, service, **given):
+        return self.next(self.begin(service, **given), "final")
+
+    def end(self):
+        self.client.ask("shutdown")
+        return self.process.wait()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.kill()
+        self.process.wait()
+
+
+def make(work, *command):
+    done = subprocess.run([BIPC, *command], cwd=work, capture_output=True, text=True)
+    if done.returncode:
+        sys.exit(done.stdout + done.stderr)
+
+
+def ticks_of_genom3(level):
+    return level.ask("quick.get_ticks")["output"]["ticks"]
+
+
+def genom3(level):
+    """A codel sleeps for 1.2 s in a task of 500 ms; the other component counts every 10 ms."""
+    ticks_of_genom3(level)
+    thinks = level.begin("slow.think", ms=1200)
+    level.next(thinks, "intermediate")
+    time.sleep(0.6)  # its codel sleeps by now, and goes on for a while
+    began = time.monotonic()
+    before = ticks_of_genom3(level)
+    time.sleep(0.2)
+    return thinks, ticks_of_genom3(level) - before, time.monotonic() - began
+
+
+def model_of_genom3(work, *options):
+    (pathlib.Path(work) / "m.c").write_text(C, encoding="utf-8")
+    make(work, "rules", "--served", *options, "--codels", "m.c", "both.rules", "-o", "m.bip")
+    make(work, "check", "m.bip")
+    return Level(work, "m.bip")
+
+
+def test_genom3(level):
+    thinks, counted, seconds = genom3(level)
+    check("another component goes on", counted >= 15 and seconds < 0.5, (counted, seconds))
+    began = time.monotonic()
+    check("its component answers what needs nothing that the codel has", level.ask("slow.get_other")["report"] == "OK" and time.monotonic() - began < 0.2)
+    got = level.ask("slow.get_count")
+    check("what needs its data waits for it", got["output"]["count"] == 1 and time.monotonic() - began > 0.02, got)
+    # Late by 800 ms: `rest` interrupts it.
+    ended = level.next(thinks, "final")
+    check("a rule hears that it was late", ended["report"] == "interrupted" and ended["output"]["counted"] == 1, ended)
+    check("and its stop codel has run", level.ask("slow.get_count")["output"]["count"] == -1)
+    check("one in time is not stopped", level.ask("slow.think", ms=100)["report"] == "OK")
+    first = level.begin("slow.think", ms=300)
+    level.next(first, "intermediate")
+    time.sleep(0.1)
+    second = level.ask("slow.think", ms=10)["report"]
+    check("a request that interrupts it before or while its codel runs", second == "OK" and level.next(first, "final")["report"] in ("interrupted", "OK"), second)
+    check("it ends", level.end() == 0)
+
+
+def test_without(level):
+    thinks, counted, seconds = genom3(level)
+    check("without threads all wait for the codel", seconds > 0.4, (counted, seconds))
+    level.next(thinks, "final")
+    check("it ends, too", level.end() == 0)
+
+
+def ticks_of_genom2(level):
+    return int(level.client.ask("poster", poster="ticks")["value"])
+
+
+def model_of_genom2(work, lock):
+    (pathlib.Path(work) / "old_codels.cpp").write_text(CPP, encoding="utf-8")
+    make(work, "genom", "--served", "--task-threads", "--skeleton", "--lock", lock, "old.gen", "lively.gen", "-o", "old.bip")
+    make(work, "check", "old.bip")
+    return Level(work, "old.bip")
+
+
+def test_genom2(level, lock):
+    goes = level.begin("old.Go")
+    level.next(goes, "intermediate")
+    time.sleep(0.5)
+    before, most = ticks_of_genom2(level), 0
+    for _ in range(10):
+        began = time.monotonic()
+        report = level.ask("lively.Count")["report"]
+        most = max(most, time.monotonic() - began) if report == "OK" else 100
+        time.sleep(0.05)
+    counted = ticks_of_genom2(level) - before
+    check(f"lock {lock}: a module goes on while codels of another sleep for longer than their period", counted >= 40 and most < 0.2, (counted, most))
+    stopped = level.ask("old.Stop")
+    ended = level.next(goes, "final")
+    check(f"lock {lock}: it can be stopped, and its codels never overlap", stopped["report"] == "OK" and ended["report"] == "ACTIVITY_INTERRUPTED", (stopped, ended))
+    check(f"lock {lock}: it ends", level.end() == 0)
+
+
+def main():
+    with tempfile.TemporaryDirectory(prefix="threads-") as work:
+        for name, content in (("slow.gen", SLOW), ("quick.gen", QUICK), ("both.rules", RULES), ("old.gen", OLD), ("lively.gen", LIVELY)):
+            (pathlib.Path(work) / name).write_text(content, encoding="utf-8")
+        with model_of_genom3(work, "--task-threads") as level:
+            test_genom3(level)
+        with model_of_genom3(work) as level:
+            test_without(level)
+        for lock in ("module", "codel"):
+            with model_of_genom2(work, lock) as level:
+                test_genom2(level, lock)
+    return finish("task threads")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
