@@ -61,7 +61,8 @@ void write_work(std::string& out, const Plan& plan, const Activity& activity, co
   std::string places = "HERE";
   if (returns_plainly(a)) places += ", AWAY";
   for (std::size_t i = 0; i < a.places.size(); ++i) {
-    if (a.async[i] || a.threaded[i]) out += fmt::format("    export port Signal begin_{}()\n", a.places[i]);
+    if (a.async[i] || (a.has_turns && a.threaded[i]))
+      out += fmt::format("    export port Signal begin_{}()\n", a.places[i]);
     if (a.holds[i]) places += ", AWAY_" + a.places[i];
   }
   if (returns_plainly(a)) out += "    export port Signal returned()\n";
@@ -86,7 +87,7 @@ void write_work(std::string& out, const Plan& plan, const Activity& activity, co
                                : "");
   }
   for (std::size_t i = 0; i < a.places.size(); ++i) {
-    if (!a.threaded[i]) continue;
+    if (!a.has_turns || !a.threaded[i]) continue;
     out += fmt::format("    @async\n    on begin_{} from HERE to BACK do {{ report = 0; next = {}({}, report);{} }}\n",
                        a.places[i], codel_function(activity.states[i].codel.name.text),
                        owner ? std::to_string(*owner) : "owner", a.has_timed() ? " late = codel_was_late() != 0;" : "");
