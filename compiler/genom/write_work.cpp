@@ -1,10 +1,9 @@
-// Codels that run beside their task (`async`): the atom that runs them, and how it is bound inside the service's
-// compound.
+// Codels that run beside their task (`async`), or in a thread while it waits (--task-threads): the atom that runs them,
+// and how it is bound inside the service's compound.
 //
-//   HERE -begin_STATE-> AWAY   (AWAY_STATE if it holds locks, which are given back when it returns) its turn came; the
-//   task
-//                              goes on. Execution flavour: the call is an action with `@async`, so that the atom is
-//                              at work, and offers nothing, until the C++ function has returned
+//   HERE -begin_STATE-> AWAY   (AWAY_STATE if it holds locks, which are given back when it returns) its turn came, and
+//                              the task goes on. Execution flavour: the call is an action with `@async`, so that the
+//                              atom is at work, and offers nothing, until the C++ function has returned
 //   AWAY -returned-> BACK      it has returned; in verification whenever it likes
 //   HERE -begin_STATE-> BACK   the task waits for it (--task-threads): while the function runs the atom is at work
 //   BACK -take-> HERE          its answer is heard at the next turn, or thrown away if it came too late
