@@ -4,6 +4,7 @@
 //
 // Lines on standard input (a link is its number or `all`):
 //   delay MS           what comes from now on arrives so much later
+//   spin US            keeps its processor for so long before something is due: then no timer makes it late
 //   cut LINK MS        nothing passes for so long; connections stay
 //   break LINK MS      connections are reset, and nobody connects for so long
 //   faults N MS        N random ones, one each so many milliseconds on average; then `done N` is written
@@ -198,6 +199,9 @@ class Relay {
       double each = 0;
       words >> each;
       delay_ = static_cast<Ns>(each * kMs);
+    } else if (what == "spin") {
+      words >> spin_;
+      spin_ *= 1000;
     } else if (what == "faults") {
       words >> faults_ >> ms;
       faults_left_ = faults_;
@@ -244,7 +248,8 @@ class Relay {
         polled_.push_back({connection.files[side], events, 0});
       }
     }
-    const Ns left = std::max<Ns>(due - now_ns(), 0);
+    // A timer of the system is late; what remains is waited for by looking at the clock.
+    const Ns left = std::max<Ns>(due - spin_ - now_ns(), 0);
     const timespec time{left / 1000000000, left % 1000000000};
     if (ppoll(polled_.data(), polled_.size(), &time, nullptr) <= 0) return;
     const Ns then = now_ns();
@@ -268,7 +273,7 @@ class Relay {
   std::list<Connection> connections_;
   std::vector<pollfd> polled_;
   std::string input_;
-  Ns delay_ = 0, next_fault_ = 0, fault_interval_ = kMs;
+  Ns delay_ = 0, spin_ = 0, next_fault_ = 0, fault_interval_ = kMs;
   std::uint64_t faults_ = 0, faults_left_ = 0;
   bool ends_ = false;
 };
