@@ -54,6 +54,9 @@ void add_node(CLI::App& app, NodeArguments& a) {
   command->add_flag("--show-state", a.run.show_state, "print the places and data of each component at the end");
   command->add_flag("--stats", a.run.stats,
                     "print the number of steps, the duration, the messages and the CPU of the nodes at the end");
+  add_optimisation(*command, a.optimisation, CompilerLevels::O0O2,
+                   "optimisation level of this node's JIT; with 2 its own steps are compiled, also of a model without "
+                   "data (default: 2 for at most 32 functions, else 0)");
   add_backend(*command, a.backend);
   add_cache_options(*command, a.compile.cache);
   add_no_cpp(*command, a.compile);

@@ -82,7 +82,11 @@ int command_node(const NodeArguments& arguments) {
   options.placement = &placement;
   options.deployment = &*deployment;
   options.fabrics = *fabrics;
-  if (deployment->self == 0) return rt::run(c.lowered->image, options, stdout, stderr).exit_code;
+  if (deployment->self == 0) {
+    const int code = rt::run(c.lowered->image, options, stdout, stderr).exit_code;
+    if (options.stats) std::fputs(executor.summary().c_str(), stderr);
+    return code;
+  }
   if (has_options_of_run(arguments))
     return end_unusable("options of the run are those of its first node, `" + placement.nodes.front() + '`');
   return rt::run_node(c.lowered->image, options);
