@@ -94,11 +94,13 @@ bool begins_interpreted(const Compilation& c, const RunArguments& a) {
          !uses_ffi(c);
 }
 
-// A node takes steps many at once by their machine code, if it writes none; that pays for what it costs to compile.
+// A node takes steps many at once by their machine code, if it writes nothing of them but their interactions; that pays
+// for what it costs to compile.
 Optimisation optimisation_of(const RunArguments& a) {
   constexpr std::uint64_t kWorthwhile = std::uint64_t{1} << 20;
-  const bool takes_many = a.run.engine == rt::Engine::Distributed && a.run.silent && !a.run.debug &&
-                          a.run.trace_path.empty() && a.run.limit >= kWorthwhile;
+  const bool writes_little = a.run.trace_path.empty() || rt::row_of(a.run.format).needs_only_interactions;
+  const bool takes_many = a.run.engine == rt::Engine::Distributed && a.run.silent && !a.run.debug && writes_little &&
+                          a.run.limit >= kWorthwhile;
   return a.optimisation == Optimisation::Auto && takes_many ? Optimisation::O2 : a.optimisation;
 }
 

@@ -333,9 +333,14 @@ class Launcher {
         ++member.steps;
         if (writes_ && !merge_.take_begun(heard.from, *control)) ++odd_;
         return;
-      case Control::Kind::Took: {
+      case Control::Kind::Took:
+      case Control::Kind::Fired: {
         member.is_idle = false;
-        const u64 steps = writes_ ? merge_.take_many(heard.from, *control) : 0;
+        u64 steps = 0;
+        if (writes_) {
+          steps = control->kind == Control::Kind::Took ? merge_.take_many(heard.from, *control)
+                                                       : merge_.take_fired(heard.from, numbers);
+        }
         member.steps += steps;
         if (steps == 0) ++odd_;
         return;

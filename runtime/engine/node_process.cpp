@@ -57,6 +57,7 @@ NodeProcess::NodeProcess(const NodeSetup& setup, Fabric& fabric)
       launcher_(static_cast<u32>(setup.distribution.placement.nodes.size())),
       writes_(setup.output.writes_steps()),
       holds_(writes_ && setup.options.on_loss == OnLoss::GoOn),
+      records_only_(setup.output.records_only()),
       node_(setup.image, setup.core_options, setup.distribution, setup.self),
       codec_(node_.core().tables(), setup.distribution, setup.run),
       station_(fabric, codec_, setup.self, launcher_ + 1),
@@ -230,6 +231,7 @@ void NodeProcess::take_control(const Control& control) {
     case Control::Kind::Return:
     case Control::Kind::Begun:
     case Control::Kind::Took:
+    case Control::Kind::Fired:
     case Control::Kind::Landed:
     case Control::Kind::Fault:
     case Control::Kind::Atom:
@@ -344,14 +346,22 @@ bool NodeProcess::may_begin() {
 bool NodeProcess::takes_many() const { return is_quick_ && credit_ != 0 && !drawn_.is_valid() && node_.has_whole(); }
 
 // Steps of atoms at home here, one after the other. No other node learns of them, so that they share one instant of the
-// clock. What is written about a step needs the state before it: then there is no compiled code for many.
+// clock. If more is written about a step than its interaction, that needs the state before it: then there is no
+// compiled code for many.
 bool NodeProcess::has_taken_many() {
-  const bool is_compiled = !writes_ && scheduler_.is_uniform() && node_.has_compiled();
-  const u64 most = steps_before_collection(node_.core(), std::min(credit_, writes_ ? kMostTold : chunk_));
+  const bool writes_texts = writes_ && !records_only_;
+  const bool is_compiled = !writes_texts && scheduler_.is_uniform() && node_.has_compiled();
+  const u64 most = steps_before_collection(node_.core(), std::min(credit_, writes_texts ? kMostTold : chunk_));
   const u64 step = step_at(station_.tick_clock(), setup_.self);
   const u64 done = is_compiled ? node_.take_compiled(scheduler_.prng(), most, drawn_) : take_whole_steps(step, most);
   BIP_ASSERT(done <= most, "{} steps of {}", done, most);
   if (done == 0) return false;
+  if (is_compiled && records_only_) {
+    std::vector<u64> numbers{step};
+    numbers.reserve(done + 1);
+    for (u64 k = done; k != 0; --k) numbers.push_back(node_.core().history().before_last(k - 1).value);
+    say_fired(std::move(numbers));
+  }
   if (credit_ != ~u64{0}) credit_ -= done;
   steps_ += done;
   if (watch_) watch_->note_steps();
@@ -369,6 +379,7 @@ u64 NodeProcess::take_whole_steps(u64 step, u64 most) {
   i64 until = 0;
   const auto say_told = [&] {
     if (!writes_ || done == 0) return;
+    if (records_only_) return say_fired(std::move(numbers));
     unwritten_.add(step, record_bytes(told, done));
     say(Control::Kind::Took, std::move(numbers), {std::move(told.out), std::move(told.trace)});
   };
@@ -391,7 +402,8 @@ u64 NodeProcess::take_whole_steps(u64 step, u64 most) {
       return done + 1;
     }
     ++done;
-    if (!writes_) continue;
+    if (records_only_) numbers.push_back(at.interaction.value);
+    if (!writes_ || records_only_) continue;
     const u64 out_number = cut_number(text_.out), trace_number = cut_number(text_.trace);
     numbers.insert(numbers.end(),
                    {at.interaction.value, out_number, trace_number, text_.out.size(), text_.trace.size()});
@@ -400,6 +412,12 @@ u64 NodeProcess::take_whole_steps(u64 step, u64 most) {
   }
   say_told();
   return done;
+}
+
+// Of steps of which nothing else is written: their number, and their interactions.
+void NodeProcess::say_fired(std::vector<u64> numbers) {
+  unwritten_.add(numbers.front(), fired_bytes(numbers.size() - 1));
+  say(Control::Kind::Fired, std::move(numbers));
 }
 
 // Of a step that was taken as a whole.

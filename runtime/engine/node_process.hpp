@@ -76,6 +76,7 @@ class NodeProcess {
   [[nodiscard]] bool takes_many() const;
   [[nodiscard]] bool has_taken_many();
   [[nodiscard]] u64 take_whole_steps(u64 step, u64 most);
+  void say_fired(std::vector<u64> numbers);
   void say_whole(InteractionId interaction, u64 step);
   void say_begun(InteractionId interaction, u64 step, bool is_evaluated);
   [[nodiscard]] bool has_chosen(EnabledSet::Position& at);
@@ -101,6 +102,7 @@ class NodeProcess {
   Fabric& fabric_;
   u32 launcher_;
   bool writes_, holds_;
+  bool records_only_;  // of steps, their interactions
   Node node_;
   Codec codec_;
   Station station_;

@@ -5,7 +5,6 @@
 
 #include "bip/assert.hpp"
 #include "runtime/engine/node_process.hpp"
-#include "runtime/engine/unwritten_steps.hpp"
 
 namespace bip::rt {
 
@@ -26,8 +25,13 @@ bool StepMerge::is_step(const Step& step) const {
 }
 
 void StepMerge::add_waiting(const Flight& flight) {
-  waiting_bytes_ += record_bytes(flight.text, flight.steps.size());
+  waiting_bytes_ += flight.bytes();
   most_waiting_bytes_ = std::max(most_waiting_bytes_, waiting_bytes_);
+}
+
+// Of several steps that share a number.
+bool StepMerge::is_new(u32 node, u64 number) const {
+  return node_of_step(number) == node && number > bounds_[node] && !flights_.contains(number);
 }
 
 bool StepMerge::take_begun(u32 node, const Control& control) {
@@ -56,8 +60,8 @@ u64 StepMerge::take_many(u32 node, const Control& control) {
   const std::vector<u64>& numbers = control.numbers;
   if (numbers.size() <= kEach || numbers.size() % kEach != 1 || control.texts.size() != 2) return 0;
   const u64 number = numbers[0];
-  if (node_of_step(number) != node || number <= bounds_[node] || flights_.contains(number)) return 0;
-  Flight flight{true, {}, {control.texts[0], control.texts[1]}, {}};
+  if (!is_new(node, number)) return 0;
+  Flight flight{true, {}, {control.texts[0], control.texts[1]}, {}, {}};
   // Of the texts, what is left for those to come.
   u64 out = flight.text.out.size(), trace = flight.text.trace.size();
   for (std::size_t i = 1; i < numbers.size(); i += kEach) {
@@ -73,6 +77,21 @@ u64 StepMerge::take_many(u32 node, const Control& control) {
   const u64 count = flight.steps.size();
   flights_.emplace(number, std::move(flight));
   bounds_[node] = number;
+  return count;
+}
+
+u64 StepMerge::take_fired(u32 node, const std::vector<u64>& numbers) {
+  if (!output_.records_only() || numbers.size() < 2 || !is_new(node, numbers[0])) return 0;
+  Flight flight{.is_told = true, .steps = {}, .text = {}, .open = {}, .fired = {}};
+  flight.fired.reserve(numbers.size() - 1);
+  for (std::size_t i = 1; i < numbers.size(); ++i) {
+    if (numbers[i] >= core_.tables().interactions.size()) return 0;
+    flight.fired.push_back(InteractionId(numbers[i]));
+  }
+  add_waiting(flight);
+  const u64 count = flight.fired.size();
+  flights_.emplace(numbers[0], std::move(flight));
+  bounds_[node] = numbers[0];
   return count;
 }
 
@@ -106,13 +125,23 @@ void StepMerge::write_until(u64 step) {
 
 void StepMerge::write_first() {
   const auto first = flights_.begin();
-  Flight& flight = first->second;
-  const u64 bytes = record_bytes(flight.text, flight.steps.size());
+  const Flight& flight = first->second;
+  const u64 bytes = flight.bytes();
   BIP_ASSERT(bytes <= waiting_bytes_ && first->first > last_written_, "step {} after {}", first->first, last_written_);
   waiting_bytes_ -= bytes;
   written_bytes_ += bytes;
   last_written_ = first->first;
-  const std::string& node = distribution_.placement.nodes[node_of_step(first->first)];
+  if (flight.fired.empty()) {
+    write_texts(flight, distribution_.placement.nodes[node_of_step(first->first)]);
+  } else {
+    for (const InteractionId interaction : flight.fired) core_.remember(interaction);
+    output_.record(flight.fired);
+    written_ += flight.fired.size();
+  }
+  flights_.erase(first);
+}
+
+void StepMerge::write_texts(const Flight& flight, const std::string& node) {
   std::size_t out = 0, trace = 0;
   StepText text;
   for (const Step& step : flight.steps) {
@@ -127,7 +156,6 @@ void StepMerge::write_first() {
     output_.put_of_node(text, node);
     ++written_;
   }
-  flights_.erase(first);
 }
 
 }  // namespace bip::rt

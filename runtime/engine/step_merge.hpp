@@ -11,6 +11,7 @@
 #include "runtime/distributed/distribution.hpp"
 #include "runtime/distributed/message.hpp"
 #include "runtime/engine/output.hpp"
+#include "runtime/engine/unwritten_steps.hpp"
 
 namespace bip::rt {
 
@@ -27,6 +28,8 @@ class StepMerge {
   bool take_begun(u32 node, const Control& control);
   /// Control::Kind::Took of a node. Returns how many steps; 0: it is none.
   u64 take_many(u32 node, const Control& control);
+  /// Control::Kind::Fired of a node. Returns how many steps; 0: it is none, or not of this run.
+  u64 take_fired(u32 node, const std::vector<u64>& numbers);
   void take_landed(u32 node, const std::vector<u64>& steps);
   /// The node will tell of no step up to this one any more.
   void raise_bound(u32 node, u64 step) { bounds_[node] = std::max(bounds_[node], step); }
@@ -60,12 +63,18 @@ class StepMerge {
     std::vector<Step> steps;
     StepText text;                          // of all
     std::vector<std::pair<u32, int>> open;  // node, parts there that have not ended
+    std::vector<InteractionId> fired;       // of all, if nothing else is written; then there are no steps and no text
+    [[nodiscard]] u64 bytes() const {
+      return fired.empty() ? record_bytes(text, steps.size()) : fired_bytes(fired.size());
+    }
   };
   static void add(Flight& flight, u32 node, int parts);
   [[nodiscard]] bool has_ended(const Flight& flight) const;
   [[nodiscard]] bool is_step(const Step& step) const;
   void add_waiting(const Flight& flight);
+  [[nodiscard]] bool is_new(u32 node, u64 number) const;
   void write_first();
+  void write_texts(const Flight& flight, const std::string& node);
 
   Core& core_;
   const Distribution& distribution_;

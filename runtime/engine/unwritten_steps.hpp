@@ -21,11 +21,15 @@ inline constexpr u64 kMostUnwritten = u64{64} << 20;
 /// The launcher says what is written after so many bytes: often enough that no node waits for that alone.
 [[nodiscard]] constexpr u64 written_to_tell(std::size_t nodes) { return most_unwritten(nodes) / 8; }
 
+/// Of its tables, for all steps that share one number.
+inline constexpr u64 kRecordTables = 216;
 /// Bytes that the launcher holds for `steps` steps that share one number and this text, its tables included.
 [[nodiscard]] inline u64 record_bytes(const StepText& text, u64 steps = 1) {
-  constexpr u64 kTables = 192, kStep = 64;
-  return kTables + kStep * steps + text.out.size() + text.trace.size();
+  constexpr u64 kStep = 64;
+  return kRecordTables + kStep * steps + text.out.size() + text.trace.size();
 }
+/// The same for steps of which only the interactions are written.
+[[nodiscard]] constexpr u64 fired_bytes(u64 steps) { return kRecordTables + sizeof(InteractionId) * steps; }
 
 /// Of one node. O(1) a step, and a row for many of them.
 class UnwrittenSteps {

@@ -19,7 +19,7 @@ import tempfile
 import time
 
 import test_hosts
-from test_hosts import BIPC, BUILD, ROOT, check
+from test_hosts import BIPC, BUILD, PATIENCE, ROOT, check
 
 MODELS = ROOT / "models"
 # model, root, steps at most
@@ -90,7 +90,7 @@ class Run:
 
     def end(self, seconds=60):
         try:
-            self.out, self.err = self.process.communicate(timeout=seconds)
+            self.out, self.err = self.process.communicate(timeout=seconds * PATIENCE)
         except subprocess.TimeoutExpired:
             self.process.kill()
             self.out, self.err = self.process.communicate()
@@ -307,7 +307,7 @@ def come_to_rest(processes, seconds=60):
 
 def test_unwritten(folder):
     """While a node or the launcher stands still, the others go on until what they say of their steps fills its room, and no further; then all go on to the exact limit."""
-    most, limit = 64 << 20, 2_000_000
+    most, limit = 64 << 20, 20_000_000
     for who, how, codes in (("node", signal.SIGCONT, {0}), ("node", signal.SIGKILL, {1}), ("node, go-on", signal.SIGKILL, {0, 1}), ("launcher", signal.SIGCONT, {0})):
         options = ["--on-loss=go-on"] if who.endswith("go-on") else []
         run = Run(folder, MODELS / "bench/pingpong.bip", "Pairs(64)", "--nodes", "4", "--seed", "3", "--limit", str(limit), *options)

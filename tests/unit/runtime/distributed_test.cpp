@@ -1148,7 +1148,54 @@ TEST_CASE("a step that a node tells of is one, or is refused") {
   CHECK(merge.waiting_bytes() == record_bytes({"ab", ""}, 2));
   merge.write_until(third);
   CHECK(merge.written() == 4);
+  // Texts are written: interactions alone are not enough.
+  CHECK(merge.take_fired(0, {step_at(4, 0), 0, 1}) == 0);
   std::fclose(out);
+}
+
+TEST_CASE("steps of which the launcher has only the interactions are written as one by one") {
+  Scattered pairs = scattered_pairs(2);
+  const auto trace_of = [&](bool at_once) {
+    const std::string path = "merge_fired.trace";
+    RunOptions options;
+    options.silent = true;
+    options.trace_path = path;
+    options.format = TraceFormat::Binary;
+    {
+      RunFile trace(path, stderr);
+      REQUIRE(trace.open());
+      std::FILE* out = std::tmpfile();
+      Output output(options, 1, out, trace, pairs.image());
+      REQUIRE(output.records_only());
+      StepMerge merge(*pairs.core, pairs.distribution, output);
+      const u64 first = step_at(1, 0), second = step_at(2, 0);
+      CHECK(merge.take_fired(0, {first}) == 0);
+      CHECK(merge.take_fired(0, {step_at(1, 1), 0, 1}) == 0);
+      CHECK(merge.take_fired(0, {first, 0, 1000}) == 0);
+      CHECK(merge.waiting() == 0);
+      if (at_once) {
+        CHECK(merge.take_fired(0, {first, 0, 1, 0}) == 3);
+        CHECK(merge.waiting_bytes() == fired_bytes(3));
+        // Again, and one of an earlier number.
+        CHECK(merge.take_fired(0, {first, 0, 1}) == 0);
+        CHECK(merge.take_fired(0, {second, 1}) == 1);
+      } else {
+        for (u64 k = 0; k < 4; ++k) CHECK(merge.take_fired(0, {step_at(1 + k, 0), k % 2}) == 1);
+      }
+      merge.write_until(step_at(9, 0));
+      CHECK(merge.written() == 4);
+      CHECK(merge.waiting_bytes() == 0);
+      output.end(*pairs.core, End::Limit, merge.written());
+      REQUIRE(trace.close());
+      std::fclose(out);
+    }
+    std::string bytes = bip::testing::contents(std::fopen(path.c_str(), "rb"));
+    std::remove(path.c_str());
+    return bytes;
+  };
+  const std::string at_once = trace_of(true);
+  CHECK(at_once.size() > 4);
+  CHECK(at_once == trace_of(false));
 }
 
 TEST_CASE("a node counts the bytes of its unwritten steps, and is told of written ones early enough") {
