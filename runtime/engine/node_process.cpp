@@ -24,6 +24,7 @@ constexpr u64 kLeastChunk = 64;              // steps of a batch, at least
 constexpr u64 kMostTold = 256;               // steps in one message to the launcher, at most
 constexpr std::size_t kMostText = 1u << 15;  // bytes of text in such a message: then no step is added
 constexpr i64 kLastWords = 2000000000;       // ns to wait for the launcher to hear them
+constexpr i64 kLastAnswer = 20000000;        // ns until the fabric has sent what confirms the last message of the run
 constexpr i64 kLook = 1000000000;            // ns between looks whether the launcher is there
 constexpr int kGoodbyes = 4, kGoodbye = 50;  // ms
 constexpr i64 kLonger = 2000000000;          // ns that the launcher, which waits for all, is waited for longer
@@ -78,11 +79,15 @@ bool NodeProcess::run(const State& initial) {
   started_ = wall_clock();
   if (!begin_watch()) return false;
   bool has_work = true;
-  i64 leave_at = 0;
+  i64 leave_at = kForever;
+  bool is_leaving = false;
   for (;;) {
     i64 now = wall_clock();
     const bool has_said_all = told_end_ != kNotTold && station_.link(launcher_).unconfirmed().empty();
-    if (is_finished_ && (has_said_all || now >= leave_at)) return true;
+    // The launcher waits for a confirmation of its last message where it cannot see that this process has ended.
+    if (is_finished_ && has_said_all && !std::exchange(is_leaving, true))
+      leave_at = setup_.options.deployment != nullptr ? now + kLastAnswer : now;
+    if (is_finished_ && now >= leave_at) return true;
     if (is_remote_ && must_leave(now)) return false;
     i64 due = next_due(has_work);
     if (is_finished_) due = std::min(due, leave_at);
@@ -105,7 +110,7 @@ bool NodeProcess::run(const State& initial) {
     if (!has_work) report(now);
     send(now);
     station_.tick(now);
-    if (is_finished_ && leave_at == 0) leave_at = wall_clock() + kLastWords;
+    if (is_finished_ && leave_at == kForever) leave_at = wall_clock() + kLastWords;
   }
 }
 
@@ -221,7 +226,7 @@ void NodeProcess::take_control(const Control& control) {
     case Control::Kind::Finish:
       if (!is_finished_) return say_last_state();
       if (control.numbers.size() == 2) told_end_ = control.numbers[0], told_steps_ = control.numbers[1];
-      return;
+      return station_.answer_at_once();
     case Control::Kind::Written: return unwritten_.remove_up_to(number);
     case Control::Kind::Beat: return say(Control::Kind::Beat, {station_.clock(), steps_, cpu_spent()});
     case Control::Kind::Ready:
