@@ -5,15 +5,42 @@
 #include "bip/ffi.hpp"
 
 #include "runtime/distributed/codec.hpp"
+#include "runtime/distributed/node.hpp"
 
 namespace bip::rt {
 
 namespace {
 
 constexpr std::string_view kCheckpointMagic = "bipc checkpoint 1\n";
+constexpr const char* kCut = "it is cut off, or the model has changed since";
 
 bool is_text_variable(const Image& image, const Var& variable) {
   return image.ffi != nullptr && variable.type == CellType::String;
+}
+
+// The instant, and of each atom how many words its clocks have, and these. Nothing else of time: there are no actions
+// beside the others and no events.
+void print_time(ByteWriter& writer, const Core& core, const SavedTime& time) {
+  BIP_ASSERT(time.clocks.size() == core.image().atoms.size && time.beside.empty(), "clocks of {} of {} atoms",
+             time.clocks.size(), core.image().atoms.size);
+  writer.number(static_cast<u64>(time.now));
+  for (const std::vector<i64>& words : time.clocks) {
+    writer.number(words.size());
+    for (const i64 word : words) writer.number(static_cast<u64>(word));
+  }
+}
+
+bool read_time(ByteReader& reader, const Core& core, SavedTime& time) {
+  const u64 instant = reader.number();
+  if (instant > static_cast<u64>(kMaxTicks)) return false;
+  time.now = static_cast<i64>(instant);
+  time.clocks.assign(core.image().atoms.size, {});
+  for (u32 atom = 0; atom < time.clocks.size() && reader.is_sound(); ++atom) {
+    for (u64 left = reader.count(); left != 0 && reader.is_sound(); --left)
+      time.clocks[atom].push_back(static_cast<i64>(reader.number()));
+    if (!reader.is_sound() || !core.time().is_saved(atom, time.clocks[atom])) return false;
+  }
+  return reader.is_sound();
 }
 
 }  // namespace
@@ -27,7 +54,8 @@ std::string object_without_checkpoint(const Image& image) {
   return {};
 }
 
-std::string print_checkpoint(const Tables& tables, const Checkpoint& checkpoint) {
+std::string print_checkpoint(const Core& core, const Checkpoint& checkpoint) {
+  const Tables& tables = core.tables();
   const Image& image = *tables.image;
   BIP_ASSERT(checkpoint.history.size() == image.atoms.size && checkpoint.state.places.size() == image.atoms.size,
              "a checkpoint of {} of {} atoms", checkpoint.history.size(), image.atoms.size);
@@ -49,10 +77,12 @@ std::string print_checkpoint(const Tables& tables, const Checkpoint& checkpoint)
     }
     writer.number(checkpoint.history[atom] == kNone ? 0 : u64{checkpoint.history[atom]} + 1);
   }
+  if (core.is_timed()) print_time(writer, core, checkpoint.time);
   return bytes;
 }
 
-std::string read_checkpoint(const Tables& tables, std::string_view bytes, Checkpoint& checkpoint) {
+std::string read_checkpoint(const Core& core, std::string_view bytes, Checkpoint& checkpoint) {
+  const Tables& tables = core.tables();
   const Image& image = *tables.image;
   if (!bytes.starts_with(kCheckpointMagic)) return "it is no checkpoint of this version";
   ByteReader reader(bytes.substr(kCheckpointMagic.size()));
@@ -80,7 +110,11 @@ std::string read_checkpoint(const Tables& tables, std::string_view bytes, Checkp
     const u32 history = reader.row(u64{image.connectors.size} + 1);
     if (history != 0) checkpoint.history[atom] = history - 1;
   }
-  return reader.is_sound() && reader.is_at_end() ? "" : "it is cut off, or the model has changed since";
+  if (core.is_timed()) {
+    if (!reader.is_sound() || !read_time(reader, core, checkpoint.time)) return kCut;
+    add_time(core, checkpoint.time, checkpoint.state);
+  }
+  return reader.is_sound() && reader.is_at_end() ? "" : kCut;
 }
 
 }  // namespace bip::rt

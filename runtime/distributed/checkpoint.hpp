@@ -1,5 +1,5 @@
-// A checkpoint of a distributed run: a state of the whole model between two steps, when nothing is at work, as bytes. A
-// run that goes on from it may place the components elsewhere.
+// A checkpoint of a distributed run: a state of the whole model between two steps, when nothing is at work, as bytes;
+// with time its instant and the clocks. A run that goes on from it may place the components elsewhere.
 //
 // Linear in the model. Whatever bytes come, reading ends with a state of this model or a problem.
 #pragma once
@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "runtime/core/state/state.hpp"
+#include "runtime/distributed/node.hpp"
 
 namespace bip::rt {
 
@@ -15,14 +15,16 @@ struct Checkpoint {
   u64 steps = 0;  // before it
   State state;
   std::vector<u32> history;  // by atom: NextMove::history
+  SavedTime time = {};       // of the state, as nodes say it; State::time is made of it when it is read
 };
 
 /// Returns the path of an atom's variable that C++ made, `atom.variable`: its models have no checkpoints. Empty: none.
 [[nodiscard]] std::string object_without_checkpoint(const Image& image);
 
-/// Of images without time and without such variables.
-[[nodiscard]] std::string print_checkpoint(const Tables& tables, const Checkpoint& checkpoint);
-/// Returns what is wrong with the bytes; empty: nothing. The checkpoint's state has the image's sizes before and after.
-[[nodiscard]] std::string read_checkpoint(const Tables& tables, std::string_view bytes, Checkpoint& checkpoint);
+/// Of images without such variables, and, with time, without actions that run beside the others (has_async). The state
+/// is one of the core's image.
+[[nodiscard]] std::string print_checkpoint(const Core& core, const Checkpoint& checkpoint);
+/// Returns what is wrong with the bytes; empty: nothing. The checkpoint's state is one of the core before and after.
+[[nodiscard]] std::string read_checkpoint(const Core& core, std::string_view bytes, Checkpoint& checkpoint);
 
 }  // namespace bip::rt

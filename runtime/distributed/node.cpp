@@ -16,6 +16,7 @@ bool Node::start(const State& state) {
   history_ = distribution_.history;
   history_.resize(atoms, kNone);
   if (!core_.restore(state)) return false;
+  moment_ = {core_.now(), 0};
   PartialSteps& partial = core_.partial();
   partial.allow();
   partial.share();

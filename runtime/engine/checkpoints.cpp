@@ -51,7 +51,7 @@ void Checkpoints::write(const Core& core, Checkpoint checkpoint) {
   checkpoint.steps += resumed_;
   const std::string& path = options_.checkpoint_path;
   const std::string unfinished = path + ".new";
-  if (!write_whole_file(unfinished, print_checkpoint(core.tables(), checkpoint)) ||
+  if (!write_whole_file(unfinished, print_checkpoint(core, checkpoint)) ||
       std::rename(unfinished.c_str(), path.c_str()) != 0) {
     std::fprintf(stderr, "warning: no checkpoint: %s: %s\n", printable(path).c_str(), std::strerror(errno));
     return;
@@ -68,7 +68,7 @@ std::string resume(Core& core, const std::string& path, Checkpoint& checkpoint) 
   for (std::size_t n; (n = std::fread(buffer, 1, sizeof buffer, file)) > 0;) bytes.append(buffer, n);
   std::fclose(file);
   checkpoint.state = core.snapshot();
-  if (std::string problem = read_checkpoint(core.tables(), bytes, checkpoint); !problem.empty()) return problem;
+  if (std::string problem = read_checkpoint(core, bytes, checkpoint); !problem.empty()) return problem;
   return core.restore(checkpoint.state) ? "" : "a run-time error: " + core.fault().what;
 }
 

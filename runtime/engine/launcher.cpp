@@ -59,6 +59,7 @@ class Launcher {
         codec_(core.tables(), distribution, run_),
         merge_(core, distribution, output),
         plans_(plans_instants(core, options)),
+        now_(core.now()),
         members_(distribution.placement.nodes.size()),
         checkpoints_(options, resumed) {}
 
@@ -637,7 +638,7 @@ class Launcher {
 
   void save_checkpoint(i64 now) {
     if (phase_ != RunPhase::Telling || !all([](const Member& member) { return member.has_told; })) return;
-    checkpoints_.write(core_, {steps(), last_, history_});
+    checkpoints_.write(core_, {steps(), last_, history_, time_});
     if (wants_collection(core_.image())) free_strings();
     phase_ = RunPhase::Running;
     is_pausing_ = false;
@@ -764,6 +765,7 @@ class Launcher {
   Codec codec_;
   StepMerge merge_;
   bool plans_;  // instants of steps
+  i64 now_;     // the instant
   std::vector<Member> members_;
   Checkpoints checkpoints_;
   DistributedResult result_;
@@ -783,7 +785,6 @@ class Launcher {
   u64 odd_ = 0;  // messages that say what cannot be
   bool is_changed_ = false, is_halted_ = false, is_interrupted_ = false;
   bool is_pausing_ = false;  // for a checkpoint
-  i64 now_ = 0;              // the instant
   u64 instant_step_ = 0;     // its number among the steps; 0: there was only the first one
   TimeLimit limit_;          // of the nodes that answered
   i64 planned_ = kForever;

@@ -40,6 +40,7 @@ class SimulatedRun {
         options_(options),
         writes_(output.writes_steps()),
         plans_(plans_instants(core, options)),
+        moment_{core.now(), 0},
         network_(faults, seed),
         draws_(seed + 1),
         flights_(output),
@@ -255,7 +256,7 @@ class SimulatedRun {
       return;
     Checkpoint checkpoint{steps_, initial, std::vector<u32>(core_.image().atoms.size, kNone)};
     for (u32 node = 0; node < seats_.size(); ++node) {
-      seats_[node].node->save(checkpoint.state, time_);
+      seats_[node].node->save(checkpoint.state, checkpoint.time);
       for (u32 atom = 0; atom < checkpoint.history.size(); ++atom) {
         if (distribution_.home(atom) == node) checkpoint.history[atom] = seats_[node].node->history(atom);
       }
@@ -365,13 +366,13 @@ class SimulatedRun {
   const RunOptions& options_;
   bool writes_;
   bool plans_;  // instants of steps
+  Moment moment_;
   Network network_;
   Prng draws_;
   Flights flights_;
   std::vector<Seat> seats_;
   u64 steps_ = 0, border_steps_ = 0, lost_after_ = 0;
-  u64 instants_ = 0;  // to which time has passed
-  Moment moment_;
+  u64 instants_ = 0;              // to which time has passed
   u64 steps_at_again_ = ~u64{0};  // steps when the current instant was last announced again
   bool is_stopping_ = false;      // a node was lost
   bool is_pausing_ = false;       // nothing begins until a checkpoint can be taken

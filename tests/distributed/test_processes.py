@@ -260,8 +260,8 @@ def test_orphans(folder):
 
 def test_checkpoints(folder, draws, runs):
     """A node is killed between checkpoints; the run goes on from the last one, on more nodes, and again from one that a signal asked for."""
-    model, root = MODELS / "bench/philosophers.bip", "Table(8)"
-    for k in range(runs):
+    for k, (name, root) in enumerate(runs * [("bench/philosophers", "Table(8)"), ("timed/train_gate", None)]):
+        model = MODELS / f"{name}.bip"
         first, second = folder / "first.checkpoint", folder / "second.checkpoint"
         run = Run(folder, model, root, "--nodes", "3", "--seed", str(k), "--checkpoint", "150ms", "--checkpoint-file", str(first))
         processes = run.nodes(3)
@@ -272,9 +272,9 @@ def test_checkpoints(folder, draws, runs):
         os.kill(draws.choice(processes), signal.SIGKILL)
         run.check({1}, "a node is killed after a checkpoint")
         check(first.exists() and f"--resume {first}" in run.err, "how to go on is told", run.err)
-        run = Run(folder, model, root, "--nodes", str(2 + 3 * k), "--seed", str(k), "--resume", str(first), "--checkpoint-file", str(second))
+        run = Run(folder, model, root, "--nodes", str(2 + 3 * (k // 2)), "--seed", str(k), "--resume", str(first), "--checkpoint-file", str(second))
         run.resumed = first
-        run.nodes(2 + 3 * k)
+        run.nodes(2 + 3 * (k // 2))
         time.sleep(0.3)
         run.process.send_signal(signal.SIGUSR1)
         while not second.exists() and time.monotonic() < end + 20:

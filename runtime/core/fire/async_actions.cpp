@@ -10,17 +10,19 @@
 
 namespace bip::rt {
 
-void AsyncActions::link() {
-  const Image& image = core_.image();
+bool has_async(const Image& image) {
   for (const Atom& atom : image.atoms) {
     const AtomTime* time = image.atom_types[atom.type].time;
-    if (time == nullptr) continue;
-    const bool has_async = std::any_of(time->transitions.begin(), time->transitions.end(),
-                                       [](const TransitionTime& transition) { return transition.async.present; });
-    if (!has_async) continue;
-    at_work_.resize(image.atoms.size);
-    return;
+    if (time != nullptr && std::any_of(time->transitions.begin(), time->transitions.end(),
+                                       [](const TransitionTime& transition) { return transition.async.present; }))
+      return true;
   }
+  return false;
+}
+
+void AsyncActions::link() {
+  const Image& image = core_.image();
+  if (has_async(image)) at_work_.resize(image.atoms.size);
 }
 
 void AsyncActions::reset() {

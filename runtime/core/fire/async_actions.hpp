@@ -15,6 +15,9 @@ namespace bip::rt {
 struct CoreParts;
 class ActionPool;
 
+/// Has a component of the image actions that run beside the others?
+[[nodiscard]] bool has_async(const Image& image);
+
 /// An atom whose action runs beside the others.
 struct AtWork {
   u32 transition = kNone;   // row of Tables::transitions; kNone: it is not

@@ -688,14 +688,14 @@ TEST_CASE("a checkpoint is the state after its steps, and a run goes on from it"
     }
     CHECK(followed.snapshot() == checkpoint.state);
     // Bytes that are cut off or odd are refused, and never more.
-    const std::string bytes = print_checkpoint(core.tables(), checkpoint);
+    const std::string bytes = print_checkpoint(core, checkpoint);
     Prng draws(seed);
     for (std::size_t size = 0; size < bytes.size(); ++size) {
       Checkpoint cut = checkpoint;
-      CHECK_FALSE(read_checkpoint(core.tables(), std::string_view(bytes).substr(0, size), cut).empty());
+      CHECK_FALSE(read_checkpoint(core, std::string_view(bytes).substr(0, size), cut).empty());
       std::string odd = bytes;
       odd[size] = static_cast<char>(draws.below(256));
-      (void)read_checkpoint(core.tables(), odd, cut);
+      (void)read_checkpoint(core, odd, cut);
     }
     RunOptions more;
     more.resume_path = name;
