@@ -193,7 +193,7 @@ def groups(options):
     os.environ["BUILD"] = str(BUILD)
     return [
         ("unit", list(unit_jobs())),
-        ("golden", [script("golden", "tests/golden/test_golden.py", "--every", str(options.goldens_every), weight=45, sample=["--every", "10"])]),
+        ("golden", [script("golden", "tests/golden/test_golden.py", "--every", str(options.goldens_every), "--containing", options.goldens_containing, weight=45, sample=["--every", "10"])]),
         ("snippets", [script("snippets", "tests/meta/test_snippets.py", weight=10, sample=["--every", "8"])]),
         ("book", [script("book", "tests/book/test_book.py", weight=8)]),
         ("meta", [script("meta", "tests/meta/test_meta.py", weight=5), script("help_examples", "tests/meta/test_help_examples.py", weight=10, sample=["check", "run", "verify"])]),
@@ -248,6 +248,7 @@ def main():
     arguments.add_argument("--systems", type=int, default=200, help="random systems of the group differential")
     arguments.add_argument("--nets", type=int, default=300, help="random systems of the prover's test; 2000 is what test_verify.sh itself takes")
     arguments.add_argument("--goldens-every", type=int, default=1, metavar="N", help="of N golden files only one")
+    arguments.add_argument("--goldens-containing", default="", metavar="REGEX", help="only golden files with a text that the regular expression matches")
     arguments.add_argument("--first", type=int, default=2001, help="seed of the first random system")
     arguments.add_argument("--without-emitted", action="store_true", help="random systems are not also run as emitted C++")
     arguments.add_argument("--sample", action="store_true", help="some cases of each group; says what it leaves out")
@@ -263,6 +264,8 @@ def main():
         # Freed memory is kept for a while: not so much that tests of memory see nothing else. Signals of a crash are handled by bipc.
         own_signals = [f"handle_{name}=0" for name in ("segv", "sigbus", "sigfpe", "sigill", "abort")]
         os.environ["ASAN_OPTIONS"] = ":".join(filter(None, [os.environ.get("ASAN_OPTIONS"), "quarantine_size_mb=8", *own_signals]))
+        # Processes of codels are forked while threads run, and start threads of their own. No second is waited at each exit.
+        os.environ["TSAN_OPTIONS"] = ":".join(filter(None, [f"suppressions={ROOT / 'tests/tsan.supp'}", "die_after_fork=0", "atexit_sleep_ms=0", *own_signals, os.environ.get("TSAN_OPTIONS")]))
         # Programs that link the runtime of the build need its compiler and sanitizers; what bipc loads must not have them.
         os.environ.setdefault("BIPC_TEST_CXX", f"{build_option('CMAKE_CXX_COMPILER')} -fsanitize={build_option('BIPC_SANITIZE')}")
     unknown = wanted - {name for name, _ in everything} - {f"{name}:{job.name}" for name, jobs in everything for job in jobs}

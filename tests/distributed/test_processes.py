@@ -307,7 +307,8 @@ def come_to_rest(processes, seconds=60):
 
 def test_unwritten(folder):
     """While a node or the launcher stands still, the others go on until what they say of their steps fills its room, and no further; then all go on to the exact limit."""
-    most, limit = 64 << 20, 20_000_000
+    # Programs with sanitizers are too slow for as many steps as fill it, if only their interactions are told.
+    most, limit = 64 << 20, 20_000_000 if PATIENCE == 1 else 1_000_000
     for who, how, codes in (("node", signal.SIGCONT, {0}), ("node", signal.SIGKILL, {1}), ("node, go-on", signal.SIGKILL, {0, 1}), ("launcher", signal.SIGCONT, {0})):
         options = ["--on-loss=go-on"] if who.endswith("go-on") else []
         run = Run(folder, MODELS / "bench/pingpong.bip", "Pairs(64)", "--nodes", "4", "--seed", "3", "--limit", str(limit), *options)
@@ -322,7 +323,7 @@ def test_unwritten(folder):
         check(steps == limit or (how == signal.SIGKILL and not options), f"{what}: the limit is reached", run.out + run.err)
         held = re.search(r"^bytes of steps before they were written: (\d+) at most$", run.err, re.M)
         # Three of four nodes fill theirs; each may be above it by what it says at once.
-        check(held is not None and int(held[1]) <= most + (1 << 20) and (who == "launcher" or int(held[1]) > most // 2), f"{what}: what waits is bounded", run.err)
+        check(held is not None and int(held[1]) <= most + (1 << 20) and (who == "launcher" or PATIENCE != 1 or int(held[1]) > most // 2), f"{what}: what waits is bounded", run.err)
 
 
 def test_credit(folder):

@@ -170,6 +170,7 @@ def main():
     parser.add_argument("--update", action="store_true", help="rewrite the expected sections")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--every", type=int, default=1, metavar="N", help="of N files, in the order of their names, only the first")
+    parser.add_argument("--containing", metavar="REGEX", help="only files with a text that the regular expression matches")
     parser.add_argument("what", nargs="*", help="files, folders or parts of names")
     arguments = parser.parse_args()
     if arguments.every < 1:
@@ -178,7 +179,12 @@ def main():
     if not shutil.which(bipc):
         sys.exit(f"golden: no program at {bipc} (build it with tools/build, or set BIPC)")
     bipc = os.path.abspath(bipc)
-    goldens = chosen(arguments.what)[::arguments.every]
+    goldens = chosen(arguments.what)
+    if arguments.containing:
+        goldens = [g for g in goldens if re.search(arguments.containing, g.read_text(encoding="utf-8", errors="replace"))]
+    goldens = goldens[::arguments.every]
+    if not goldens:
+        sys.exit("golden: no file is chosen")
     if not pathlib.Path(bipc).with_name("certcheck").exists() and \
             any("certcheck " in g.read_text(encoding="utf-8", errors="replace") for g in goldens):
         sys.exit(f"golden: no certcheck beside {bipc} (ninja -C BUILD certcheck)")
