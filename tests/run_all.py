@@ -28,6 +28,7 @@ SYSTEMS = re.compile(r"^differential: (\d+) systems, (\d+) failed$", re.M)
 SKIPPED = re.compile(r"^skipped: (.*)$", re.M)
 COUNTS = re.compile(r"^(?:[\w ]+: )?(\d+) passed, (\d+) failed$", re.M)
 
+RACES = LOGS / "races"  # reports of the thread sanitizer, one file for each process
 TIME_LIMIT = 1800  # s of a program; the longest takes a third
 LEFT_OUT = ["left out"]  # of a sample: the program takes long, and has no small part that says much
 UNIT_SAMPLE = 4  # of so many test cases of a long program of unit tests a sample has one
@@ -264,8 +265,10 @@ def main():
         # Freed memory is kept for a while: not so much that tests of memory see nothing else. Signals of a crash are handled by bipc.
         own_signals = [f"handle_{name}=0" for name in ("segv", "sigbus", "sigfpe", "sigill", "abort")]
         os.environ["ASAN_OPTIONS"] = ":".join(filter(None, [os.environ.get("ASAN_OPTIONS"), "quarantine_size_mb=8", *own_signals]))
+        for old in LOGS.glob(RACES.name + ".*"):
+            old.unlink()
         # Processes of codels are forked while threads run, and start threads of their own. No second is waited at each exit.
-        os.environ["TSAN_OPTIONS"] = ":".join(filter(None, [f"suppressions={ROOT / 'tests/tsan.supp'}", "die_after_fork=0", "atexit_sleep_ms=0", *own_signals, os.environ.get("TSAN_OPTIONS")]))
+        os.environ["TSAN_OPTIONS"] = ":".join(filter(None, [f"suppressions={ROOT / 'tests/tsan.supp'}", "die_after_fork=0", "atexit_sleep_ms=0", f"log_path={RACES}", *own_signals, os.environ.get("TSAN_OPTIONS")]))
         # Programs that link the runtime of the build need its compiler and sanitizers; what bipc loads must not have them.
         os.environ.setdefault("BIPC_TEST_CXX", f"{build_option('CMAKE_CXX_COMPILER')} -fsanitize={build_option('BIPC_SANITIZE')}")
     unknown = wanted - {name for name, _ in everything} - {f"{name}:{job.name}" for name, jobs in everything for job in jobs}
@@ -309,6 +312,10 @@ def main():
     for job in jobs:
         if job.alone:
             execute(job)
+    # Also of processes whose exit codes and output nobody sees.
+    for report_file in sorted(LOGS.glob(RACES.name + ".*")):
+        print(report_file.read_text(encoding="utf-8", errors="replace")[:4000])
+        total[1] += 1
     (LOGS / "seconds").write_text("".join(f"{seconds[job]:8.1f}  {name}:{job.name}\n" for name, group in chosen for job in group))
     if options.sample:
         print(f"a sample: {len(fewer)} programs had fewer cases; left out: {', '.join(left_out) or 'nothing'} "
