@@ -23,7 +23,7 @@
 #include "compiler/verify/net/unread_cpp.hpp"
 #include "compiler/verify/evidence/relevant_steps.hpp"
 #include "compiler/verify/portfolio/search_bad_state.hpp"
-#include "compiler/verify/property/counted_property.hpp"
+#include "compiler/verify/portfolio/counted_property.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::library {

@@ -26,7 +26,7 @@
 
 #include "compiler/interp/interp.hpp"
 #include "compiler/system/bsys.hpp"
-#include "compiler/verify/property/counted_property.hpp"
+#include "compiler/verify/portfolio/counted_property.hpp"
 #include "compiler/verify/property/formula.hpp"
 #include "compiler/verify/evidence/certificate.hpp"
 #include "compiler/verify/evidence/counterexample_text.hpp"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "compiler/interp/interp.hpp"
-#include "compiler/verify/property/counted_property.hpp"
+#include "compiler/verify/portfolio/counted_property.hpp"
 #include "compiler/verify/property/formula.hpp"
 #include "compiler/verify/property/property.hpp"
 #include "runtime/core/core.hpp"

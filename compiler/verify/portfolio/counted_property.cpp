@@ -1,5 +1,5 @@
 // See counted_property.hpp.
-#include "compiler/verify/property/counted_property.hpp"
+#include "compiler/verify/portfolio/counted_property.hpp"
 
 #include <algorithm>
 #include <map>
@@ -13,7 +13,7 @@ namespace bip::verify {
 namespace {
 
 // Numbers that the search for exchanges compares.
-constexpr rt::u64 kWork = 30'000'000;
+constexpr rt::u64 kWorkOfExchanges = 30'000'000;
 
 using Rows = std::vector<std::uint32_t>;
 
@@ -130,7 +130,7 @@ std::optional<Property> with_first_conditions(const Property& property, const rt
   if (property.fault != Property::kNoRow || !connectors_of(property).empty()) return std::nullopt;
   const CountedConditions conditions(property);
   rt::SymmetryLimits limits;
-  limits.work = kWork;
+  limits.work = kWorkOfExchanges;
   limits.named_atoms = atoms_of(property);
   limits.preserves_predicate = [&](const rt::AtomExchange& exchange) { return conditions.is_preserved_by(exchange); };
   if (!conditions.are_interchangeable(rt::interchangeable_members(image, limits))) return std::nullopt;
