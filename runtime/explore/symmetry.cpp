@@ -25,6 +25,9 @@ struct Family {
   std::map<u32, std::vector<std::pair<std::string, u32>>> members;
 };
 
+// Neighbours in the name of a group; of more the first and the last one stand for all.
+constexpr std::size_t kMostListed = 8;
+
 class SymmetryDetector {
  public:
   SymmetryDetector(const Image& image, const Locals& locals, const SymmetryLimits& limits)
@@ -55,6 +58,7 @@ class SymmetryDetector {
         }
       }
       is_too_deep_ = is_too_deep_ || depth[connector] > kDeepest;
+      note_flat(connector);
       for (u32 k = 0; k < row.bind_count; ++k) {
         const u32 atom = owner_[image.binds[row.binds + k].variable()].first;
         if (atom != kNone) atoms.push_back(atom);
@@ -126,6 +130,7 @@ class SymmetryDetector {
     }
     std::vector<Key> before, after;
     for (const u32 connector : connectors) {
+      if (maps_flat_to_itself(connector, a, b)) continue;
       before.push_back(key_of(connector, {}));
       after.push_back(key_of(connector, exchange));
       work_ += before.back().size();
@@ -144,6 +149,52 @@ class SymmetryDetector {
   }
 
  private:
+  // Of a connector without code and without connectors below, whose ports of each atom are one.
+  struct FlatPort {
+    u32 atom = 0, port = 0;
+    bool is_trigger = false;
+  };
+  void note_flat(u32 connector) {
+    const Connector& row = image_.connectors[connector];
+    const ConnectorType& type = image_.connector_types[row.type];
+    flat_.emplace_back();
+    bool is_plain = !type.exports && type.define.size == type.params.size + 1;
+    for (const Clause& clause : type.clauses)
+      is_plain = is_plain && clause.guard == kNone && clause.up == kNone && clause.down == kNone;
+    for (u32 node = 1; node < type.define.size && is_plain; ++node) is_plain = type.define[node].is_leaf;
+    if (!is_plain) return;
+    std::vector<FlatPort>& ports = flat_.back();
+    for (const DefineNode& node : type.define) {
+      if (!node.is_leaf) continue;
+      const PortRef ref = image_.port_refs[row.ports + node.param];
+      if (ref.choice != kNone || ref.atom == kNone) {
+        ports.clear();
+        return;
+      }
+      ports.push_back({ref.atom, ref.port, node.trigger});
+    }
+    std::sort(ports.begin(), ports.end(), [](const FlatPort& x, const FlatPort& y) { return x.atom < y.atom; });
+    const auto same = [](const FlatPort& x, const FlatPort& y) { return x.atom == y.atom; };
+    if (std::adjacent_find(ports.begin(), ports.end(), same) != ports.end()) ports.clear();
+  }
+  // Is the connector the same, port by port, after the exchange? What is not found to be is compared as a whole.
+  bool maps_flat_to_itself(u32 connector, const std::vector<u32>& a, const std::vector<u32>& b) {
+    const std::vector<FlatPort>& ports = flat_[connector];
+    const auto find = [&](u32 atom) -> const FlatPort* {
+      const auto found = std::lower_bound(ports.begin(), ports.end(), atom,
+                                          [](const FlatPort& port, u32 wanted) { return port.atom < wanted; });
+      return found == ports.end() || found->atom != atom ? nullptr : &*found;
+    };
+    if (ports.empty()) return false;
+    for (std::size_t k = 0; k < a.size(); ++k) {
+      ++work_;
+      const FlatPort *const first = find(a[k]), *const second = find(b[k]);
+      if ((first == nullptr) != (second == nullptr)) return false;
+      if (first != nullptr && (first->port != second->port || first->is_trigger != second->is_trigger)) return false;
+    }
+    return true;
+  }
+
   // What a connector is: type, ports, data that it names. Where nothing tells its ports apart their order does not
   // count.
   Key key_of(u32 connector, const AtomExchange& exchange) const {
@@ -203,6 +254,7 @@ class SymmetryDetector {
   u64 work_ = 0;
   IndexVector<VariableId, std::pair<u32, u32>> owner_;  // atom, and which of its variables
   std::vector<std::vector<u32>> connectors_of_;         // by atom: those that run
+  std::vector<std::vector<FlatPort>> flat_;             // by connector, by atom; empty: it is not flat
   bool is_too_deep_ = false;
 };
 
@@ -265,9 +317,16 @@ void Symmetry::name_groups() {
   names_.clear();
   for (const Group& group : groups_) {
     std::string indices;
-    for (const u32 index : group.indices) {
+    for (std::size_t first = 0, last = 0; first < group.indices.size(); first = last + 1) {
+      last = first;
+      while (last + 1 < group.indices.size() && group.indices[last + 1] == group.indices[last] + 1) ++last;
+      // A few are listed.
+      if (last < first + kMostListed) last = first;
       indices += indices.empty() ? "[" : ",";
-      append_number(indices, index);
+      append_number(indices, group.indices[first]);
+      if (last == first) continue;
+      indices += "..";
+      append_number(indices, group.indices[last]);
     }
     indices += ']';
     std::string name;

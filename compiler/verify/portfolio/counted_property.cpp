@@ -75,12 +75,12 @@ class CountedConditions {
     made.text = property_.text;
     made.is_never = true;
     for (std::uint32_t k = 0; k < count; ++k) {
-      const std::uint32_t condition = copy(rows_[k], made);
+      const std::uint32_t condition = copy_part(property_, rows_[k], made);
       if (k != 0) made.nodes.push_back({.kind = PropertyKind::Operator, .op = Op::And, .a = made.root, .b = condition});
       made.root = static_cast<std::uint32_t>(made.nodes.size() - 1);
     }
     if (property_.counted->beside != Property::kNoRow) {
-      const std::uint32_t together = made.root, beside = copy(property_.counted->beside, made);
+      const std::uint32_t together = made.root, beside = copy_part(property_, property_.counted->beside, made);
       made.nodes.push_back({.kind = PropertyKind::Operator, .op = Op::And, .a = beside, .b = together});
       made.root = static_cast<std::uint32_t>(made.nodes.size() - 1);
     }
@@ -105,17 +105,6 @@ class CountedConditions {
     const auto other = names_atom(a.kind) ? exchange.find(a.owner) : exchange.end();
     return b.owner == (other == exchange.end() ? a.owner : other->second);
   }
-  std::uint32_t copy(std::uint32_t row, Property& made) const {
-    PropertyNode node = property_.nodes[row];
-    if (node.kind == PropertyKind::Operator) {
-      const bool is_unary = node.a == node.b;
-      node.a = copy(node.a, made);
-      node.b = is_unary ? node.a : copy(node.b, made);
-    }
-    made.nodes.push_back(node);
-    return static_cast<std::uint32_t>(made.nodes.size() - 1);
-  }
-
   const Property& property_;
   const Rows& rows_;
   std::vector<std::set<std::uint32_t>> atoms_;   // by condition

@@ -24,7 +24,7 @@ class ConditionTable {
   /// The row of the condition that a node of the parsed property is the root of. Equal conditions share a row.
   [[nodiscard]] std::uint32_t row_of(std::uint32_t node) {
     Property condition;
-    condition.root = copy(node, condition);
+    condition.root = copy_part(parsed_, node, condition);
     const auto same = std::find_if(conditions_.begin(), conditions_.end(), [&](const Property& other) {
       return std::equal(other.nodes.begin(), other.nodes.end(), condition.nodes.begin(), condition.nodes.end(),
                         [](const PropertyNode& a, const PropertyNode& b) { return key_of(a) == key_of(b); });
@@ -36,18 +36,6 @@ class ConditionTable {
   [[nodiscard]] std::vector<Property> take() { return std::move(conditions_); }
 
  private:
-  // A copy of the part of the tree, its operands first.
-  std::uint32_t copy(std::uint32_t row, Property& to) {
-    PropertyNode node = parsed_.nodes[row];
-    if (node.kind == PropertyKind::Operator) {
-      const bool is_unary = node.a == node.b;
-      node.a = copy(node.a, to);
-      node.b = is_unary ? node.a : copy(node.b, to);
-    }
-    to.nodes.push_back(node);
-    return static_cast<std::uint32_t>(to.nodes.size() - 1);
-  }
-
   const Property& parsed_;
   std::vector<Property> conditions_;
 };

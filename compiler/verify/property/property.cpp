@@ -164,6 +164,17 @@ std::vector<std::uint32_t> connectors_of(const Property& property) {
   return owners_of(property, [](PropertyKind kind) { return kind == PropertyKind::CanConnector; });
 }
 
+std::uint32_t copy_part(const Property& from, std::uint32_t row, Property& to) {
+  PropertyNode node = from.nodes[row];
+  if (node.kind == PropertyKind::Operator) {
+    const bool is_unary = node.a == node.b;
+    node.a = copy_part(from, node.a, to);
+    node.b = is_unary ? node.a : copy_part(from, node.b, to);
+  }
+  to.nodes.push_back(node);
+  return static_cast<std::uint32_t>(to.nodes.size() - 1);
+}
+
 std::vector<DataRef> data_of(const Property& property) {
   std::vector<DataRef> data;
   for (const PropertyNode& node : property.nodes) {

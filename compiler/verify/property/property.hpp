@@ -97,6 +97,8 @@ struct Property {
 [[nodiscard]] std::vector<std::uint32_t> atoms_of(const std::vector<Property>& properties);
 /// Does the property ask what can be done (`can`)? With time that changes within a location.
 [[nodiscard]] bool asks_offers(const Property& property);
+/// Copies the part of the tree that this row is the root of, its operands first. Returns its row in `to`.
+std::uint32_t copy_part(const Property& from, std::uint32_t row, Property& to);
 /// The data that it reads.
 [[nodiscard]] std::vector<DataRef> data_of(const Property& property);
 /// Returns the rows of the connectors in `can CONNECTOR`, each once, ascending.
