@@ -118,6 +118,7 @@ std::optional<Verdict> decide_possible(const VerifyRequest& request, Compilation
                               {"verdict", answer.value("verdict", "")},
                               {"property", formula.text},
                               {"negation", formula.negation}};
+  if (verdict.exit_code == kViolated) json["method"] = "run";
   for (const auto& [key, value] : answer.items()) {
     if (!json.contains(key)) json[key] = value;
   }

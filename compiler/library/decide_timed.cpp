@@ -21,6 +21,7 @@
 #include "compiler/system/system.hpp"
 #include "compiler/system/uses_time.hpp"
 #include "compiler/verify/net/unread_data.hpp"
+#include "compiler/verify/portfolio/counted_property.hpp"
 #include "compiler/verify/timed/prove_pairs.hpp"
 #include "compiler/verify/timed/prove_time.hpp"
 #include "compiler/verify/evidence/certificate.hpp"
@@ -226,9 +227,14 @@ Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify:
   }
   if (!request.wants_certificate && (asks_state || question.what == verify::QuestionKind::DeadlockFreedom)) {
     const verify::CancellationToken soon = cancellation.within(request.timeout / kShareOfParts);
-    verify::TimeProof proof = asks_state
-                                  ? verify::prove_state_in_time(*c.system, question.property, explore_system, soon)
-                                  : verify::prove_time(*c.system, explore_system, soon);
+    verify::TimeProof proof;
+    // Of components that are alike but for their numbers the first ones stand for all.
+    const std::optional<verify::Property> first =
+        asks_state ? verify::with_first_of_array(question.property, *c.system) : std::nullopt;
+    if (first) proof = verify::prove_state_by_pairs(*c.system, *first, explore_system, soon);
+    if (!proof.is_proved)
+      proof = asks_state ? verify::prove_state_in_time(*c.system, question.property, explore_system, soon)
+                         : verify::prove_time(*c.system, explore_system, soon);
     if (asks_state && !proof.is_proved) {
       verify::TimeProof by_pairs = verify::prove_state_by_pairs(*c.system, question.property, explore_system,
                                                                 cancellation.within(request.timeout / kShareOfParts));

@@ -48,6 +48,9 @@ ROWS = {
     "branching time (`possibly`)": [
         ("classic/philosophers_safe.bip", ["--root", "Table(3)", "--property", "always possibly phil[0]@EATS"], "accepted", "claim branches "),
         ("fail_branching_not_supported.golden", ["--root", "Warm()", "--property", "possibly l@LIT"], "refused", None)],
+    "the same, of one word with time or fairness": [
+        ("fail_branching_not_supported.golden", ["--root", "Timed()", "--property", "possibly l@LIT"], "refused", None),
+        ("fail_branching_not_supported.golden", ["--root", "Lazy()", "--fair=weak", "--property", "possibly always l@DARK || l@LIT"], "refused", None)],
     "limits of time (`within`)": [
         ("certificate_of_response.golden", ["--property", "p@CALLED leads to p@RUNS within 20 ms"], "accepted", "method zones")],
     "properties of runs without a limit, of a model with time": [

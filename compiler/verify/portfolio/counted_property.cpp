@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <string>
 #include <vector>
 
+#include "compiler/system/system.hpp"
 #include "runtime/explore/explore.hpp"
 
 namespace bip::verify {
@@ -69,6 +71,26 @@ class CountedConditions {
     return members.begin()->first == members.rbegin()->first;
   }
 
+  // Is each of them about one component of one array, and does it say of it what the first one says of its own?
+  [[nodiscard]] bool are_of_one_array(const System& system) const {
+    std::string array;
+    std::uint32_t first = Property::kNoRow;
+    for (std::size_t k = 0; k < atoms_.size(); ++k) {
+      if (atoms_[k].size() != 1) return false;
+      const std::uint32_t atom = *atoms_[k].begin();
+      const std::string& path = system.atoms[AtomId(std::size_t{atom})].path;
+      if (path.back() != ']' || conditions_of_.at(atom).size() != 1 || beside_.contains(atom)) return false;
+      const std::string of = path.substr(0, path.rfind('['));
+      if (k == 0) {
+        array = of;
+        first = atom;
+      } else if (of != array || !is_image(rows_[0], rows_[k], {{first, atom}, {atom, first}})) {
+        return false;
+      }
+    }
+    return true;
+  }
+
   // The first `count` of them together, as a property of its own.
   [[nodiscard]] Property first(std::uint32_t count) const {
     Property made;
@@ -123,6 +145,14 @@ std::optional<Property> with_first_conditions(const Property& property, const rt
   limits.named_atoms = atoms_of(property);
   limits.preserves_predicate = [&](const rt::AtomExchange& exchange) { return conditions.is_preserved_by(exchange); };
   if (!conditions.are_interchangeable(rt::interchangeable_members(image, limits))) return std::nullopt;
+  return conditions.first(property.counted->least);
+}
+
+std::optional<Property> with_first_of_array(const Property& property, const System& system) {
+  if (!property.counted || property.counted->rows.size() <= property.counted->least) return std::nullopt;
+  if (property.fault != Property::kNoRow || asks_offers(property)) return std::nullopt;
+  const CountedConditions conditions(property);
+  if (!conditions.are_of_one_array(system)) return std::nullopt;
   return conditions.first(property.counted->least);
 }
 

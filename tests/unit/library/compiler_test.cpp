@@ -145,14 +145,21 @@ TEST_CASE("what is possible has the run that shows it", "[library]") {
   const bc::Verdict possible = result.model->verify({.property = "possibly t@EATS", .stop = {}});
   REQUIRE(possible.is_answered);
   CHECK(possible.outcome == bc::Outcome::Holds);
-  CHECK(possible.method == "branching");
+  CHECK(possible.method == "run");
   REQUIRE(possible.counterexample.has_value());
   CHECK_FALSE(possible.counterexample->steps.empty());
   // The table has a deadlock.
   const bc::Verdict always = result.model->verify({.property = "always possibly t@EATS", .stop = {}});
   CHECK(always.outcome == bc::Outcome::Violated);
   REQUIRE(always.counterexample.has_value());
-  const bc::Verdict fair = result.model->verify({.property = "possibly t@EATS", .fairness = "weak", .stop = {}});
+  CHECK(result.model->verify({.property = "never possibly t@EATS && t@THINKS", .stop = {}}).method == "branching");
+  const bc::Verdict run = result.model->verify({.property = "possibly always !t@EATS", .fairness = "weak", .stop = {}});
+  CHECK(run.outcome == bc::Outcome::Holds);
+  CHECK(run.counterexample.has_value());
+  const bc::Verdict never = result.model->verify({.property = "possibly t@EATS && t@THINKS", .stop = {}});
+  CHECK(never.outcome == bc::Outcome::Violated);
+  CHECK_FALSE(never.counterexample.has_value());
+  const bc::Verdict fair = result.model->verify({.property = "always possibly t@EATS", .fairness = "weak", .stop = {}});
   CHECK_FALSE(fair.is_answered);
   CHECK_FALSE(fair.diagnostics.empty());
 }

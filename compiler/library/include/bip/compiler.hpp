@@ -107,7 +107,7 @@ struct Verdict {
   Outcome outcome = Outcome::Unknown;
   std::string name;      // "deadlock-free", "deadlock", "holds", "violated", "error-free", "error", "unknown" …
   std::string property;  // as it was read; empty: deadlock-freedom
-  std::string method;    // Holds: "invariants", "induction", "exhaustive", "parts", "branching"
+  std::string method;    // Holds: "invariants", "induction", "exhaustive", "parts", "branching", "run"
   std::string reason;    // Unknown
   std::uint64_t states = 0, invariants = 0, lemmas = 0;
   std::string certificate;  // text for certcheck, if it was wanted and the answer has one
