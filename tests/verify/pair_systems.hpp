@@ -54,6 +54,14 @@ class PairSystemWriter {
     return text;
   }
 
+  /// The same of any processes; after `model`.
+  [[nodiscard]] std::string counted_property() {
+    const std::string at = "row.a[i]@S" + std::to_string(below(places_[0]));
+    if (below(3) == 0) return "never row.m@S" + std::to_string(below(places_[1])) + " && exists i in row.a: " + at;
+    const std::string of = below(4) == 0 ? at + " || row.a[i]@S" + std::to_string(below(places_[0])) : at;
+    return (below(2) == 0 ? "always at most 1 i in row.a: " : "never exists i in row.a: ") + of;
+  }
+
  private:
   std::uint64_t below(std::uint64_t n) { return random_.below(n); }
 

@@ -6,6 +6,8 @@
 #include <string>
 
 #include "compiler/interp/interp.hpp"
+#include "compiler/verify/portfolio/counted_property.hpp"
+#include "compiler/verify/property/formula.hpp"
 #include "compiler/verify/timed/like_components.hpp"
 #include "compiler/verify/timed/prove_pairs.hpp"
 #include "runtime/explore/zones.hpp"
@@ -62,6 +64,38 @@ TEST_CASE("pairs of like components prove nothing that a zone graph refutes") {
     proved += proof.is_proved ? 1 : 0;
   }
   // Of 400: 42 hold, 23 of them are proved.
+  INFO(proved << " of " << compared << " proved, " << broken << " broken");
+  CHECK(proved >= compared / 50);
+  CHECK(broken > compared / 2);
+}
+
+TEST_CASE("the first of like components stand for all of a quantifier") {
+  const char* const wanted = std::getenv("BIP_PAIR_SEEDS");
+  const std::uint64_t seeds = wanted != nullptr ? std::strtoull(wanted, nullptr, 10) : 250;
+  int proved = 0, compared = 0, broken = 0;
+  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+    verify::test::PairSystemWriter writer(seed);
+    const gen::Compiled c = gen::compile_texts({writer.model(3 + seed % 2)});
+    REQUIRE(c.problem.empty());
+    Result<verify::ParsedProperty> asked = verify::PropertyReader(*c.system).read(writer.counted_property());
+    REQUIRE(asked);
+    const verify::Property& whole = asked->state;
+    INFO("seed " << seed << ": " << whole.text);
+    const std::optional<verify::Property> first = verify::with_first_of_array(whole, *c.system);
+    REQUIRE(first);
+    const interp::Interpreter interpreter(*c.lowered);
+    rt::ExploreOptions options;
+    options.limit = 20000;
+    options.predicate = [&](const rt::Core& core) { return verify::is_broken(whole, core); };
+    const rt::ZoneReport zones = rt::explore_zones(c.lowered->image, options);
+    if (!zones.has_match && zones.end != rt::ExploreEnd::Complete) continue;
+    ++compared;
+    broken += zones.has_match ? 1 : 0;
+    const verify::TimeProof proof =
+        verify::prove_state_by_pairs(*c.system, *first, explore_local, verify::within_seconds(20));
+    CHECK_FALSE((proof.is_proved && zones.has_match));
+    proved += proof.is_proved ? 1 : 0;
+  }
   INFO(proved << " of " << compared << " proved, " << broken << " broken");
   CHECK(proved >= compared / 50);
   CHECK(broken > compared / 2);
