@@ -197,8 +197,9 @@ class Planner {
     plan_.services.push_back(std::move(plan));
   }
 
-  // With one lock for the module nobody tells an activity to stop while its codel runs, so that the activity itself can
-  // be at work; else another atom is.
+  // Which codels run in threads. With one lock for the module, an activity is not interrupted while its codel runs, so
+  // the activity's own atom waits for the codel. With locks by codel it can be interrupted, so a second atom waits
+  // (has_turns).
   void find_threaded(const Activity& activity, ActivityPlan& a) const {
     a.threaded.assign(activity.states.size(), false);
     for (std::size_t i = 0; i < activity.states.size(); ++i) {

@@ -12,6 +12,7 @@
 #include "compiler/diag/diagnostics.hpp"
 #include "compiler/library/decide.hpp"
 #include "compiler/system/system.hpp"
+#include "compiler/verify/property/quantifier.hpp"
 
 namespace bip::library {
 namespace {
@@ -99,9 +100,10 @@ std::string with_our_signs(std::string_view text) {
 }
 
 bool has_quantifier(std::string_view text) {
-  constexpr std::string_view kQuantifiers[] = {"forall ", "exists ", "at most ", "at least ", "exactly "};
-  return std::any_of(std::begin(kQuantifiers), std::end(kQuantifiers),
-                     [&](std::string_view word) { return text.find(word) != std::string_view::npos; });
+  return std::any_of(std::begin(verify::kQuantifiers), std::end(verify::kQuantifiers),
+                     [&](const verify::QuantifierWord& quantifier) {
+                       return text.find(std::string(quantifier.word) + ' ') != std::string_view::npos;
+                     });
 }
 
 /// Gives each name that is not of the system the likeliest one that is.

@@ -149,6 +149,16 @@ class SymmetryDetector {
   }
 
  private:
+  // No code, and no groups within groups.
+  static bool is_plain(const ConnectorType& type) {
+    for (const Clause& clause : type.clauses) {
+      if (clause.guard != kNone || clause.up != kNone || clause.down != kNone) return false;
+    }
+    for (u32 node = 1; node < type.define.size; ++node) {
+      if (!type.define[node].is_leaf) return false;
+    }
+    return true;
+  }
   // Of a connector without code and without connectors below, whose ports of each atom are one.
   struct FlatPort {
     u32 atom = 0, port = 0;
@@ -158,11 +168,7 @@ class SymmetryDetector {
     const Connector& row = image_.connectors[connector];
     const ConnectorType& type = image_.connector_types[row.type];
     flat_.emplace_back();
-    bool is_plain = !type.exports && type.define.size == type.params.size + 1;
-    for (const Clause& clause : type.clauses)
-      is_plain = is_plain && clause.guard == kNone && clause.up == kNone && clause.down == kNone;
-    for (u32 node = 1; node < type.define.size && is_plain; ++node) is_plain = type.define[node].is_leaf;
-    if (!is_plain) return;
+    if (!is_plain(type) || type.exports || type.define.size != type.params.size + 1) return;
     std::vector<FlatPort>& ports = flat_.back();
     for (const DefineNode& node : type.define) {
       if (!node.is_leaf) continue;
@@ -211,11 +217,8 @@ class SymmetryDetector {
       append_ref(image_.port_refs[row.ports + param], exchange, key);
       params.push_back(std::move(key));
     }
-    bool is_plain = true;
-    for (const Clause& clause : type.clauses)
-      is_plain = is_plain && clause.guard == kNone && clause.up == kNone && clause.down == kNone;
-    for (u32 node = 1; node < type.define.size; ++node) is_plain = is_plain && type.define[node].is_leaf;
-    if (is_plain && !type.exports) {
+    const bool has_plain_type = is_plain(type);
+    if (has_plain_type && !type.exports) {
       for (const DefineNode& node : type.define) {
         if (node.is_leaf) params[node.param].insert(params[node.param].begin(), node.trigger ? 1u : 0u);
       }
@@ -226,7 +229,7 @@ class SymmetryDetector {
       key.push_back(static_cast<u32>(param.size()));
       key.insert(key.end(), param.begin(), param.end());
     }
-    for (u32 k = 0; k < row.bind_count && !is_plain; ++k) {
+    for (u32 k = 0; k < row.bind_count && !has_plain_type; ++k) {
       const auto& [atom, variable] = owner_[image_.binds[row.binds + k].variable()];
       // Rows of connectors below say nothing that the parameters do not.
       key.push_back(atom == kNone ? kNone : image_of(atom));

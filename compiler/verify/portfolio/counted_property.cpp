@@ -19,10 +19,6 @@ constexpr rt::u64 kWorkOfExchanges = 30'000'000;
 
 using Rows = std::vector<std::uint32_t>;
 
-bool names_atom(PropertyKind kind) {
-  return kind == PropertyKind::At || kind == PropertyKind::Data || kind == PropertyKind::CanPort;
-}
-
 class CountedConditions {
  public:
   explicit CountedConditions(const Property& property) : property_(property), rows_(property.counted->rows) {

@@ -143,11 +143,7 @@ bool asks_offers(const Property& property) {
   });
 }
 
-std::vector<std::uint32_t> atoms_of(const Property& property) {
-  return owners_of(property, [](PropertyKind kind) {
-    return kind == PropertyKind::At || kind == PropertyKind::Data || kind == PropertyKind::CanPort;
-  });
-}
+std::vector<std::uint32_t> atoms_of(const Property& property) { return owners_of(property, names_atom); }
 
 std::vector<std::uint32_t> atoms_of(const std::vector<Property>& properties) {
   std::vector<std::uint32_t> atoms;

@@ -47,6 +47,10 @@ enum class TemporalOperator : std::uint8_t {
   // Of branching time.
   Possibly
 };
+/// Is the owner of such a node an atom?
+[[nodiscard]] constexpr bool names_atom(PropertyKind kind) {
+  return kind == PropertyKind::At || kind == PropertyKind::Data || kind == PropertyKind::CanPort;
+}
 struct PropertyNode {
   PropertyKind kind = PropertyKind::Constant;
   Type type = Type::Bool;

@@ -1,4 +1,4 @@
-// Quantifiers of properties over the positions of arrays; internal to compiler/verify/property.
+// Quantifiers of properties over the positions of arrays.
 //
 //   quantified = ('forall' | 'exists') NAME 'in' range ':' formula
 //              | ('at most' | 'at least' | 'exactly') INDEX NAME 'in' range ':' condition

@@ -38,67 +38,68 @@ std::optional<PairQuestion> ask_of_pair(const std::string& text, const std::stri
   return asked;
 }
 
-}  // namespace
-
-TEST_CASE("pairs of like components prove nothing that a zone graph refutes") {
-  const char* const wanted = std::getenv("BIP_PAIR_SEEDS");
-  const std::uint64_t seeds = wanted != nullptr ? std::strtoull(wanted, nullptr, 10) : 250;
-  int proved = 0, compared = 0, broken = 0;
-  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
-    verify::test::PairSystemWriter writer(seed);
-    const std::string text = writer.model(3 + seed % 2);
-    const std::optional<PairQuestion> asked = ask_of_pair(text, writer.property());
-    const System& system = *asked->compiled.system;
-    const interp::Interpreter interpreter(*asked->compiled.lowered);
-    rt::ExploreOptions options;
-    options.limit = 20000;
-    options.predicate = [&](const rt::Core& core) { return verify::is_broken(asked->property, core); };
-    const rt::ZoneReport whole = rt::explore_zones(asked->compiled.lowered->image, options);
-    if (!whole.has_match && whole.end != rt::ExploreEnd::Complete) continue;
-    ++compared;
-    broken += whole.has_match ? 1 : 0;
-    const verify::TimeProof proof =
-        verify::prove_state_by_pairs(system, asked->property, explore_local, verify::within_seconds(20));
-    INFO("seed " << seed << ": " << asked->property.text << "\n" << text);
-    CHECK_FALSE((proof.is_proved && whole.has_match));
-    proved += proof.is_proved ? 1 : 0;
-  }
-  // Of 400: 42 hold, 23 of them are proved.
-  INFO(proved << " of " << compared << " proved, " << broken << " broken");
-  CHECK(proved >= compared / 50);
-  CHECK(broken > compared / 2);
-}
-
-TEST_CASE("the first of like components stand for all of a quantifier") {
-  const char* const wanted = std::getenv("BIP_PAIR_SEEDS");
-  const std::uint64_t seeds = wanted != nullptr ? std::strtoull(wanted, nullptr, 10) : 250;
-  int proved = 0, compared = 0, broken = 0;
-  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
-    verify::test::PairSystemWriter writer(seed);
-    const gen::Compiled c = gen::compile_texts({writer.model(3 + seed % 2)});
-    REQUIRE(c.problem.empty());
-    Result<verify::ParsedProperty> asked = verify::PropertyReader(*c.system).read(writer.counted_property());
-    REQUIRE(asked);
-    const verify::Property& whole = asked->state;
-    INFO("seed " << seed << ": " << whole.text);
-    const std::optional<verify::Property> first = verify::with_first_of_array(whole, *c.system);
-    REQUIRE(first);
+// What is proved by pairs, against zone graphs of the whole.
+class PairComparison {
+ public:
+  // `by_pairs` stands for `whole`.
+  void compare(const gen::Compiled& c, const verify::Property& whole, const verify::Property& by_pairs) {
     const interp::Interpreter interpreter(*c.lowered);
     rt::ExploreOptions options;
     options.limit = 20000;
     options.predicate = [&](const rt::Core& core) { return verify::is_broken(whole, core); };
     const rt::ZoneReport zones = rt::explore_zones(c.lowered->image, options);
-    if (!zones.has_match && zones.end != rt::ExploreEnd::Complete) continue;
-    ++compared;
-    broken += zones.has_match ? 1 : 0;
+    if (!zones.has_match && zones.end != rt::ExploreEnd::Complete) return;
+    ++compared_;
+    broken_ += zones.has_match ? 1 : 0;
     const verify::TimeProof proof =
-        verify::prove_state_by_pairs(*c.system, *first, explore_local, verify::within_seconds(20));
+        verify::prove_state_by_pairs(*c.system, by_pairs, explore_local, verify::within_seconds(20));
     CHECK_FALSE((proof.is_proved && zones.has_match));
-    proved += proof.is_proved ? 1 : 0;
+    proved_ += proof.is_proved ? 1 : 0;
   }
-  INFO(proved << " of " << compared << " proved, " << broken << " broken");
-  CHECK(proved >= compared / 50);
-  CHECK(broken > compared / 2);
+  // Of 400: 42 hold, 23 of them are proved.
+  void check_counts() const {
+    INFO(proved_ << " of " << compared_ << " proved, " << broken_ << " broken");
+    CHECK(proved_ >= compared_ / 50);
+    CHECK(broken_ > compared_ / 2);
+  }
+  static std::uint64_t seeds() {
+    const char* const wanted = std::getenv("BIP_PAIR_SEEDS");
+    return wanted != nullptr ? std::strtoull(wanted, nullptr, 10) : 250;
+  }
+
+ private:
+  int proved_ = 0, compared_ = 0, broken_ = 0;
+};
+
+}  // namespace
+
+TEST_CASE("pairs of like components prove nothing that a zone graph refutes") {
+  PairComparison comparison;
+  for (std::uint64_t seed = 1; seed <= PairComparison::seeds(); ++seed) {
+    verify::test::PairSystemWriter writer(seed);
+    const std::string text = writer.model(3 + seed % 2);
+    const std::optional<PairQuestion> asked = ask_of_pair(text, writer.property());
+    INFO("seed " << seed << ": " << asked->property.text << "\n" << text);
+    comparison.compare(asked->compiled, asked->property, asked->property);
+  }
+  comparison.check_counts();
+}
+
+TEST_CASE("the first of like components stand for all of a quantifier") {
+  PairComparison comparison;
+  for (std::uint64_t seed = 1; seed <= PairComparison::seeds(); ++seed) {
+    verify::test::PairSystemWriter writer(seed);
+    const std::string text = writer.model(3 + seed % 2);
+    const gen::Compiled c = gen::compile_texts({text});
+    REQUIRE(c.problem.empty());
+    Result<verify::ParsedProperty> asked = verify::PropertyReader(*c.system).read(writer.counted_property());
+    REQUIRE(asked);
+    INFO("seed " << seed << ": " << asked->state.text << "\n" << text);
+    const std::optional<verify::Property> first = verify::with_first_of_array(asked->state, *c.system);
+    REQUIRE(first);
+    comparison.compare(c, asked->state, *first);
+  }
+  comparison.check_counts();
 }
 
 TEST_CASE("like components: what tells them apart is seen") {

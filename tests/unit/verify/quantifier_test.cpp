@@ -1,5 +1,5 @@
-// Quantifiers of properties: in each state of a run they say what is written out by hand, whatever shape they make of
-// it; and what is wrong with them is told.
+// Quantifiers of properties: in each state of a run, a property with a quantifier has the value of the same property
+// written out by hand. A quantifier that cannot be read has a message with its column.
 #include <catch2/catch.hpp>
 
 #include <optional>
