@@ -13,17 +13,18 @@ set(bipc_share ${CMAKE_INSTALL_DATADIR}/bipc)
 set(bipc_lib lib/bipc)
 
 # tools/package puts shared libraries into lib/bipc of its archive. DT_RPATH, not DT_RUNPATH: it also holds for libraries
-# of libraries.
+# of libraries. It holds in the build, too: CMake would keep its place with colons, and an empty part of it is the current
+# directory, where a stranger's library would be loaded.
 foreach(program bipc bipc-lsp certcheck)
   if(TARGET ${program})
-    set_target_properties(${program} PROPERTIES INSTALL_RPATH "$ORIGIN/../lib/bipc:$ORIGIN/../lib")
+    set_target_properties(${program} PROPERTIES BUILD_WITH_INSTALL_RPATH ON INSTALL_RPATH "$ORIGIN/../lib/bipc:$ORIGIN/../lib")
     target_link_options(${program} PRIVATE -Wl,--disable-new-dtags)
     install(TARGETS ${program} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT bipc)
   endif()
 endforeach()
 function(bip_install_plugin name component)
   if(TARGET ${name})
-    set_target_properties(${name} PROPERTIES INSTALL_RPATH "$ORIGIN")
+    set_target_properties(${name} PROPERTIES BUILD_WITH_INSTALL_RPATH ON INSTALL_RPATH "$ORIGIN")
     target_link_options(${name} PRIVATE -Wl,--disable-new-dtags)
     install(TARGETS ${name} LIBRARY DESTINATION ${bipc_lib} COMPONENT ${component})
   endif()
@@ -52,7 +53,7 @@ endif()
 if(TARGET bip_compiler)
   install(DIRECTORY compiler/library/include/bip DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT compiler_dev FILES_MATCHING PATTERN *.hpp PATTERN *.h)
   # In a wheel the libraries of others are beside it.
-  set_target_properties(bip_compiler PROPERTIES INSTALL_RPATH "$ORIGIN")
+  set_target_properties(bip_compiler PROPERTIES BUILD_WITH_INSTALL_RPATH ON INSTALL_RPATH "$ORIGIN")
   target_link_options(bip_compiler PRIVATE -Wl,--disable-new-dtags)
   install(TARGETS bip_compiler LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT compiler NAMELINK_COMPONENT compiler_dev)
 endif()

@@ -2,6 +2,7 @@
 // points. Linear in the part.
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -25,6 +26,27 @@ inline std::vector<std::uint32_t> code_point_offsets(std::string_view text) {
   return offsets;
 }
 
+/// ANTLR's lexer takes a lock and two function objects for each character, as its automaton is shared by all lexers of
+/// a grammar. This one keeps the transitions that its thread has taken; states are never freed.
+template <class Lexer>
+class LexerSimulator final : public ::antlr4::atn::LexerATNSimulator {
+ public:
+  LexerSimulator(Lexer& lexer, ::antlr4::atn::LexerATNSimulator& other)
+      : LexerATNSimulator(&lexer, lexer.getATN(), other._decisionToDFA, other.getSharedContextCache()) {}
+
+ protected:
+  ::antlr4::dfa::DFAState* getExistingTargetState(::antlr4::dfa::DFAState* state, std::size_t character) override {
+    if (character > MAX_DFA_EDGE || _mode != Lexer::DEFAULT_MODE)
+      return LexerATNSimulator::getExistingTargetState(state, character);
+    thread_local std::vector<std::array<::antlr4::dfa::DFAState*, MAX_DFA_EDGE + 1>> targets;
+    const auto row = static_cast<std::size_t>(state->stateNumber);
+    if (row >= targets.size()) targets.resize(row + 1);
+    ::antlr4::dfa::DFAState*& target = targets[row][character];
+    if (target == nullptr) target = LexerATNSimulator::getExistingTargetState(state, character);
+    return target;
+  }
+};
+
 /// Calls `take` with the row of each token and comment of a text that lies at `begin` in its file.
 template <class Lexer, class Take>
 void each_token(std::string_view text, std::uint32_t begin, Take take) {
@@ -35,6 +57,8 @@ void each_token(std::string_view text, std::uint32_t begin, Take take) {
   };
   ::antlr4::ANTLRInputStream input{std::string(text)};
   Lexer lexer(&input);
+  lexer.setInterpreter(
+      new LexerSimulator<Lexer>(lexer, *lexer.template getInterpreter<::antlr4::atn::LexerATNSimulator>()));
   lexer.removeErrorListeners();
   for (auto token = lexer.nextToken(); token->getType() != ::antlr4::Token::EOF; token = lexer.nextToken()) {
     const TokenRow row{token->getType(), byte(token->getStartIndex()), byte(token->getStopIndex() + 1),

@@ -1,10 +1,12 @@
 // See parts.hpp.
 #include "compiler/pipeline/parts.hpp"
 
-#include <dlfcn.h>
+#include <link.h>
 #include <sys/auxv.h>
 
-#include <string_view>
+#include <cstdint>
+#include <span>
+#include <string>
 
 namespace bip::pipeline {
 
@@ -18,17 +20,37 @@ fs::path program_file() {
   return path;
 }
 
+namespace {
+
+// The file of the shared library that holds an address; empty if the program itself does. dladdr would also look for
+// the nearest of the names that the program exports, which are thirty thousand.
+std::string library_at(std::uintptr_t address) {
+  struct Search {
+    std::uintptr_t address;
+    std::string file;
+  } search{address, {}};
+  ::dl_iterate_phdr(
+      [](dl_phdr_info* object, std::size_t, void* data) {
+        auto& sought = *static_cast<Search*>(data);
+        for (const ElfW(Phdr) & part : std::span(object->dlpi_phdr, object->dlpi_phnum)) {
+          const std::uintptr_t begin = object->dlpi_addr + part.p_vaddr;
+          if (part.p_type != PT_LOAD || sought.address < begin || sought.address - begin >= part.p_memsz) continue;
+          sought.file = object->dlpi_name;
+          return 1;
+        }
+        return 0;
+      },
+      &search);
+  return search.file;
+}
+
+}  // namespace
+
 fs::path own_file() {
+  const std::string library = library_at(reinterpret_cast<std::uintptr_t>(&own_file));
   std::error_code error;
-  Dl_info info{};
-  const fs::path program = program_file();
-  if (::dladdr(reinterpret_cast<const void*>(&own_file), &info) == 0 || info.dli_fname == nullptr) return program;
-  // Of the program itself dladdr knows only the words of the command line.
-  if (!std::string_view(info.dli_fname).ends_with(".so") &&
-      std::string_view(info.dli_fname).find(".so.") == std::string_view::npos)
-    return program;
-  const fs::path file = fs::canonical(info.dli_fname, error);
-  return error ? program : file;
+  const fs::path file = library.empty() ? fs::path() : fs::canonical(library, error);
+  return file.empty() || error ? program_file() : file;
 }
 
 std::vector<fs::path> places_of_part(const std::string& name) {

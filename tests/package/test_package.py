@@ -47,6 +47,17 @@ class Installation:
         self.expected = run(BIPC, "run", "--backend=interp", self.prefix / PHILOSOPHERS, "--seed", "4")
 
 
+def test_libraries_come_from_known_folders(at):
+    """An empty or relative folder in a run path is the current directory: a library that lies there would be loaded."""
+    built = [BUILD / name for name in ("bipc", "bipc-runner", "bipc-lsp", "certcheck")] + sorted(BUILD.glob("lib*.so*"))
+    installed = [path for path in at.prefix.rglob("*") if path.is_file() and path.open("rb").read(4) == b"\x7fELF"]
+    assert at.bipc in installed, installed
+    for path in filter(pathlib.Path.is_file, built + installed):
+        for folders in re.findall(r"\((?:RPATH|RUNPATH)\).*\[(.*)\]", run("readelf", "-d", path)):
+            for folder in folders.split(":"):
+                assert folder.startswith(("/", "$ORIGIN")), f"{path}: looks for libraries in {folders!r}"
+
+
 def test_parts_are_found_in_the_installation(at):
     facts = json.loads(run(at.bipc, "version", "--json"))
     assert facts["format"] == "bipc-version" and re.match(r"\d+\.\d+\.\d+$", facts["version"]), facts

@@ -31,6 +31,7 @@ class Replayer {
   Replayer(const rt::Image& image, const SearchGoal& goal, const CancellationToken& token)
       : core_(image), goal_(goal), token_(token) {}
 
+  [[nodiscard]] bool ends_in_deadlock() const { return goal_.stuck && !goal_.faults && !goal_.state; }
   [[nodiscard]] bool is_over() const { return replayed_ > kReplayedSteps || token_.is_cancelled(); }
 
   // The labels of the run, without its loops. Empty: the run does not reach the goal.
@@ -123,43 +124,68 @@ std::vector<StepLabel> causal_past(const std::vector<StepLabel>& labels, const s
   return past;
 }
 
-// The run without the steps from `begin` on, before `end`, if it reaches the goal then; its end may come sooner.
-std::optional<std::vector<StepLabel>> without(Replayer& replayer, const std::vector<StepLabel>& labels,
-                                              std::size_t begin, std::size_t end) {
-  std::vector<StepLabel> fewer(labels.begin(), labels.begin() + static_cast<std::ptrdiff_t>(begin));
-  fewer.insert(fewer.end(), labels.begin() + static_cast<std::ptrdiff_t>(end), labels.end());
-  if (!replayer.take(fewer)) return std::nullopt;
-  return fewer;
-}
+// A run that becomes shorter.
+class ShrinkingRun {
+ public:
+  ShrinkingRun(Replayer& replayer, std::vector<StepLabel> labels) : replayer_(replayer) { replace(std::move(labels)); }
+
+  [[nodiscard]] const std::vector<StepLabel>& labels() const { return labels_; }
+  [[nodiscard]] bool is_over() const { return replayer_.is_over(); }
+
+  // Leaves out the steps from `begin` on, before `end`, if it reaches the goal then; its end may come sooner.
+  bool leave_out(std::size_t begin, std::size_t end) {
+    if (first_stays_possible(begin, end)) return false;
+    std::vector<StepLabel> fewer(labels_.begin(), labels_.begin() + static_cast<std::ptrdiff_t>(begin));
+    fewer.insert(fewer.end(), labels_.begin() + static_cast<std::ptrdiff_t>(end), labels_.end());
+    if (!replayer_.take(fewer)) return false;
+    replace(std::move(fewer));
+    return true;
+  }
+
+  void replace(std::vector<StepLabel> labels) {
+    labels_ = std::move(labels);
+    last_step_.clear();
+    for (std::size_t k = 0; k < labels_.size(); ++k)
+      for (const auto& [atom, port] : labels_[k].ports) last_step_[atom] = k;
+  }
+
+ private:
+  // No deadlock without these steps: if no atom of the first one takes part in what follows them, these atoms end as
+  // they were before it, and it is possible still.
+  [[nodiscard]] bool first_stays_possible(std::size_t begin, std::size_t end) const {
+    const auto ends_before = [&](const std::pair<u32, u32>& port) { return last_step_.at(port.first) < end; };
+    return replayer_.ends_in_deadlock() &&
+           std::all_of(labels_[begin].ports.begin(), labels_[begin].ports.end(), ends_before);
+  }
+
+  Replayer& replayer_;
+  std::vector<StepLabel> labels_;
+  std::unordered_map<u32, std::size_t> last_step_;  // by atom
+};
 
 // Leaves blocks out, from the end to the beginning: what comes late is needed by less.
-std::vector<StepLabel> leave_out(Replayer& replayer, std::vector<StepLabel> labels) {
-  std::size_t size = std::max<std::size_t>(labels.size() / 2, 1);
+void leave_out_blocks(ShrinkingRun& run) {
+  std::size_t size = std::max<std::size_t>(run.labels().size() / 2, 1);
   for (bool is_smaller = false;; is_smaller = false) {
-    for (std::size_t end = labels.size(); end > 0 && !replayer.is_over();) {
+    for (std::size_t end = run.labels().size(); end > 0 && !run.is_over();) {
       const std::size_t begin = end > size ? end - size : 0;
-      if (std::optional<std::vector<StepLabel>> fewer = without(replayer, labels, begin, end)) {
-        labels = std::move(*fewer);
-        is_smaller = true;
-      }
+      if (run.leave_out(begin, end)) is_smaller = true;
       end = begin;
     }
-    if (replayer.is_over() || (size == 1 && !is_smaller)) return labels;
+    if (run.is_over() || (size == 1 && !is_smaller)) return;
     if (size > 1) size /= 2;
   }
 }
 
 // Of a short run, leaves out any block, at whatever step it begins: a component that comes and goes, of which no step
 // alone can be left out. Returns whether there was one.
-bool leave_out_any_block(Replayer& replayer, std::vector<StepLabel>& labels) {
+bool leave_out_any_block(ShrinkingRun& run) {
   constexpr std::size_t kShort = 64;
-  if (labels.size() > kShort) return false;
-  for (std::size_t size = 2; size < labels.size(); ++size) {
-    for (std::size_t end = labels.size(); end >= size && !replayer.is_over(); --end) {
-      if (std::optional<std::vector<StepLabel>> fewer = without(replayer, labels, end - size, end)) {
-        labels = std::move(*fewer);
-        return true;
-      }
+  const std::size_t steps = run.labels().size();
+  if (steps > kShort) return false;
+  for (std::size_t size = 2; size < steps; ++size) {
+    for (std::size_t end = steps; end >= size && !run.is_over(); --end) {
+      if (run.leave_out(end - size, end)) return true;
     }
   }
   return false;
@@ -395,21 +421,22 @@ std::vector<std::uint64_t> relevant_steps(const rt::Image& image, const SearchGo
     std::vector<StepLabel> past = causal_past(labels, atoms);
     if (replayer.take(past)) labels = std::move(past);
   }
-  std::vector<StepLabel> needed = leave_out(replayer, std::move(labels));
+  ShrinkingRun needed(replayer, std::move(labels));
+  leave_out_blocks(needed);
   // In another order of the same steps others can be left out: under priorities, and as a block.
-  for (bool is_smaller = true; is_smaller;) {
-    std::vector<StepLabel> by_cause = order_by_cause(needed);
+  for (;;) {
+    std::vector<StepLabel> by_cause = order_by_cause(needed.labels());
     std::optional<std::vector<std::uint64_t>> ordered = replayer.take(by_cause);
     if (!ordered) break;
-    std::vector<StepLabel> fewer = by_cause;
-    while (leave_out_any_block(replayer, fewer)) fewer = leave_out(replayer, std::move(fewer));
-    if (fewer.size() == by_cause.size() && by_cause != needed) fewer = leave_out(replayer, std::move(fewer));
-    is_smaller = fewer.size() < by_cause.size();
-    if (!is_smaller) return std::move(*ordered);
-    needed = std::move(fewer);
+    ShrinkingRun fewer(replayer, by_cause);
+    while (leave_out_any_block(fewer)) leave_out_blocks(fewer);
+    if (fewer.labels().size() == by_cause.size() && by_cause != needed.labels()) leave_out_blocks(fewer);
+    if (fewer.labels().size() == by_cause.size()) return std::move(*ordered);
+    needed.replace(fewer.labels());
   }
-  std::optional<std::vector<std::uint64_t>> same = replayer.take(needed);
-  BIP_ENSURE(same, "a run of {} steps is not the same the second time", needed.size());
+  labels = needed.labels();
+  std::optional<std::vector<std::uint64_t>> same = replayer.take(labels);
+  BIP_ENSURE(same, "a run of {} steps is not the same the second time", labels.size());
   return std::move(*same);
 }
 

@@ -100,6 +100,12 @@ Encoding::Lacking Encoding::port(u32 row) {
   std::vector<Lit> sure;
   std::vector<std::pair<Lit, Lit>> guarded;  // in this mode, with this guard
   bool ever_unsure = false;
+  // Inside an atom with priorities a port whose guard is true may be hidden.
+  std::vector<const Transition*> with_guard;
+  if (type.priorities.empty()) {
+    for (const Transition& t : type.transitions)
+      if (t.port == port && t.guard.is_valid()) with_guard.push_back(&t);
+  }
   // Of a use that is told apart only where its guard may be true.
   std::vector<u32> modes = is_use(row) ? sources_of_moves(row) : std::vector<u32>(is_sure.size());
   if (is_use(row)) ever_unsure = true;
@@ -112,15 +118,13 @@ Encoding::Lacking Encoding::port(u32 row) {
       continue;
     }
     ever_unsure = true;
-    // Inside an atom with priorities a port whose guard is true may be hidden.
-    for (const Transition& t : type.transitions) {
-      const std::vector<u32>& places = of_atom.modes[mode].places;
-      if (t.port != port || !type.priorities.empty() || !t.guard.is_valid()) continue;
-      if (!std::all_of(t.from.begin(), t.from.end(),
+    const std::vector<u32>& places = of_atom.modes[mode].places;
+    for (const Transition* t : with_guard) {
+      if (!std::all_of(t->from.begin(), t->from.end(),
                        [&](u32 place) { return std::binary_search(places.begin(), places.end(), place); }))
         continue;
-      if (evaluate(net_.system->code, t.guard, of_atom.modes[mode].values, {}).is_known) continue;
-      if (const std::optional<Lit> guard = guards_.literal(t.guard, locate))
+      if (evaluate(net_.system->code, t->guard, of_atom.modes[mode].values, {}).is_known) continue;
+      if (const std::optional<Lit> guard = guards_.literal(t->guard, locate))
         guarded.emplace_back(marked_[base + mode], *guard);
     }
   }
