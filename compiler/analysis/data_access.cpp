@@ -211,13 +211,9 @@ class DataAccessScan {
 
   // Does the value of an action's statement decide what comes next, or what observed data hold?
   [[nodiscard]] static bool decides(const Stmt& s, const DataAccess& access) {
-    switch (s.op) {
-      case StmtOp::StoreSelf: return access.observed[s.index] != 0;
-      case StmtOp::If: return true;
-      case StmtOp::StoreBind:
-      case StmtOp::Call: break;
-    }
-    return false;
+    if (const std::optional<std::uint32_t> self = model::assigned_variable(s, Op::LoadSelf))
+      return access.observed[*self] != 0;
+    return !model::assigned_variable(s, Op::LoadBind) && !model::is_evaluation(s);
   }
   void scan_type(const AtomType& type, DataAccess& access) {
     std::vector<std::uint32_t> binds, selves;

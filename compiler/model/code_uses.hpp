@@ -54,6 +54,28 @@ void for_each_stmt(const CodeTable& code, StmtId first, const See& see) {
   return std::nullopt;
 }
 
+/// Does the statement do nothing but choose between its branches?
+[[nodiscard]] inline bool is_choice(const Stmt& s) {
+  switch (s.op) {
+    case StmtOp::If: return true;
+    case StmtOp::StoreSelf:
+    case StmtOp::StoreBind:
+    case StmtOp::Call: break;
+  }
+  return false;
+}
+
+/// Does the statement do nothing but evaluate its value, of which nothing is kept?
+[[nodiscard]] inline bool is_evaluation(const Stmt& s) {
+  switch (s.op) {
+    case StmtOp::Call: return true;
+    case StmtOp::StoreSelf:
+    case StmtOp::StoreBind:
+    case StmtOp::If: break;
+  }
+  return false;
+}
+
 /// Calls `see(std::uint32_t variable)` for every assignment to a variable of the kind, in the order of the text.
 template <class See>
 void for_each_assigned(const CodeTable& code, StmtId first, Op load, const See& see) {

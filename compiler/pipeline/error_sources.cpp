@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "compiler/lower/code_facts.hpp"
+#include "compiler/model/code_uses.hpp"
 #include "compiler/model/exclusive_guards.hpp"
 #include "compiler/system/system.hpp"
 #include "runtime/core/graph_algorithms.hpp"
@@ -61,20 +62,9 @@ class AtomErrors {
  private:
   template <class Visit>
   void for_each_store(StmtId body, const Visit& visit) const {
-    std::vector<StmtId> waiting{body};
-    while (!waiting.empty()) {
-      const StmtId id = waiting.back();
-      waiting.pop_back();
-      if (!id.is_valid()) continue;
-      const Stmt& s = system_.code.stmts[id];
-      switch (s.op) {
-        case StmtOp::StoreSelf: visit(s); break;
-        case StmtOp::StoreBind:
-        case StmtOp::If:
-        case StmtOp::Call: break;
-      }
-      waiting.insert(waiting.end(), {s.next, s.then_body, s.else_body});
-    }
+    model::for_each_stmt(system_.code, body, [&](const Stmt& s) {
+      if (model::assigned_variable(s, Op::LoadSelf)) visit(s);
+    });
   }
 
   // An error at once: which one is meant?

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <set>
 
+#include "compiler/model/code_uses.hpp"
 #include "compiler/system/system.hpp"
 #include "compiler/verify/net/net.hpp"
 #include "runtime/include/bip/assert.hpp"
@@ -88,13 +89,9 @@ class PortUseAnalysis {
   void execute_transfer(StmtId body, std::vector<AbstractValue>& bind, std::vector<std::uint8_t>& is_stored) const {
     for (StmtId id = body; id.is_valid(); id = system_.code.stmts[id].next) {
       const Stmt& s = system_.code.stmts[id];
-      switch (s.op) {
-        case StmtOp::StoreBind: store(s, bind, is_stored); break;
-        case StmtOp::If: branch(s, bind, is_stored); break;
-        // Only the ports' variables are followed.
-        case StmtOp::StoreSelf:
-        case StmtOp::Call: break;
-      }
+      // Only the ports' variables are followed.
+      if (model::assigned_variable(s, Op::LoadBind)) store(s, bind, is_stored);
+      else if (model::is_choice(s)) branch(s, bind, is_stored);
     }
   }
   void store(const Stmt& s, std::vector<AbstractValue>& bind, std::vector<std::uint8_t>& is_stored) const {

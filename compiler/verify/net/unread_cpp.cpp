@@ -49,13 +49,10 @@ class CallRemover {
   [[nodiscard]] bool is_droppable(const Stmt& s, const std::vector<std::uint8_t>& is_read) const {
     const CallUse use = call_use(code_, s.value);
     if (!use.is_droppable) return false;
-    switch (s.op) {
-      case StmtOp::StoreSelf: return use.calls && !is_read.empty() && is_read[s.index] == 0;
-      case StmtOp::StoreBind: break;
-      case StmtOp::If: return !s.then_body.is_valid() && !s.else_body.is_valid();
-      case StmtOp::Call: return use.calls;
-    }
-    return false;
+    if (const std::optional<std::uint32_t> self = model::assigned_variable(s, Op::LoadSelf))
+      return use.calls && !is_read.empty() && is_read[*self] == 0;
+    if (model::is_choice(s)) return !s.then_body.is_valid() && !s.else_body.is_valid();
+    return use.calls && model::is_evaluation(s);
   }
 
   CodeTable& code_;

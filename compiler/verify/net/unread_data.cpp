@@ -1,6 +1,7 @@
 // See unread_data.hpp. By type, over all its instances.
 #include "compiler/verify/net/unread_data.hpp"
 
+#include "compiler/model/code_uses.hpp"
 #include "compiler/model/operators.hpp"
 #include "compiler/system/system.hpp"
 #include "compiler/verify/net/abstract_code.hpp"
@@ -107,13 +108,8 @@ class DataReaders {
   // The same without its branches.
   [[nodiscard]] bool has_effect_alone(const Stmt& s, const std::vector<std::uint8_t>& row) const {
     if (counts(s.value)) return true;
-    switch (s.op) {
-      case StmtOp::StoreSelf: return row[s.index] != 0;
-      case StmtOp::StoreBind:
-      case StmtOp::Call: return true;
-      case StmtOp::If: break;
-    }
-    return false;
+    if (const std::optional<std::uint32_t> self = model::assigned_variable(s, Op::LoadSelf)) return row[*self] != 0;
+    return !model::is_choice(s);
   }
 
   [[nodiscard]] bool counts(ExprId value) const {

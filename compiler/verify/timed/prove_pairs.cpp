@@ -205,14 +205,14 @@ class PairProver {
     bool is_said = true;
     for (const Clause& original : type.clauses) {
       model::for_each_stmt(simple_.code, original.down, [&](const Stmt& s) {
-        switch (s.op) {
-          case StmtOp::StoreBind: break;
-          case StmtOp::StoreSelf: return;
-          case StmtOp::If:
-          case StmtOp::Call: is_said = false; return;
+        if (model::assigned_variable(s, Op::LoadSelf)) return;
+        const std::optional<u32> bind = model::assigned_variable(s, Op::LoadBind);
+        if (!bind) {
+          is_said = false;
+          return;
         }
         std::size_t param = type.params.size() - 1;
-        while (type.params[param].first_bind > s.index) --param;
+        while (type.params[param].first_bind > *bind) --param;
         const PortRef& ref = connector.ports[param];
         if (ref.atom.value == third_) return;
         const u32 variable = type_of(ref.atom.value).ports[ref.port].variables[s.index - type.params[param].first_bind];
