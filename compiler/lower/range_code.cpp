@@ -2,6 +2,7 @@
 #include "compiler/lower/range_code.hpp"
 
 #include "compiler/lower/code_facts.hpp"
+#include "compiler/model/statements.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::lower {
@@ -52,11 +53,11 @@ class RangeCodeWriter {
     for (StmtId id = first; id.is_valid(); id = code_.stmts[id].next) {
       const Stmt& s = code_.stmts[id];
       value(s.value);
-      switch (s.op) {
-        case StmtOp::StoreSelf: add({RangeOpKind::Store, type_of(s.type), s.index}); break;
-        case StmtOp::If: branch(s); break;
-        case StmtOp::StoreBind:
-        case StmtOp::Call: BIP_UNREACHABLE("clause_ranges takes neither stores into ports nor calls");
+      switch (shape_of(s)) {
+        case StmtShape::StoresSelf: add({RangeOpKind::Store, type_of(s.type), s.index}); break;
+        case StmtShape::Chooses: branch(s); break;
+        case StmtShape::StoresBind:
+        case StmtShape::Evaluates: BIP_UNREACHABLE("clause_ranges takes neither stores into ports nor calls");
       }
     }
   }

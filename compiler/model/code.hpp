@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "runtime/include/bip/ids.hpp"
+#include "compiler/model/statements.def"
 #include "compiler/source/source.hpp"
 #include "compiler/syntax/ops.def"
 
@@ -50,13 +51,17 @@ struct Expr {
   Loc loc{};
 };
 
-enum class StmtOp : std::uint8_t { StoreSelf, StoreBind, If, Call };  // Call: value is the call, its result is dropped
+enum class StmtOp : std::uint8_t {
+#define BIP_STATEMENT_NAME(name, ...) name,
+  BIP_STATEMENTS(BIP_STATEMENT_NAME)
+#undef BIP_STATEMENT_NAME
+};
 /// One statement. Statements of a body are chained by `next`.
 struct Stmt {
   StmtOp op = StmtOp::StoreSelf;
   Type type = Type::Int;  // Store: type of the variable
   std::uint32_t index = 0;
-  ExprId value{};                   // Store: the value; If: the condition
+  ExprId value{};                   // Store: the value; If: the condition; Call: the call, whose result is dropped
   StmtId then_body{}, else_body{};  // If: first statements, invalid if empty
   StmtId next{};                    // invalid: the last one
   Loc loc{};

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "compiler/model/code.hpp"
+#include "compiler/model/statements.hpp"
 
 namespace bip::model {
 
@@ -45,25 +46,17 @@ void for_each_stmt(const CodeTable& code, StmtId first, const See& see) {
 /// Returns the variable of the kind (LoadSelf or LoadBind) that the statement itself assigns, or nothing: branches, and
 /// what a call changes by reference, do not count.
 [[nodiscard]] inline std::optional<std::uint32_t> assigned_variable(const Stmt& s, Op load) {
-  switch (s.op) {
-    case StmtOp::StoreSelf: return load == Op::LoadSelf ? std::optional(s.index) : std::nullopt;
-    case StmtOp::StoreBind: return load == Op::LoadBind ? std::optional(s.index) : std::nullopt;
-    case StmtOp::If:
-    case StmtOp::Call: break;
+  switch (shape_of(s)) {
+    case StmtShape::StoresSelf: return load == Op::LoadSelf ? std::optional(s.index) : std::nullopt;
+    case StmtShape::StoresBind: return load == Op::LoadBind ? std::optional(s.index) : std::nullopt;
+    case StmtShape::Chooses:
+    case StmtShape::Evaluates: break;
   }
   return std::nullopt;
 }
 
 /// Does the statement do nothing but choose between its branches?
-[[nodiscard]] inline bool is_choice(const Stmt& s) {
-  switch (s.op) {
-    case StmtOp::If: return true;
-    case StmtOp::StoreSelf:
-    case StmtOp::StoreBind:
-    case StmtOp::Call: break;
-  }
-  return false;
-}
+[[nodiscard]] inline bool is_choice(const Stmt& s) { return shape_of(s) == StmtShape::Chooses; }
 
 /// Does the statement do nothing but evaluate its value, of which nothing is kept?
 [[nodiscard]] inline bool is_evaluation(const Stmt& s) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "compiler/model/model.hpp"
+#include "compiler/model/statements.hpp"
 
 namespace bip::model {
 
@@ -40,14 +41,16 @@ struct Dumper {
     for (; id.is_valid(); id = m.code.stmts[id].next) {
       const Stmt& s = m.code.stmts[id];
       if (!text.empty()) text += "; ";
-      switch (s.op) {
-        case StmtOp::StoreSelf: text += fmt::format("self{} = {}", s.index, expr(s.value)); break;
-        case StmtOp::StoreBind: text += fmt::format("bind{} = {}", s.index, expr(s.value)); break;
-        case StmtOp::If:
-          text += fmt::format("if {} {{{}}}", expr(s.value), stmts(s.then_body));
+      const StmtInfo& info = info_of(s.op);
+      const std::string value = (*info.text == '\0' ? "" : std::string(info.text) + ' ') + expr(s.value);
+      switch (info.shape) {
+        case StmtShape::StoresSelf: text += fmt::format("self{} = {}", s.index, value); break;
+        case StmtShape::StoresBind: text += fmt::format("bind{} = {}", s.index, value); break;
+        case StmtShape::Chooses:
+          text += fmt::format("{} {{{}}}", value, stmts(s.then_body));
           if (s.else_body.is_valid()) text += fmt::format(" else {{{}}}", stmts(s.else_body));
           break;
-        case StmtOp::Call: text += expr(s.value); break;
+        case StmtShape::Evaluates: text += value; break;
       }
     }
     return text;

@@ -9,6 +9,8 @@
 
 #include <charconv>
 
+#include "compiler/model/statements.hpp"
+
 namespace bip::system::text {
 namespace {
 
@@ -284,17 +286,17 @@ StmtId BsysReader::stmt(std::uint32_t node, const CodeScope& scope) {
   };
   if (const std::optional<StmtOp> op = stmt_op_of(head)) {
     s.op = *op;
-    switch (s.op) {
-      case StmtOp::StoreSelf: store(scope.self); break;
-      case StmtOp::StoreBind: store(scope.bind); break;
-      case StmtOp::If: {
+    switch (shape_of(s)) {
+      case StmtShape::StoresSelf: store(scope.self); break;
+      case StmtShape::StoresBind: store(scope.bind); break;
+      case StmtShape::Chooses: {
         s.value = expr(list, scope);
         List then_list = need(list, "then");
         s.then_body = body(then_list, scope);
         if (std::optional<List> else_list = sub(list, "else")) s.else_body = body(*else_list, scope);
         break;
       }
-      case StmtOp::Call:
+      case StmtShape::Evaluates:
         s.value = expr(list, scope);
         if (!failed()) s.type = system_.code.exprs[s.value].type;
         break;

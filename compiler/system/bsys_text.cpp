@@ -40,20 +40,6 @@ std::optional<Op> op_of(std::string_view text) {
     if (kOperators[row].word != nullptr && text == kOperators[row].word) return static_cast<Op>(row);
   return std::nullopt;
 }
-const char* word_of(StmtOp op) {
-  switch (op) {
-    case StmtOp::StoreSelf: return "set";
-    case StmtOp::StoreBind: return "set-bind";
-    case StmtOp::If: return "if";
-    case StmtOp::Call: return "do";
-  }
-  return nullptr;
-}
-std::optional<StmtOp> stmt_op_of(std::string_view word) {
-  for (std::uint8_t row = 0; const char* known = word_of(static_cast<StmtOp>(row)); ++row)
-    if (word == known) return static_cast<StmtOp>(row);
-  return std::nullopt;
-}
 
 bool is_bare(std::string_view name) {
   const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };

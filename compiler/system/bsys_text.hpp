@@ -26,8 +26,6 @@ inline constexpr std::uint32_t kMaxParentheses = 2 * kMaxCodeDepth + 16;
 [[nodiscard]] std::optional<Op> op_of(std::string_view word);
 
 /// Returns the word of a statement, or nullptr if the value is none of StmtOp.
-[[nodiscard]] const char* word_of(StmtOp op);
-[[nodiscard]] std::optional<StmtOp> stmt_op_of(std::string_view word);
 
 /// True if a name can stand without quotes: [A-Za-z_] [A-Za-z0-9_.\[\]]*
 [[nodiscard]] bool is_bare(std::string_view name);

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <iterator>
 
+#include "compiler/model/statements.hpp"
+
 namespace bip::system::text {
 namespace {
 
@@ -99,13 +101,13 @@ class CodePrinter {
     push_stmts(s.next);
     push_close(s.loc);
     out_ += " (";
-    out_ += word_of(s.op);
+    out_ += info_of(s.op).word;
     out_ += ' ';
-    switch (s.op) {
-      case StmtOp::StoreSelf: target(scope_.self, s.index); break;
-      case StmtOp::StoreBind: target(scope_.bind, s.index); break;
-      case StmtOp::If: branches(s); break;
-      case StmtOp::Call: break;
+    switch (shape_of(s)) {
+      case StmtShape::StoresSelf: target(scope_.self, s.index); break;
+      case StmtShape::StoresBind: target(scope_.bind, s.index); break;
+      case StmtShape::Chooses: branches(s); break;
+      case StmtShape::Evaluates: break;
     }
     push_expr(s.value);
   }

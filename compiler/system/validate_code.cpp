@@ -4,6 +4,7 @@
 // cycles and depth; each row is met once. The second follows each use of a piece of code with the variables of its
 // owner (a guard may serve many priorities): linear in the uses, that is, in the printed text. Needs sound types and
 // instances.
+#include "compiler/model/statements.hpp"
 #include "compiler/system/bsys_text.hpp"
 #include "compiler/system/validate_problems.hpp"
 
@@ -96,7 +97,8 @@ class CodeChecker {
   }
   bool reach_from_stmt(const Visit& at) {
     const Stmt& s = code_.stmts[StmtId(at.row)];
-    if (!problems_.expect(word_of(s.op) != nullptr, "a statement has no operator")) return false;
+    if (!problems_.expect(static_cast<std::size_t>(s.op) < kStatements.size(), "a statement has no operator"))
+      return false;
     check_loc(system_, s.loc, problems_);
     if (!push_part({s.value.value, at.depth + 1, false})) return false;
     for (const StmtId branch : {s.then_body, s.else_body}) {
@@ -156,18 +158,24 @@ class CodeChecker {
 
   void check_stmt(const Stmt& s, const CodeScope& scope, Writes writes) {
     const Expr& given = code_.exprs[s.value];
-    problems_.expect(s.op == StmtOp::If || (!s.then_body.is_valid() && !s.else_body.is_valid()),
+    const StmtInfo& info = info_of(s.op);
+    problems_.expect(info.shape == StmtShape::Chooses || (!s.then_body.is_valid() && !s.else_body.is_valid()),
                      "a statement without a condition has branches");
-    problems_.expect(s.op == StmtOp::Call || given.op != Op::Call || code_.functions[given.index].has_result,
+    problems_.expect(info.value == StmtValue::Call || given.op != Op::Call || code_.functions[given.index].has_result,
                      "a call without a result is used as a value");
-    switch (s.op) {
-      case StmtOp::StoreSelf: check_store(s, scope.self); break;
-      case StmtOp::StoreBind:
+    switch (info.shape) {
+      case StmtShape::StoresSelf: check_store(s, scope.self); break;
+      case StmtShape::StoresBind:
         check_store(s, scope.bind);
         problems_.expect(writes == Writes::SelfAndBind, "an assignment to a port's variable outside `down`");
         break;
-      case StmtOp::If: problems_.expect(given.type == Type::Bool, "a condition is not a bool"); break;
-      case StmtOp::Call: problems_.expect(given.op == Op::Call, "a statement that calls has no call"); break;
+      case StmtShape::Chooses:
+      case StmtShape::Evaluates: break;
+    }
+    switch (info.value) {
+      case StmtValue::OfVariable: break;
+      case StmtValue::Condition: problems_.expect(given.type == Type::Bool, "a condition is not a bool"); break;
+      case StmtValue::Call: problems_.expect(given.op == Op::Call, "a statement that calls has no call"); break;
     }
   }
   void check_store(const Stmt& s, const std::vector<ScopeVariable>& variables) {
