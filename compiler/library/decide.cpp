@@ -205,6 +205,8 @@ Verdict decide(const VerifyRequest& request, Compilation& c, const verify::Quest
   }
   if (question.formula.has_limit() || (is_timed && question.formula.response))
     return decide_response(request, c, question, note, token);
+  if (is_timed && question.what == verify::QuestionKind::Runs && verify::is_invariant_of_past(question.formula))
+    return decide_timed_past(request, c, question, note, token);
   if (question.what == verify::QuestionKind::Branching) {
     if (std::optional<Verdict> verdict = decide_possible(request, c, question, note, token, report))
       return std::move(*verdict);

@@ -65,6 +65,10 @@ struct Verdict {
 [[nodiscard]] Verdict decide_response(const VerifyRequest& request, Compilation& c, const verify::Question& question,
                                       const std::string& note, const verify::CancellationToken& token);
 
+/// The same for `always E` and `never E` of a model with time where E looks back: on the zone graph with a monitor.
+[[nodiscard]] Verdict decide_timed_past(const VerifyRequest& request, Compilation& c, const verify::Question& question,
+                                        const std::string& note, const verify::CancellationToken& token);
+
 /// The same for a property of runs, on the graph of all reachable states.
 [[nodiscard]] Verdict decide_liveness(const VerifyRequest& request, Compilation& c, const verify::Question& question,
                                       const std::string& note, const verify::CancellationToken& token,

@@ -105,7 +105,8 @@ Verdict decide_liveness(const VerifyRequest& request, Compilation& c, const veri
     return refuse(
         request, c, question,
         {"this property of runs for a model with time", what,
-         "`eventually E`, `always eventually E` and `E leads to F` have answers, E and F without words of time"});
+         "`eventually E`, `always eventually E` and `E leads to F` have answers, E and F without words of time, and "
+         "so has `always E` where E looks back"});
   Verdict verdict;
   Executor executor(MachineCode::Fresh);
   const bool has_graph = !has_undetermined_values(*c.system);

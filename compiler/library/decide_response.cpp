@@ -10,6 +10,7 @@
 
 #include "compiler/library/add_run.hpp"
 #include "compiler/library/decide.hpp"
+#include "compiler/library/point_of_run.hpp"
 #include "compiler/library/timed_verdict.hpp"
 #include "compiler/pipeline/executor.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
@@ -27,43 +28,6 @@
 namespace bip::library {
 
 namespace {
-
-// Is a node without words of time true at a point of a run?
-bool is_true_at(const verify::Formula& formula, std::uint32_t row, rt::Core& core, const rt::Candidate* candidate) {
-  const verify::FormulaNode& node = formula.nodes[row];
-  switch (node.kind) {
-    case verify::FormulaKind::Constant: return node.value;
-    case verify::FormulaKind::State: return verify::is_true(formula.states[node.row], core);
-    case verify::FormulaKind::Step: {
-      if (candidate == nullptr) return false;
-      const verify::StepCondition& step = formula.steps[node.row];
-      if (!step.is_port) return candidate->connector == step.owner;
-      std::vector<rt::Participant> participants;
-      core.participants(*candidate, participants);
-      for (const rt::Participant& participant : participants) {
-        if (participant.atom == step.owner && participant.port == step.port) return true;
-      }
-      return false;
-    }
-    case verify::FormulaKind::Not: return !is_true_at(formula, node.a, core, candidate);
-    case verify::FormulaKind::And:
-      return is_true_at(formula, node.a, core, candidate) && is_true_at(formula, node.b, core, candidate);
-    case verify::FormulaKind::Or:
-      return is_true_at(formula, node.a, core, candidate) || is_true_at(formula, node.b, core, candidate);
-    case verify::FormulaKind::Next:
-    case verify::FormulaKind::Until:
-    case verify::FormulaKind::Release:
-    case verify::FormulaKind::Previously:
-    case verify::FormulaKind::Since: break;
-  }
-  BIP_UNREACHABLE("a word of time within `within`");
-}
-
-std::string time_text(std::int64_t ticks) {
-  std::string text;
-  rt::append_time(text, ticks);
-  return text;
-}
 
 // "`a leads to b within 50 ms`   (3 steps, at 57ms)" and since when.
 std::string missed_text(const verify::Formula& formula, const rt::ZoneReport& found, const rt::MissedResponse& missed) {

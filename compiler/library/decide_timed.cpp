@@ -27,6 +27,7 @@
 #include "compiler/verify/evidence/certificate.hpp"
 #include "compiler/verify/evidence/counterexample_text.hpp"
 #include "compiler/verify/evidence/reached_zones.hpp"
+#include "runtime/core/text.hpp"
 #include "runtime/explore/counterexample.hpp"
 #include "runtime/explore/follow_path.hpp"
 
@@ -127,6 +128,12 @@ std::string limit_text(const rt::ZoneReport& found, const verify::CancellationTo
     case rt::ExploreEnd::States: break;
   }
   return "the limit of zones is reached";
+}
+
+std::string time_text(std::int64_t ticks) {
+  std::string text;
+  rt::append_time(text, ticks);
+  return text;
 }
 
 std::string endless_text(rt::CounterexampleEnd end, std::size_t steps, std::optional<std::size_t> cycle) {

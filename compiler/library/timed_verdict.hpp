@@ -1,6 +1,7 @@
 // What verdicts about models with time share. Internal to compiler/library.
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -20,6 +21,8 @@ namespace bip::library {
 /// What goes on for ever after so many steps, without a full stop: the steps from number `cycle` on, or time alone; or
 /// the run ends there in a time lock.
 [[nodiscard]] std::string endless_text(rt::CounterexampleEnd end, std::size_t steps, std::optional<std::size_t> cycle);
+/// "57ms".
+[[nodiscard]] std::string time_text(std::int64_t ticks);
 [[nodiscard]] Verdict verdict_of(const nlohmann::ordered_json& json, std::string text, int exit_code);
 /// Why a certificate of a zone graph says less than it should: guards of connectors or priorities that can fault, for
 /// which of several faults, or of a fault and a false guard, comes first is not for a checker to know.

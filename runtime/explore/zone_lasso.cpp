@@ -69,7 +69,7 @@ struct ArcGraph {
 
 // A node is entered, or one that is equal is there already.
 void ZoneSearch::note_arc(const ZoneNode& to, u32 row) {
-  if (to.parent == kNone || to.is_requested || !locations_[nodes_[to.parent].location].is_pending) return;
+  if (to.parent == kNone || to.is_requested || !locations_[nodes_[to.parent].location].observed.is_pending) return;
   arcs_.push_back({to.parent, row, to.edge, to.is_later, to.interaction, to.config, to.origin});
   node_bytes_ += sizeof(ZoneArc) + heap_bytes(to.origin);
 }
@@ -86,7 +86,7 @@ void ZoneSearch::enter_later(u32 location, const Zone& zone, const ZoneNode& lab
 
 bool ZoneSearch::find_idle(u32 node) {
   const ZoneNode& at = nodes_[node];
-  if (!is_without_limit() || !locations_[at.location].is_pending) return false;
+  if (!is_without_limit() || !locations_[at.location].observed.is_pending) return false;
   // A run that ends in an error is not looked at: where guards fault has been cut, or the search begins anew.
   // An action that may return does so some time.
   if (at.is_still || at.is_faulty || at.is_waking || !at.zone.is_unbounded()) return false;

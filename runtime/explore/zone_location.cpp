@@ -105,7 +105,7 @@ void Locations::clear() {
 }
 
 u32 Locations::find_or_add(State&& state, const std::vector<u32>& waits, const std::vector<u32>& leaders,
-                           bool is_pending) {
+                           const Observed& observed) {
   BIP_ASSERT(waits.size() == is_timed_.size() && leaders.size() == is_timed_.size(), "{} waits", waits.size());
   BIP_ASSERT(index_.size() == rows_.size(), "{} keys of {} locations", index_.size(), rows_.size());
   for (const VariableId cell : unread_cells_) state.data[cell] = 0;
@@ -115,7 +115,8 @@ u32 Locations::find_or_add(State&& state, const std::vector<u32>& waits, const s
   append_all(key, state.data.rows());
   append_all(key, waits);
   append_all(key, leaders);
-  if (is_pending) key += '\1';
+  if (observed.is_pending) key += '\1';
+  for (u64 past = observed.past; past != 0; past >>= 8u) key += static_cast<char>(past & 0xffu);
   const std::size_t key_bytes = kHashRowBytes + allocated(key.capacity());
   const auto [at, is_new] = index_.try_emplace(std::move(key), static_cast<u32>(rows_.size()));
   if (!is_new) return at->second;
@@ -123,7 +124,7 @@ u32 Locations::find_or_add(State&& state, const std::vector<u32>& waits, const s
   row.state = std::move(state);
   row.waits = waits;
   row.leaders = leaders;
-  row.is_pending = is_pending;
+  row.observed = observed;
   bytes_ += key_bytes + row.bytes();
   rows_.push_back(std::move(row));
   return at->second;
@@ -259,7 +260,7 @@ bool Locations::measure_bounds(Location& at, const std::vector<i64>& clocks) {
   for (const WaitGroup& group : at.groups) {
     if (group.ends) at.cells.insert(at.cells.end(), group.bounds.begin(), group.bounds.end());
   }
-  if (at.is_pending && is_limited_) at.cells.push_back(in_time_);
+  if (at.observed.is_pending && is_limited_) at.cells.push_back(in_time_);
   for (const InteractionId interaction : shapes_.interactions.ids()) (void)measure_interaction(at, interaction);
   sort_unique(at.cells);
   measure_asked(at);

@@ -30,11 +30,16 @@ struct WaitGroup {
   bool ends = true;  // false: never
   Bounds bounds;
 };
+/// What an observer beside the zone graph knows of the run that led to a location.
+struct Observed {
+  bool is_pending = false;  // a request waits for its response (TimedResponse)
+  u64 past = 0;             // TimedMonitor
+};
 struct Location {
   State state;               // its `time` is of no meaning
   std::vector<u32> waits;    // by atom: the transition after which it is busy, kInitial, or kNone
   std::vector<u32> leaders;  // by atom: with whom it goes on
-  bool is_pending = false;   // a request waits for its response (TimedResponse)
+  Observed observed;
   bool is_measured = false;
   // Of a location of a part (PartQuestion): may the whole system be in it?
   enum class Feasibility : std::uint8_t { NotDecided, Possible, Impossible };
@@ -60,7 +65,8 @@ class Locations {
   Locations(Core& core, const ExploreOptions& options, const TimedResponse* response);
 
   /// The row of the location; made if it is new.
-  u32 find_or_add(State&& state, const std::vector<u32>& waits, const std::vector<u32>& leaders, bool is_pending);
+  u32 find_or_add(State&& state, const std::vector<u32>& waits, const std::vector<u32>& leaders,
+                  const Observed& observed);
   [[nodiscard]] Location& operator[](u32 row) { return rows_[row]; }
   [[nodiscard]] u32 size() const { return static_cast<u32>(rows_.size()); }
   void clear();

@@ -38,7 +38,7 @@ void ZoneSearch::classify_dead_points(u32 node, const std::vector<Zone>& rest, c
     else note(deadlock_, has_deadlock, part.least_point(), true);
   }
   // No response comes after the end of a run.
-  if (has_lock && at.is_pending) {
+  if (has_lock && at.observed.is_pending) {
     match_ = lock;
     report_.is_match_end = true;
   }

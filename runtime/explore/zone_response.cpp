@@ -19,7 +19,8 @@ void ZoneSearch::observe(const Candidate* candidate, bool& is_pending, bool& is_
 }
 
 bool ZoneSearch::find_late(u32 node) {
-  if (response_ == nullptr || !response_->within || !locations_[nodes_[node].location].is_pending) return false;
+  if (response_ == nullptr || !response_->within || !locations_[nodes_[node].location].observed.is_pending)
+    return false;
   if (!nodes_[node].zone.implies(locations_.in_time().opposite())) return false;
   // A run that ends in an error here is not looked at. Once it is known that guards fault, cells are cut by them.
   if (nodes_[node].is_faulty) return false;

@@ -36,13 +36,14 @@ bool agree(Zone& zone, const Zone& part, const Bounds& bounds) {
 }
 
 ZoneSearch::ZoneSearch(const Image& image, const ExploreOptions& options, const PartQuestion* part,
-                       const TimedResponse* response)
+                       const TimedResponse* response, const TimedMonitor* monitor)
     : image_(image),
       options_(options),
       core_(image, {.progress = options.progress}),
       locations_((static_cast<void>(core_.initialize()), core_), options, response),
       part_(part),
-      response_(response) {
+      response_(response),
+      monitor_(monitor) {
   core_.time().wait_for_resume_at();
   if (part_ == nullptr) return;
   is_sure_.assign(locations_.shapes().interactions.size(), 1);
@@ -108,7 +109,8 @@ bool ZoneSearch::begin() {
     observe(nullptr, is_pending, is_requested);
     if (!is_pending) zone.forget_clock(locations_.in_time().i);
   }
-  enter(locations_.find_or_add(core_.snapshot(), waits, leaders, is_pending), std::move(zone),
+  const u64 past = monitor_ != nullptr ? monitor_->next(core_, nullptr, 0) : 0;
+  enter(locations_.find_or_add(core_.snapshot(), waits, leaders, {is_pending, past}), std::move(zone),
         {.is_requested = is_requested, .origin = {}, .zone = Zone(0)});
   return true;
 }
@@ -207,7 +209,7 @@ void ZoneSearch::insert(ZoneNode&& node) {
   BIP_ASSERT((node.edge == ZoneEdge::Initial) == (node.parent == kNone), "edge {}", node.edge);
   std::vector<u32>& others = locations_[node.location].nodes;
   // A cycle through a larger zone need not be one of its parts.
-  const bool is_apart = is_without_limit() && locations_[node.location].is_pending;
+  const bool is_apart = is_without_limit() && locations_[node.location].observed.is_pending;
   for (const u32 other : others) {
     if (is_apart ? nodes_[other].zone != node.zone : !nodes_[other].zone.includes(node.zone)) continue;
     if (is_apart) note_arc(node, other);
@@ -274,9 +276,11 @@ bool ZoneSearch::fire(u32 node, const Zone& cell, const std::vector<i64>& point,
     leaders[atom] = waits_now ? leader : 0;
   }
   ++report_.steps;
-  bool is_pending = at.is_pending, is_requested = false;
-  const bool was_pending = at.is_pending;
+  bool is_pending = at.observed.is_pending, is_requested = false;
+  const bool was_pending = is_pending;
+  u64 past = at.observed.past;
   if (response_ != nullptr) observe(&candidate, is_pending, is_requested);
+  if (monitor_ != nullptr) past = monitor_->next(core_, &candidate, past);
   NotedMove move(*this, node, ZoneEdge::Step, cell);
   move.add_atoms(participants);
   // Whether the state that it leads to has a fault may depend on the clocks: that is asked in each of its cells.
@@ -292,6 +296,7 @@ bool ZoneSearch::fire(u32 node, const Zone& cell, const std::vector<i64>& point,
     if (!is_pending) zone.forget_clock(locations_.in_time().i);
     else if (is_requested) zone.set_clock(locations_.in_time().i, 0);
   }
+  if (monitor_ != nullptr) past = monitor_->next(core_, nullptr, past);
   ZoneNode label{.parent = node,
                  .depth = nodes_[node].depth + 1,
                  .edge = ZoneEdge::Step,
@@ -300,7 +305,7 @@ bool ZoneSearch::fire(u32 node, const Zone& cell, const std::vector<i64>& point,
                  .is_requested = is_requested,
                  .origin = point,
                  .zone = Zone(0)};
-  const u32 row = locations_.find_or_add(core_.snapshot(), waits, leaders, is_pending);
+  const u32 row = locations_.find_or_add(core_.snapshot(), waits, leaders, {is_pending, past});
   if (is_without_limit() && was_pending && is_pending && !is_requested) enter_later(row, zone, label);
   enter(row, std::move(zone), std::move(label));
   return true;
@@ -446,7 +451,7 @@ void ZoneSearch::go_on(u32 node) {
     State state = at.state;
     Zone zone = nodes_[node].zone;
     const NotedMove move(*this, node, ZoneEdge::GoOn, zone);
-    enter(locations_.find_or_add(std::move(state), waits, leaders, at.is_pending), std::move(zone),
+    enter(locations_.find_or_add(std::move(state), waits, leaders, at.observed), std::move(zone),
           {.parent = node, .depth = nodes_[node].depth, .edge = ZoneEdge::GoOn, .origin = {}, .zone = Zone(0)});
   }
 }
@@ -454,7 +459,7 @@ void ZoneSearch::go_on(u32 node) {
 void ZoneSearch::expand(u32 node) {
   BIP_ASSERT(node < nodes_.size() && !nodes_[node].is_covered, "node {}", node);
   is_node_faulty_ = false;
-  if (find_match(node) || find_late(node)) return;
+  if (find_match(node) || find_late(node) || find_violated(node)) return;
   if (part_ != nullptr && is_asked_for(node)) {
     open_ = nodes_[node].location;
     return;
@@ -550,7 +555,7 @@ void ZoneSearch::visit_locations(ZoneReport& report, const std::function<void(co
   for (u32 row = 0; row < locations_.size(); ++row) {
     const Location& at = locations_[row];
     if (at.nodes.empty()) continue;
-    ListedLocation listed{&at.state, {}, at.leaders, {}, at.is_pending};
+    ListedLocation listed{&at.state, {}, at.leaders, {}, at.observed.is_pending};
     for (u32 atom = 0; atom < image_.atoms.size; ++atom) {
       const u32 transitions = image_.atom_types[image_.atoms[atom].type].transitions.size;
       const u32 waits = at.waits[atom];
@@ -558,7 +563,7 @@ void ZoneSearch::visit_locations(ZoneReport& report, const std::function<void(co
     }
     for (const u32 node : at.nodes) listed.zones.push_back(&nodes_[node].zone);
     for (const u32 node : at.nodes) {
-      if (!rank_of.empty() && at.is_pending) listed.ranks.push_back(rank_of[node]);
+      if (!rank_of.empty() && at.observed.is_pending) listed.ranks.push_back(rank_of[node]);
     }
     visit(listed);
   }

@@ -53,7 +53,7 @@ struct ZoneArc {
 class ZoneSearch {
  public:
   ZoneSearch(const Image& image, const ExploreOptions& options, const PartQuestion* part = nullptr,
-             const TimedResponse* response = nullptr);
+             const TimedResponse* response = nullptr, const TimedMonitor* monitor = nullptr);
   ZoneReport run();
   ZoneReport run_for_local_deadlocks();
   /// After it, if the graph is complete and there is no match: all locations that have zones.
@@ -122,6 +122,8 @@ class ZoneSearch {
   void observe(const Candidate* candidate, bool& is_pending, bool& is_requested);
   [[nodiscard]] bool find_late(u32 node);
   [[nodiscard]] bool is_without_limit() const { return response_ != nullptr && !response_->within; }
+  // zone_monitor.cpp
+  [[nodiscard]] bool find_violated(u32 node);
   // zone_lasso.cpp
   void note_arc(const ZoneNode& to, u32 row);
   void enter_later(u32 location, const Zone& zone, const ZoneNode& label);
@@ -153,6 +155,7 @@ class ZoneSearch {
   Locations locations_;
   const PartQuestion* part_;                          // not null: the image is a part of a system
   const TimedResponse* response_;                     // not null: an observer runs beside it
+  const TimedMonitor* monitor_;                       // likewise
   IndexVector<InteractionId, std::uint8_t> is_sure_;  // of a part: a candidate is one in the whole
   u32 open_ = kNone;                                  // of a part: a location
   u64 impossible_ = 0;

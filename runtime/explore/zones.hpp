@@ -121,6 +121,18 @@ struct MissedResponse {
 [[nodiscard]] MissedResponse follow_response(const Image& image, const ExploreOptions& options, const TimedPath& path,
                                              const TimedResponse& response);
 
+/// A monitor of what has been, as bits. `next` reads a point of a run (as those of TimedResponse) and the bits that the
+/// point before left, 0 before the first one; of a point without a candidate it may be asked any number of times.
+/// `is_violated` stays true once it is.
+struct TimedMonitor {
+  std::function<u64(Core&, const Candidate*, u64 before)> next;
+  std::function<bool(u64)> is_violated;
+};
+/// The zone graph with a monitor: has_match says that a run violates it, and `match` leads there. The core has taken
+/// it, or are_paths_known is false. What ends in an error at the step that would violate it is not looked at.
+[[nodiscard]] ZoneReport explore_monitor(const Image& image, const ExploreOptions& options,
+                                         const TimedMonitor& monitor);
+
 /// An image that stands for a part of a system whose other components may do anything
 /// (compiler/verify/timed/localization.hpp), and one component of it: is there an instant to which its invariants hold
 /// time up and at which no step of the part alone can be taken?

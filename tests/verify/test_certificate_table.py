@@ -56,6 +56,8 @@ ROWS = {
     "properties of runs without a limit, of a model with time": [
         ("runs_with_time.golden", ["--property", "always eventually a@LIT"], "accepted", "zone rank="),
         ("runs_with_time_resume.golden", ["--property", "happens bake leads to happens open"], "accepted", "returns ")],
+    "invariants that look back, of a model with time": [
+        ("fail_runs_with_time_past_certificate.golden", ["--property", "always (happens hold implies once happens press)"], "refused", None)],
     "`--for-all n`": [
         ("sizes/token_ring.bip", ["--for-all", "n"], "accepted", None)],
     "`--partial`": [

@@ -7,7 +7,7 @@ The systems have clocks in ns with small constants, bounds that are open or clos
 `resume`, triggers, guards, transfers, and divisions by zero in guards, limits and actions. The oracle is written from
 compiler/docs/semantics.md and shares nothing with bipc: it visits every state at every ns, clocks cut off above all constants, and
 says whether a deadlock, a time lock and an error are reachable, and whether a random `never E`, `E leads to F within T`,
-`eventually F within T`, or one of these without T, is violated, and `possibly E` and `possibly always E` hold. Prints the text of a system with another answer. BIPC names the
+`eventually F within T`, or one of these without T, or `always E` where E looks back, is violated, and `possibly E` and `possibly always E` hold. Prints the text of a system with another answer. BIPC names the
 program, JOBS the number of processes. Each tenth system is asked by the program, the others by the Python package of the build folder
 if there is one. To see it go red: let `may_pass` ignore one of its rules.
 """
@@ -366,6 +366,54 @@ class Oracle:
         lasting = {component[a] for a, b in ticks if component[a] == component.get(b)}
         return any(not set.intersection(*(set(self.may_resume(state)) for state, _ in parts[k])) for k in lasting)
 
+    def at_point(self, past, state, candidate, before):
+        """(value of a formula that looks back, what its words leave behind: a tuple as long as it has words). `before`: the same of the point before."""
+        kind, *parts = past
+        if kind not in ("once", "historically", "since", "!", "&&") or not has_past(past):
+            return self.is_true(past, state, candidate), ()
+        values, left = [], ()
+        for part in parts:
+            own = words_of_past(part)
+            value, after = self.at_point(part, state, candidate, before[:own])
+            values.append(value)
+            left, before = left + after, before[own:]
+        if kind in ("!", "&&"):
+            return (not values[0] if kind == "!" else all(values)), left
+        value = {"once": lambda: values[0] or before[0], "historically": lambda: values[0] and before[0],
+                 "since": lambda: values[-1] or (values[0] and before[0])}[kind]()
+        return value, (*left, value)
+
+    def breaks(self, past):
+        """Is there a point of a run at which the formula is false? None: too many states."""
+        first = tuple(State(0, atom.first, 0, None) for atom in self.atoms)
+        value, left = self.at_point(past, first, None, nothing_before(past))
+        known = {(first, left, not value)}
+        todo = list(known)
+        while todo:
+            state, left, is_broken = todo.pop()
+            found = self.expand(state)
+            if found is None:
+                continue
+            if is_broken:
+                return True
+            following = [(after, None) for after in found.resumed]
+            if found.later is not None:
+                following.append((found.later, None))
+            following += [(after, candidate) for candidate, after in found.steps if after is not None]
+            for after, candidate in following:
+                values, memory = [], left
+                if candidate is not None:
+                    value, memory = self.at_point(past, state, candidate, memory)
+                    values.append(value)
+                value, memory = self.at_point(past, after, None, memory)
+                new = after, memory, not all([*values, value])
+                if new not in known:
+                    known.add(new)
+                    todo.append(new)
+            if len(known) > 3 * MOST_STATES:
+                return None
+        return False
+
     def run(self):
         """False: too many states."""
         first = tuple(State(0, atom.first, 0, None) for atom in self.atoms)
@@ -420,6 +468,42 @@ def make_condition(r, atoms, connectors, depth=1):
         return "port", a, r.choice(sorted({t.port for t in atoms[a].transitions}))
     parts = [make_condition(r, atoms, connectors, 0) for _ in range(1 if kind == "!" else 2)]
     return (kind, *parts)
+
+
+def has_past(formula):
+    return formula[0] in ("once", "historically", "since") or (formula[0] in ("!", "&&") and any(has_past(part) for part in formula[1:]))
+
+
+def words_of_past(formula):
+    if formula[0] in ("!", "&&") or has_past(formula):
+        return (formula[0] not in ("!", "&&")) + sum(words_of_past(part) for part in formula[1:])
+    return 0
+
+
+def nothing_before(formula):
+    """What the words that look back leave behind before the first point, in the order of at_point: of `historically` it is true."""
+    if formula[0] not in ("!", "&&") and not has_past(formula):
+        return ()
+    left = tuple(value for part in formula[1:] for value in nothing_before(part))
+    return left if formula[0] in ("!", "&&") else (*left, formula[0] == "historically")
+
+
+def make_past(r, atoms, connectors, depth=2):
+    """Mostly of the form \"not this, unless that has been\"."""
+    kind = r.choice(["once", "historically", "since", "since", "!", "&&", "unless before"])
+    inner = lambda: make_past(r, atoms, connectors, depth - 1) if depth and r.random() < 0.4 else make_condition(r, atoms, connectors)  # noqa: E731
+    if kind == "unless before":
+        return "!", ("&&", inner(), ("!", ("once", inner())))
+    if kind in ("!", "&&") and depth == 2:
+        return kind, *(make_past(r, atoms, connectors, depth - 1) for _ in range(1 if kind == "!" else 2))
+    return (kind, *(inner() for _ in range(2 if kind in ("since", "&&") else 1)))
+
+
+def past_text(formula):
+    if not has_past(formula):
+        return condition_text(formula)
+    parts = [f"({past_text(part)})" for part in formula[1:]]
+    return f" {formula[0]} ".join(parts) if len(parts) == 2 else f"{formula[0]} {parts[0]}"
 
 
 def condition_text(condition):
@@ -496,11 +580,13 @@ def check(seed):
     demands += [((request, response, None), oracle.never_comes(request, response)) for (request, response, _), _ in demands]
     properties = [demand_text(demand) for demand, _ in demands]
     properties += [f"{words} ({condition_text(never)})" for words in WORDS_OF_STATES for never in nevers]
+    pasts = [past for past in (make_past(r, atoms, connectors) for _ in range(4)) if has_past(past)]
+    properties += [f"always ({past_text(past)})" for past in pasts]
     explored, given = (ask_program if bipc is None or seed % 10 == 0 else ask_package)(text, properties)
     if explored is None:
         return ["refused"], f"seed {seed}: explore: {given}\n{text}"
     verdict, errors, *answers = given
-    answers, about_states = answers[:len(demands)], answers[len(demands):]
+    answers, about_states, about_past = answers[:len(demands)], answers[len(demands):len(answers) - len(pasts)], answers[len(answers) - len(pasts):]
     expected = (oracle.deadlock, oracle.lock, oracle.error)
     found = (explored["deadlocks"] > 0, explored["time_locks"] > 0, explored["errors"] > 0)
     words = "deadlock %s, time lock %s, error %s"
@@ -526,6 +612,11 @@ def check(seed):
         kinds.append(f"{words}: {wanted}")
         if wanted != "large" and (answer is None or answer["verdict"] != wanted):
             difference += f"\n`{words} {condition_text(never)}`: {answer and answer['text']}, the oracle says {wanted}"
+    for past, answer in zip(pasts, about_past):
+        wanted = "no-state" if oracle.has_no_state else {None: "large", True: "violated", False: "holds"}[oracle.breaks(past)]
+        kinds.append(f"looks back: {wanted}")
+        if wanted != "large" and (answer is None or answer["verdict"] != wanted):
+            difference += f"\n`always ({past_text(past)})`: {answer and answer['text']}, the oracle says {wanted}"
     for (demand, is_missed), answer in zip(demands, answers):
         wanted = "no-state" if oracle.has_no_state else {None: "large", True: "violated", False: "holds"}[is_missed]
         kinds.append(f"{'without a limit' if demand[2] is None else 'within'}: {wanted}")
@@ -556,7 +647,7 @@ def main():
     compared = count - kinds["large"] - kinds["refused"]
     # What decides nothing is no test.
     if count >= 60 and (compared < count // 2 or any(kinds[k] == 0 for k in ("free", "deadlock", "time lock", "a cycle of steps"))
-                        or any(kinds[f"{limit}: {k}"] < count // 10 for limit in ("within", "without a limit", *WORDS_OF_STATES) for k in ("holds", "violated"))):
+                        or any(kinds[f"{limit}: {k}"] < count // 10 for limit in ("within", "without a limit", "looks back", *WORDS_OF_STATES) for k in ("holds", "violated"))):
         bad += 1
         print("too few systems of some kind")
     print(f"timed: {compared - bad if compared > bad else 0} passed, {bad} failed")

@@ -1,0 +1,92 @@
+// Verdicts about invariants that look back (`always (happens start implies once happens calibrate)`) of models with
+// time: see decide.hpp. A monitor beside the zone graph decides (runtime/explore/zone_monitor.cpp).
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "compiler/library/add_run.hpp"
+#include "compiler/library/decide.hpp"
+#include "compiler/library/point_of_run.hpp"
+#include "compiler/library/timed_verdict.hpp"
+#include "compiler/pipeline/executor.hpp"
+#include "compiler/pipeline/exit_codes.hpp"
+#include "compiler/pipeline/limits.hpp"
+#include "compiler/system/uses_time.hpp"
+#include "compiler/verify/net/unread_data.hpp"
+#include "compiler/verify/property/expression.hpp"
+#include "runtime/core/text.hpp"
+#include "runtime/explore/counterexample.hpp"
+
+namespace bip::library {
+
+Verdict decide_timed_past(const VerifyRequest& request, Compilation& c, const verify::Question& question,
+                          const std::string& note, const verify::CancellationToken& token) {
+  const verify::Formula& formula = question.formula;
+  if (std::any_of(formula.states.begin(), formula.states.end(), verify::asks_offers))
+    return refuse(request, c, question,
+                  {"`can` in a property of runs of a model with time", "what can be done changes while time passes",
+                   "`happens` says that it is done, `component@PLACE` where it may be"});
+  if (!can_monitor(formula))
+    return refuse(request, c, question,
+                  {"`previously` for a model with time", "time that passes is no point of its own",
+                   "`once E` says that E was true at some point before, or now"});
+  if (request.wants_certificate)
+    return refuse(request, c, question,
+                  {"a certificate for an invariant that looks back, of a model with time",
+                   system::first_timed(*c.system), "without `--certificate` it is decided"});
+  if (has_undetermined_values(*c.system)) return unknown_because_of_values(*c.system);
+  const verify::CancellationToken cancellation = token.within(request.timeout);
+  Executor executor(MachineCode::Fresh);
+  if (!executor.prepare(c, request.backend, Optimisation::Auto)) return {};
+  const rt::Image& image = c.lowered->image;
+  rt::ExploreOptions options;
+  options.bytes = request.megabytes * kMega;
+  options.is_stopped = [&] { return cancellation.is_over(); };
+  options.unread_cells = verify::find_unread_cells(*c.system, image, data_of(question));
+  const rt::ZoneReport found = rt::explore_monitor(image, options, monitor_of(formula));
+  const std::string size = rt::counted(found.zones, "zone") + " of " + rt::counted(found.locations, "location");
+  nlohmann::ordered_json json{{"format", "bipc-verdict"}, {"version", 1}, {"verdict", "unknown"}};
+  json["property"] = formula.text;
+  json["zones"] = found.zones;
+  std::string text;
+  int exit_code = kUnknown;
+  std::optional<FoundRun> run;
+  if (found.has_match && found.are_paths_known) {
+    constexpr rt::CounterexampleEnd kEnd = rt::CounterexampleEnd::State;
+    const rt::CounterexampleText described =
+        rt::describe_counterexample(image, rt::MaximalProgress::On, kEnd, found.match, kStepsShown);
+    text = described.steps + described.error +
+           fmt::format("violated[V0005]: `{}`   ({}, at {})\n", formula.text,
+                       rt::counted(found.match.steps.size(), "step"), time_text(found.match.end));
+    json["verdict"] = "violated";
+    json["steps"] = found.match.steps.size();
+    json["time"] = found.match.end;
+    if (request.wants_run) add_run(json, rt::counterexample_json(image, rt::MaximalProgress::On, kEnd, found.match));
+    exit_code = kViolated;
+    run = FoundRun{kEnd, found.match, {}, std::nullopt};
+    if (request.wants_trace)
+      run->trace =
+          rt::trace_of_counterexample(image, rt::MaximalProgress::On, kEnd, found.match, rt::TraceFormat::Json);
+  } else if (found.end == rt::ExploreEnd::Complete && found.inexact.empty() && !found.has_match) {
+    json["verdict"] = "holds";
+    json["method"] = "exhaustive";
+    text = fmt::format("holds: `{}`: true at each point of all runs through {}\n", formula.text, size);
+    text += error_note(image, found);
+    exit_code = kOk;
+  } else {
+    const std::string reason =
+        found.has_match ? "the core could not take the way that was found" : limit_text(found, cancellation);
+    json["reason"] = reason;
+    text = "unknown: " + reason + ", after " + size + '\n';
+  }
+  text += note;
+  json["text"] = text;
+  Verdict verdict = verdict_of(json, text, exit_code);
+  verdict.counterexample = std::move(run);
+  return verdict;
+}
+
+}  // namespace bip::library
