@@ -19,6 +19,7 @@ void Controller::halt() {
   {
     const std::lock_guard<std::mutex> hold(lock_);
     quits_ = true;
+    is_asked_.store(true);
     system_.stop();
   }
   requests_.end_calls();
@@ -48,6 +49,7 @@ void Controller::ask(Command command) {
   {
     const std::lock_guard<std::mutex> hold(lock_);
     commands_.push_back(std::move(command));
+    is_asked_.store(true);
     system_.stop();
   }
   changed_.notify_all();
@@ -155,11 +157,13 @@ void Controller::run() {
   std::deque<Command> commands;
   if (system_.outcome() == Outcome::Fault) end(Outcome::Fault);
   while (true) {
-    {
+    // Nearly all steps find nothing that was asked for: they take no lock.
+    if (is_asked_.load() || is_paused_ || has_ended_) {
       std::unique_lock<std::mutex> hold(lock_);
       changed_.wait(hold, [this] { return quits_ || !commands_.empty() || (!is_paused_ && !has_ended_); });
       if (quits_) break;
       commands.swap(commands_);
+      is_asked_.store(false);
       system_.go_on();
     }
     if (!commands.empty()) {

@@ -3,6 +3,7 @@
 // Access to more than events is a function, which the engine's thread executes between two steps, so no observer sees a
 // state half-way through a step. A sleeping engine is woken for it. No cost while there are no requests.
 #pragma once
+#include <atomic>
 #include <condition_variable>
 #include <deque>
 #include <functional>
@@ -96,6 +97,7 @@ class Controller {
   std::condition_variable changed_;
   std::deque<Command> commands_;
   bool quits_ = false;
+  std::atomic<bool> is_asked_{false};  // written under the lock: there are commands, or it quits
   std::thread thread_;
 };
 

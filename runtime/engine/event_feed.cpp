@@ -113,6 +113,7 @@ void EventFeed::look_at_budgets(Core& core, std::size_t first) {
     }
     core.actions().mark_overrun(event.row);
   }
+  if (core.actions().working().empty()) return;
   const i64 now = wall_->now();
   for (u32 atom = next_overrun(core); atom != kNone && core.actions().work_of(atom).until <= now;
        atom = next_overrun(core)) {

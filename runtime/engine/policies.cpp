@@ -25,8 +25,8 @@ class FairPolicy final : public EnginePolicy {
  public:
   EnabledSet::Position choose(const Core& core, Prng&) override {
     BIP_ASSERT(core.candidate_count() != 0, "a choice among no candidates, from interaction {} on", order_.from);
-    return core.position(
-        order_.from != 0 && core.candidate_count() > 1 ? core.enabled().next_after(InteractionId(order_.from - 1)) : 0);
+    if (order_.from == 0 || core.candidate_count() == 1) return core.position(0);
+    return core.enabled().first_after(InteractionId(order_.from - 1));
   }
   void fired(InteractionId interaction) override { order_.from = interaction.value + 1; }
   StepOrder* order() override { return &order_; }

@@ -17,15 +17,12 @@ bool Firing::fire(const Candidate& candidate) {
   return fire_parts(candidate);
 }
 
-bool Firing::fire(const Candidate& candidate, const std::vector<Participant>& participants) {
+bool Firing::fire(const Candidate& candidate, Span<u32> ports) {
   const InteractionInfo info = core_.tables.interactions[candidate.interaction];
   const bool has_code = info.kind != InteractionKind::Planned || core_.tables.plans[info.plan()].needs_ups;
   if (has_code || core_.partial.is_on()) return fire(candidate);
   core_.history.remember(candidate.interaction);
-  for (const Participant& p : participants) {
-    if (!core_.atom_steps.fire_port(core_.tables.instance(p.atom, p.port))) return false;
-  }
-  return core_.settle();
+  return fire_ports(ports) && core_.settle();
 }
 
 bool Firing::fire_parts(const Candidate& candidate) {
@@ -155,6 +152,27 @@ bool Firing::fire_planned(const Candidate& candidate, const InteractionInfo& inf
   return true;
 }
 
+// In the order of firing.
+template <class Visit>
+void Firing::visit_chosen(const Plan& plan, const Visit& visit) {
+  const PlanNode* nodes = core_.tables.plan_nodes.data() + plan.first_node;
+  use_stack_.clear();
+  use_stack_.emplace_back(0, 0);
+  while (!use_stack_.empty()) {
+    const PlanUse& use = core_.tables.plan_uses[plan.first_use + use_stack_.back().first];
+    const u32 param = use_stack_.back().second++;
+    if (param == core_.tables.connector_type(use.connector).params.size) {
+      use_stack_.pop_back();
+      continue;
+    }
+    u32 node = core_.tables.plan_params[use.first_param + param];
+    if (node == kNone || !core_.search.is_chosen(node)) continue;
+    if (nodes[node].kind == NodeKind::Choice) node = core_.search.chosen_alternative(plan, node);
+    if (nodes[node].kind == NodeKind::Link) use_stack_.emplace_back(nodes[node].use, 0);
+    else visit(param, nodes[node].ref);
+  }
+}
+
 void Firing::participants(const Candidate& candidate, std::vector<Participant>& out) {
   out.clear();
   const InteractionInfo info = core_.tables.interactions[candidate.interaction];
@@ -174,23 +192,34 @@ void Firing::participants(const Candidate& candidate, std::vector<Participant>& 
     return;
   }
   const Plan& plan = core_.tables.plans[info.plan()];
-  const PlanNode* nodes = core_.tables.plan_nodes.data() + plan.first_node;
   core_.search.choose(candidate, plan);
-  use_stack_.clear();
-  use_stack_.emplace_back(0, 0);
-  while (!use_stack_.empty()) {
-    const PlanUse& use = core_.tables.plan_uses[plan.first_use + use_stack_.back().first];
-    const u32 param = use_stack_.back().second++;
-    if (param == core_.tables.connector_type(use.connector).params.size) {
-      use_stack_.pop_back();
-      continue;
+  visit_chosen(plan, add);
+}
+
+Span<u32> Firing::ports(const Candidate& candidate) {
+  const InteractionInfo info = core_.tables.interactions[candidate.interaction];
+  if (const Span<u32> fixed = core_.tables.fixed_ports(info); fixed.size != 0) return fixed;
+  ports_.clear();
+  if (info.kind == InteractionKind::Port) {
+    ports_.push_back(info.row);
+  } else if (info.kind != InteractionKind::Planned) {
+    for (u32 i = info.first; i < info.first + info.count; ++i) {
+      if (core_.ports.enabled_row(core_.tables.flat_ports[i]) != kNone) ports_.push_back(core_.tables.flat_ports[i]);
     }
-    u32 node = core_.tables.plan_params[use.first_param + param];
-    if (node == kNone || !core_.search.is_chosen(node)) continue;
-    if (nodes[node].kind == NodeKind::Choice) node = core_.search.chosen_alternative(plan, node);
-    if (nodes[node].kind == NodeKind::Link) use_stack_.emplace_back(nodes[node].use, 0);
-    else add(param, nodes[node].ref);
+  } else {
+    const Plan& plan = core_.tables.plans[info.plan()];
+    core_.search.choose(candidate, plan);
+    if (choices_.empty()) choices_.resize(core_.tables.plans.size());
+    ListedChoice& last = choices_[info.plan()];
+    const Span<std::uint8_t> chosen = core_.search.chosen(plan);
+    if (!std::equal(chosen.begin(), chosen.end(), last.chosen.begin(), last.chosen.end())) {
+      last.chosen.assign(chosen.begin(), chosen.end());
+      last.ports.clear();
+      visit_chosen(plan, [&](u32, u32 instance) { last.ports.push_back(instance); });
+    }
+    return {last.ports.data(), static_cast<u32>(last.ports.size())};
   }
+  return {ports_.data(), static_cast<u32>(ports_.size())};
 }
 
 void Firing::direct_participants(const Candidate& candidate, std::vector<Participant>& out) {

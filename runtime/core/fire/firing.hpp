@@ -22,8 +22,8 @@ class Firing {
 
   /// Takes the step, by its program if it has one; the core is settled then. False: a fault.
   bool fire(const Candidate& candidate);
-  /// The same of a candidate whose participants() are known, while no steps are in progress.
-  bool fire(const Candidate& candidate, const std::vector<Participant>& participants);
+  /// The same of a candidate whose ports() are known, while no steps are in progress.
+  bool fire(const Candidate& candidate, Span<u32> ports);
   /// fire(candidate(at)) by the shortest way, while no steps are in progress.
   bool take(EnabledSet::Position at);
   /// Takes the step port by port.
@@ -33,6 +33,10 @@ class Firing {
 
   /// Finds the atom ports that take part, in the order in which they fire.
   void participants(const Candidate& candidate, std::vector<Participant>& out);
+  /// Returns the instances of the atom ports that take part, in the order in which they fire; valid up to the next
+  /// call. Where a connector chooses among its ports, those of the last choice are kept: nearly always it is the same
+  /// again.
+  Span<u32> ports(const Candidate& candidate);
   /// Finds the ports of the connector itself; exported ports of connectors below as such, with this candidate's values:
   /// runs `up`.
   void direct_participants(const Candidate& candidate, std::vector<Participant>& out);
@@ -43,6 +47,15 @@ class Firing {
   void zero_frame(u32 connector);
 
  private:
+  /// What a plan chose when its ports were last listed.
+  struct ListedChoice {
+    std::vector<std::uint8_t> chosen;  // by node; empty: nothing
+    std::vector<u32> ports;            // instances
+  };
+
+  /// Calls visit(parameter, instance) for each atom port of the configuration that the search has chosen.
+  template <class Visit>
+  void visit_chosen(const Plan& plan, const Visit& visit);
   bool fire_ports(Span<u32> ports);
   bool fire_star(const InteractionInfo& info);
   bool fire_planned(const Candidate& candidate, const InteractionInfo& info);
@@ -51,6 +64,8 @@ class Firing {
   CoreParts& core_;
   std::vector<u32> params_;                     // scratch
   std::vector<std::pair<u32, u32>> use_stack_;  // scratch
+  std::vector<u32> ports_;                      // scratch
+  std::vector<ListedChoice> choices_;           // by plan, once ports() is asked for one
 };
 
 }  // namespace bip::rt

@@ -101,6 +101,8 @@ class InteractionSearch {
   /// Makes the candidate's configuration the one at hand.
   void choose(const Candidate& candidate, const Plan& plan);
   [[nodiscard]] bool is_chosen(u32 node) const { return chosen_[node] != 0; }
+  /// The same of all nodes of the plan.
+  [[nodiscard]] Span<std::uint8_t> chosen(const Plan& plan) const { return {chosen_.data(), plan.node_count}; }
   /// The child of a Choice that is chosen.
   [[nodiscard]] u32 chosen_alternative(const Plan& plan, u32 choice) const;
   /// Runs the `up`s of the configuration, bottom up. False: a fault.

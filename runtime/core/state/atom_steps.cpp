@@ -60,11 +60,12 @@ inline bool AtomSteps::move(u32 atom, const LinkedTransition& transition) {
   if (transition.to != kNone) core_.memory.places[atom] = transition.to;
   else if (!move_tokens(atom, transition)) return false;
   if (transition.action.fn != nullptr) {
-    if (core_.clocks.is_timed()) core_.clocks.show_clocks(atom);
+    const bool is_timed = core_.tables.types[state.type].is_timed;
+    if (is_timed) core_.clocks.show_clocks(atom);
     const std::int32_t status = transition.action.fn(
         transition.action.context, core_.memory.cells.from(state.first_cell), core_.memory.cells.all(), nullptr);
     if (status >= 2) return core_.faults.fail_code(status, atom, kNone, transition.source);
-    if (core_.clocks.is_timed() && !core_.clocks.read_clocks(atom, transition.source)) return false;
+    if (is_timed && !core_.clocks.read_clocks(atom, transition.source)) return false;
   }
   return true;
 }
@@ -215,9 +216,8 @@ bool AtomSteps::fire_port(u32 instance) {
   BIP_ASSERT(!type.simple || before == port.place, "port {} is enabled from place {}, its atom is at {}", instance,
              port.place, before);
   if (transition.is_idle) {
-    if (type.is_timed && !core_.clocks.begin_resume(atom, &transition)) return false;
-    if (info.watched != 0) core_.ports.touch(atom);
-    return true;
+    // Its data stay as they are: nothing that reads them is to be evaluated again.
+    return !type.is_timed || core_.clocks.begin_resume(atom, &transition);
   }
   if (type.is_timed && core_.actions.any()) {
     if (const Async* async = core_.actions.async_of(atom, transition))

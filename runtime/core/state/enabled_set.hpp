@@ -182,6 +182,18 @@ class EnabledSet {
     const std::uint64_t k = rank(InteractionId(interaction.value + 1));
     return k < total_ ? k : 0;
   }
+  /// The same candidate itself; total() > 0. O(1) if it is near, as that of an engine that goes round mostly is.
+  [[nodiscard]] Position first_after(InteractionId interaction) const {
+    BIP_ASSERT(total_ != 0, "no candidate comes after interaction {}", interaction.value);
+    ensure_ranked();
+    constexpr std::size_t kNear = 8;
+    const InteractionId from(interaction.value + 1);
+    std::size_t entry = word_of(from);
+    const std::size_t end = std::min(entry + kNear, words_.size());
+    std::uint64_t word = entry < end ? words_[entry] & ~std::uint64_t{0} << bit_of(from) : 0;
+    while (word == 0 && ++entry < end) word = words_[entry];
+    return entry < end ? Position{at_bit(entry, std::countr_zero(word)), 0} : select(next_after(interaction));
+  }
   /// The k-th candidate in the list's order while every interaction in it has one, else in canonical order; k <
   /// total(). Needs the list. O(1) while every interaction has one.
   [[nodiscard]] Position drawn(std::uint64_t k) const {

@@ -118,6 +118,21 @@ void Clocks::link() {
   for (const AtomType& type : image.atom_types) types_.push_back(time_of_type(type, image));
   for (const ConnectorType& type : image.connector_types) has_sync_ |= type.resume_sync;
   has_open_eager_ = may_open_eagerly(image);
+  find_ports_that_begin();
+}
+
+// A port for events takes one; of a port with two transitions both may be enabled, which is a fault.
+void Clocks::find_ports_that_begin() {
+  needs_begin_.assign(core_.tables.port_atom.size(), 0);
+  for (u32 atom = 0; atom < core_.atoms.size; ++atom) {
+    const AtomType& type = core_.tables.atom_type(atom);
+    if (type.time == nullptr) continue;
+    for (u32 port = 0; port < type.ports.size; ++port) {
+      const auto labelled = std::count_if(type.transitions.begin(), type.transitions.end(),
+                                          [&](const Transition& transition) { return transition.port == port; });
+      needs_begin_[core_.tables.instance(atom, port)] = labelled > 1 || core_.events.is_event_port(atom, port) ? 1 : 0;
+    }
+  }
 }
 
 void Clocks::reset() {
@@ -140,8 +155,9 @@ void Clocks::reset() {
 
 std::size_t Clocks::bytes() const {
   return clock_base_.size() * sizeof(u32) + clocks_.size() * sizeof(ClockState) +
-         (busy_until_.size() + may_resume_until_.size()) * sizeof(i64) + ports_.size() * sizeof(PortTime) +
-         coming_.size() * sizeof(Coming) + changes_.bytes() + ends_.bytes();
+         (busy_until_.size() + may_resume_until_.size()) * sizeof(i64) +
+         ports_.size() * (sizeof(PortTime) + sizeof needs_begin_[0]) + coming_.size() * sizeof(Coming) +
+         changes_.bytes() + ends_.bytes();
 }
 
 // In 2^-32 ticks.
@@ -594,15 +610,10 @@ CandidateTime Clocks::time_of(const Candidate& candidate) {
     BIP_ASSERT(port.interval.has(now_), "a candidate's port was possible until {}", port.interval.high);
   };
   const InteractionInfo info = core_.tables.interactions[candidate.interaction];
-  const Span<u32> ports = core_.tables.fixed_ports(info);
   if (info.kind == InteractionKind::Port) {
     meet(info.row);
-  } else if (ports.size != 0) {
-    for (const u32 instance : ports) meet(instance);
   } else {
-    core_.firing.participants(candidate, participant_scratch_);
-    for (const Participant& participant : participant_scratch_)
-      meet(core_.tables.instance(participant.atom, participant.port));
+    for (const u32 instance : core_.firing.ports(candidate)) meet(instance);
   }
   return out;
 }
@@ -629,7 +640,7 @@ bool Clocks::take(EnabledSet::Position at) {
   if (ports.size != 0 && !is_sync) {
     bool is_timed = false;
     for (const u32 instance : ports) {
-      if (!begin_port(instance)) return false;
+      if (needs_begin_[instance] != 0 && !begin_port(instance)) return false;
       is_timed = is_timed || core_.ports.port(instance).place == kNone;
     }
     // Where places do not say all there is no program: not asked for again.
@@ -638,14 +649,15 @@ bool Clocks::take(EnabledSet::Position at) {
     return core_.firing.fire_flat(info) && core_.settle();
   }
   const Candidate chosen = core_.candidate(at);
-  core_.firing.participants(chosen, participant_scratch_);
+  const Span<u32> taking_part = core_.firing.ports(chosen);
   std::vector<u32> together;
-  for (const Participant& participant : participant_scratch_) {
-    if (is_sync && types_[core_.atoms[participant.atom].type].time != nullptr) together.push_back(participant.atom);
-    if (!begin_port(core_.tables.instance(participant.atom, participant.port))) return false;
+  for (const u32 instance : taking_part) {
+    const u32 atom = is_sync ? core_.tables.port_atom[instance] : kNone;
+    if (is_sync && types_[core_.atoms[atom].type].time != nullptr) together.push_back(atom);
+    if (needs_begin_[instance] != 0 && !begin_port(instance)) return false;
   }
   resumes_together_ = together.size() >= 2;
-  const bool is_fired = core_.firing.fire(chosen, participant_scratch_);
+  const bool is_fired = core_.firing.fire(chosen, taking_part);
   resumes_together_ = false;
   if (!is_fired) return false;
   if (together.size() < 2) return true;

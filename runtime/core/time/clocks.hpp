@@ -207,6 +207,7 @@ class Clocks {
   [[nodiscard]] std::size_t bytes() const;
 
  private:
+  void find_ports_that_begin();
   [[nodiscard]] Int128 exact_value(u32 atom, u32 clock) const;
   bool interval_of(u32 atom, const TimeGuard& when, Interval& out);
   bool resume_interval(u32 atom, const Resume& resume, Interval& out);
@@ -242,6 +243,8 @@ class Clocks {
   TimeHeap changes_;  // by atom: the next instant at which its ports may change
   TimeHeap ends_;     // by atom: the last instant that its invariants allow
   std::vector<Participant> participant_scratch_;
+  // By port instance: begin_port() has something to do. One byte for each, since a step asks it of all its ports.
+  std::vector<std::uint8_t> needs_begin_;
 };
 
 }  // namespace bip::rt

@@ -324,6 +324,24 @@ TEST_CASE("fair: what stays enabled has its turn in every round") {
   CHECK(core.enabled().next_after(15_i) == 0);
 }
 
+TEST_CASE("the first candidate after an interaction is the one with its number, near and far, at both ends") {
+  constexpr std::uint32_t kSize = 4096;
+  Prng prng(5);
+  for (const bool is_weighted : {false, true}) {
+    for (const std::uint32_t members : {1u, 3u, 40u, 2000u}) {
+      EnabledSet set;
+      set.reset(kSize, is_weighted);
+      for (std::uint32_t k = 0; k < members; ++k)
+        set.set(InteractionId(static_cast<std::uint32_t>(prng.below(kSize))), is_weighted ? 3 : 1);
+      for (std::uint32_t k = 0; k < kSize; ++k) {
+        const EnabledSet::Position first = set.first_after(InteractionId(k));
+        const EnabledSet::Position same = set.select(set.next_after(InteractionId(k)));
+        REQUIRE((first.interaction == same.interaction && first.rank == same.rank));
+      }
+    }
+  }
+}
+
 TEST_CASE("policies and trace formats are found by the names of their rows") {
   for (const PolicyRow& row : policies()) {
     REQUIRE(find_policy(row.name) != nullptr);
