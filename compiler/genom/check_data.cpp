@@ -36,8 +36,11 @@ class InitialValue {
       const bool has_elements = t != nullptr && (t->kind == Kind::Array || t->kind == Kind::Sequence);
       if (t != nullptr && !has_elements && t->kind != Kind::Struct && t->kind != Kind::Union)
         return mismatch(*t, value);
-      if (has_elements && t->bound != 0 && value.parts.size() > static_cast<std::size_t>(t->bound))
-        diags_.report(Diag::kB6010, value.range, fmt::format("the length of {}", what_), value.parts.size(), 0,
+      // A request takes the value as a whole: what an array lacks nobody would add.
+      const std::size_t least = has_elements && t->kind == Kind::Array ? static_cast<std::size_t>(t->bound) : 0;
+      if (has_elements && t->bound != 0 &&
+          (value.parts.size() > static_cast<std::size_t>(t->bound) || value.parts.size() < least))
+        diags_.report(Diag::kB6010, value.range, fmt::format("the length of {}", what_), value.parts.size(), least,
                       t->bound);
       for (const Value& part : value.parts) check(has_elements ? std::optional(t->element) : std::nullopt, part);
       return;

@@ -468,8 +468,10 @@ class Genom3Parser {
     parsed.codel.is_async = in_.accept("async");
     in_.take();
     if (!v3::parse_codel(in_, parsed)) return false;
+    // A dialect: what the codel may take; an `async` one is given up then.
+    const bool is_time_sound = !in_.accept("wcet") || duration(parsed.codel.budget_us);
     codels.push_back(std::move(parsed));
-    return in_.expect(";");
+    return is_time_sound && in_.expect(";");
   }
 
   bool local(std::set<std::string>& locals) {

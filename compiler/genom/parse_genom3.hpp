@@ -28,11 +28,8 @@ struct ParsedCodel {
   std::vector<Yield> yields;
 };
 
-/// `codel [<ev,…>] id(params) [yield ev,…] [wcet TIME]` from after the word `codel`.
+/// `codel [<ev,…>] id(params) [yield ev,…]` from after the word `codel`.
 [[nodiscard]] bool parse_codel(Cursor& in, ParsedCodel& into);
-/// A number such as 0.005, times a unit, rounded down: digit by digit, so that no binary fraction shows. Nothing if it
-/// is none.
-[[nodiscard]] std::optional<std::int64_t> scaled(std::string_view number, std::int64_t unit);
 /// `id(params)`.
 [[nodiscard]] bool parse_call(Cursor& in, Codel& into);
 /// The parameters of a service, from `(` to `)`; `inputs` are those that a request brings. Of an attribute the paths

@@ -47,24 +47,6 @@ bool parse_use(Cursor& in, DataUse& into) {
   return true;
 }
 
-// A dialect, after `wcet`: 10 ms. What a codel may take; an `async` one is given up then.
-bool parse_wcet(Cursor& in, Codel& into) {
-  const Token number = in.peek();
-  if (number.kind != TokenKind::Number) {
-    in.unexpected("a time");
-    return false;
-  }
-  in.take();
-  std::int64_t unit = 1'000'000;
-  if (in.accept("ms")) unit = 1000;
-  else if (in.accept("us")) unit = 1;
-  else if (!in.accept("s")) in.accept("sec");
-  const std::optional<std::int64_t> us = scaled(number.text, unit);
-  if (!us) in.diags().report(Diag::kB6000, number.range, "a time", describe(number));
-  into.budget_us = us.value_or(0);
-  return us.has_value();
-}
-
 // From `<` until after its `>`: the bounds of sequences and strings, with their commas.
 bool skip_angles(Cursor& in) {
   std::size_t depth = 0;
@@ -112,22 +94,6 @@ bool parse_call(Cursor& in, Codel& into) {
   return in.expect(")");
 }
 
-std::optional<std::int64_t> scaled(std::string_view number, std::int64_t unit) {
-  std::int64_t value = 0;
-  std::int64_t scale = 0;
-  for (const char c : number) {
-    if (c == '.' && scale == 0) {
-      scale = 1;
-    } else if (c >= '0' && c <= '9' && value < 1'000'000'000 && scale < 1'000'000'000) {
-      value = value * 10 + (c - '0');
-      scale *= 10;
-    } else {
-      return std::nullopt;
-    }
-  }
-  return value * unit / (scale == 0 ? 1 : scale);
-}
-
 bool parse_codel(Cursor& in, ParsedCodel& into) {
   if (in.accept("<")) {
     if (!in.names(into.states, "a state") || !in.expect(">")) return false;
@@ -140,7 +106,7 @@ bool parse_codel(Cursor& in, ParsedCodel& into) {
       into.yields.push_back(std::move(y));
     } while (in.accept(","));
   }
-  return !in.accept("wcet") || parse_wcet(in, into.codel);
+  return true;
 }
 
 bool parse_parameters(Cursor& in, ParametersOf owner, std::set<std::string>& locals, std::vector<DataUse>& uses,
