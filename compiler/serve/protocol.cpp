@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "bip/image_time.hpp"
+#include "compiler/serve/check_line.hpp"
 #include "runtime/core/text.hpp"
 
 namespace bip::serve {
@@ -264,7 +265,7 @@ std::string role_of(const Json& request, Role& role) {
 }  // namespace
 
 LineKind kind_of_line(const std::string& line) {
-  return is_too_deep(line) || Json::parse(line, nullptr, false).is_object() ? LineKind::Object : LineKind::NoObject;
+  return is_too_deep(line) || check_line(line).is_object ? LineKind::Object : LineKind::NoObject;
 }
 
 const char* role_name(Role role) {
@@ -293,7 +294,7 @@ void handle_line(Controller& controller, const std::string& line, Reply reply) {
     return reply.send(refusal_of(
         Json(), "a line has no more than " + std::to_string(kMaxDepth) + " arrays and objects in one another"));
   const Json request = Json::parse(line, nullptr, false);
-  if (!request.is_object()) return reply.send(refusal_of(Json(), "a line is an object of JSON"));
+  if (!request.is_object()) return reply.send(refusal_of(Json(), check_line(line).problem));
   const Json id = request.value("id", Json());
   const auto refuse = [&](const std::string& what) { reply.send(refusal_of(id, what)); };
   if (id.is_structured()) return reply.send(refusal_of(Json(), "`id` is a number or a string"));

@@ -41,7 +41,7 @@ struct Reply {
   std::function<void()> shut_down;
 };
 
-/// Object: JSON, or too deep to be looked at.
+/// Object: JSON, with numbers of any size, or too deep to be looked at.
 enum class LineKind : std::uint8_t { Object, NoObject };
 [[nodiscard]] LineKind kind_of_line(const std::string& line);
 
