@@ -95,6 +95,11 @@ void Codec::write(const Frame& frame, std::string& bytes) const {
   }
 }
 
+bool Codec::is_of_run(std::string_view bytes, u64 run) {
+  ByteReader reader(bytes);
+  return reader.number() == kProtocol && reader.number() == run && reader.is_sound();
+}
+
 bool Codec::read(std::string_view bytes, u32 from, u32 self, Frame& frame) const {
   if (bytes.size() > kMostBytes) return false;
   ByteReader reader(bytes);

@@ -58,6 +58,8 @@ class Codec {
   Codec(const Tables& tables, const Distribution& distribution, u64 run);
 
   void write(const Frame& frame, std::string& bytes) const;
+  /// Does a frame of the run begin so?
+  [[nodiscard]] static bool is_of_run(std::string_view bytes, u64 run);
   /// False: this is no frame of the run from that peer to `self`. A peer beyond the nodes is the launcher.
   [[nodiscard]] bool read(std::string_view bytes, u32 from, u32 self, Frame& frame) const;
 

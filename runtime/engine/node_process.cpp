@@ -78,6 +78,8 @@ bool NodeProcess::run(const State& initial) {
   say(Control::Kind::Ready, {});
   started_ = wall_clock();
   if (!begin_watch()) return false;
+  arrivals_ = setup_.early;
+  take_arrivals(started_);
   bool has_work = true;
   i64 leave_at = kForever;
   bool is_leaving = false;
@@ -96,12 +98,7 @@ bool NodeProcess::run(const State& initial) {
     (void)fabric_.wait(due == kForever ? -1 : static_cast<int>((std::max<i64>(due - now, 0) + 999999) / 1000000), {},
                        arrivals_);
     now = wall_clock();
-    heard_.clear();
-    for (const Arrival& arrival : arrivals_) {
-      if (is_greeting(arrival.bytes)) take_greeting(arrival);
-      else station_.take(arrival, now, heard_);
-    }
-    for (const ReceivedMessage& heard : heard_) take(heard);
+    take_arrivals(now);
     end_parkings(now);
     has_work = has_worked(now);
     release_held();
@@ -121,6 +118,15 @@ bool NodeProcess::begin_watch() {
   watch_.emplace(deployment->stall, setup_.distribution.placement.nodes[setup_.self]);
   if (!watch_->start()) why_ = "the system has no thread for --stall-after";
   return why_.empty();
+}
+
+void NodeProcess::take_arrivals(i64 now) {
+  heard_.clear();
+  for (const Arrival& arrival : arrivals_) {
+    if (is_greeting(arrival.bytes)) take_greeting(arrival);
+    else station_.take(arrival, now, heard_);
+  }
+  for (const ReceivedMessage& heard : heard_) take(heard);
 }
 
 // A launcher that knocks again, with another number, has forgotten this run.

@@ -9,8 +9,10 @@
 #include <optional>
 #include <queue>
 #include <utility>
+#include <vector>
 
 #include "runtime/core/core.hpp"
+#include "runtime/distributed/fabric.hpp"
 #include "runtime/distributed/greeting.hpp"
 #include "runtime/distributed/node.hpp"
 #include "runtime/distributed/station.hpp"
@@ -30,7 +32,8 @@ struct NodeSetup {
   u64 run = 0;  // its number, of the codec
   u64 seed = 0;
   const RunOptions& options;
-  Output& output;  // describes steps, and writes nothing
+  Output& output;                   // describes steps, and writes nothing
+  std::vector<Arrival> early = {};  // frames of the run that came already
 };
 
 /// Steps in the order of the clocks of all nodes; of equal clocks the smaller node comes first.
@@ -63,6 +66,7 @@ class NodeProcess {
   };
 
   [[nodiscard]] bool begin_watch();
+  void take_arrivals(i64 now);
   void take_greeting(const Arrival& arrival);
   [[nodiscard]] bool must_leave(i64 now);
   void take(const ReceivedMessage& heard);

@@ -5,9 +5,12 @@
 #include <cstdlib>
 #include <memory>
 #include <random>
+#include <utility>
+#include <vector>
 
 #include "bip/assert.hpp"
 #include "bip/run.hpp"
+#include "runtime/distributed/codec.hpp"
 #include "runtime/distributed/deployment.hpp"
 #include "runtime/engine/interrupt.hpp"
 #include "runtime/engine/node_process.hpp"
@@ -19,6 +22,8 @@ namespace bip::rt {
 namespace {
 
 constexpr int kWakeUp = 500;  // ms between looks whether a signal came
+// Bytes of frames that come before the node is welcome. Of more it keeps the last ones; the others are sent again.
+constexpr std::size_t kMostEarly = std::size_t{1} << 20;
 
 void tell_of_node(const Deployment& deployment, const std::string& text) {
   std::fprintf(stderr, "bipc: node `%s`: %s\n", deployment.names[deployment.self].c_str(), text.c_str());
@@ -30,14 +35,35 @@ u64 draw_number() {
   return (u64{device()} << 32 | device()) >> 1;
 }
 
+// Frames of the run that came before the node takes part in it: of others who were welcome sooner, and what follows the
+// welcome itself. Dropped, they would be sent again when their confirmation is missed.
+class EarlyFrames {
+ public:
+  void add(Arrival arrival) {
+    if (bytes_ + arrival.bytes.size() > kMostEarly) frames_.clear(), bytes_ = 0;
+    bytes_ += arrival.bytes.size();
+    if (bytes_ <= kMostEarly) frames_.push_back(std::move(arrival));
+  }
+  /// Those of the run; others are of one that is over.
+  [[nodiscard]] std::vector<Arrival> take(u64 run) {
+    std::erase_if(frames_, [&](const Arrival& frame) { return !Codec::is_of_run(frame.bytes, run); });
+    return std::move(frames_);
+  }
+
+ private:
+  std::vector<Arrival> frames_;
+  std::size_t bytes_ = 0;
+};
+
 // False: interrupted.
-bool await_welcome(const Deployment& deployment, Fabric& fabric, Greeting& welcome) {
+bool await_welcome(const Deployment& deployment, Fabric& fabric, Greeting& welcome, EarlyFrames& early) {
   const Greeting answer{.kind = Greeting::Kind::Answer, .number = draw_number(), .model = deployment.model};
   const u32 launcher = deployment.launcher();
   bool is_refused = false;
   i64 answer_at = 0;
+  bool is_welcome = false;
   std::vector<Arrival> arrivals;
-  while (!is_interrupted()) {
+  while (!is_interrupted() && !is_welcome) {
     arrivals.clear();
     (void)fabric.wait(kWakeUp, {}, arrivals);
     // A launcher that believes that this node is in its run learns that it is not.
@@ -45,9 +71,13 @@ bool await_welcome(const Deployment& deployment, Fabric& fabric, Greeting& welco
       fabric.send(launcher, text_of(answer));
       answer_at = now + i64{kWakeUp} * 1000000;
     }
-    for (const Arrival& arrival : arrivals) {
+    for (Arrival& arrival : arrivals) {
+      if (!is_greeting(arrival.bytes)) {
+        early.add(std::move(arrival));
+        continue;
+      }
       Greeting greeting;
-      if (arrival.from != launcher || !read(arrival.bytes, greeting)) continue;
+      if (is_welcome || arrival.from != launcher || !read(arrival.bytes, greeting)) continue;
       const bool is_knock = greeting.kind == Greeting::Kind::Knock || greeting.protocol != kProtocol;
       if (is_knock) fabric.send(launcher, text_of(answer));
       if (greeting.protocol != kProtocol || greeting.model != deployment.model) {
@@ -57,10 +87,10 @@ bool await_welcome(const Deployment& deployment, Fabric& fabric, Greeting& welco
       }
       if (greeting.kind != Greeting::Kind::Welcome) continue;
       welcome = greeting;
-      return true;
+      is_welcome = true;
     }
   }
-  return false;
+  return is_welcome;
 }
 
 // What the launcher says of the run, as options.
@@ -99,8 +129,9 @@ int run_node(const Image& image, const RunOptions& given) {
   tell_of_node(deployment, "listens at " + deployment.listen + ", waits for `" + deployment.names[0] + '`');
   Greeting welcome;
   RunOptions options = given;
+  EarlyFrames early;
   do {
-    if (!await_welcome(deployment, **fabric, welcome)) return 128 + interrupting_signal();
+    if (!await_welcome(deployment, **fabric, welcome, early)) return 128 + interrupting_signal();
   } while (!options_of(welcome, options));
   tell_of_node(deployment, "the run begins");
 
@@ -114,7 +145,8 @@ int run_node(const Image& image, const RunOptions& given) {
   // The launcher meets a fault of the initial state as well, and begins no run.
   if (!core.initialize()) return 1;
   const Distribution distribution = distribute(core.tables(), core.priorities(), *options.placement);
-  const NodeSetup setup{image, how, distribution, deployment.self, welcome.number, options.seed, options, output};
+  const NodeSetup setup{image,        how,     distribution, deployment.self,           welcome.number,
+                        options.seed, options, output,       early.take(welcome.number)};
   NodeProcess process(setup, **fabric);
   if (!process.run(core.snapshot())) {
     tell_of_node(deployment, process.why());
