@@ -18,16 +18,42 @@ bool is_text_variable(const Image& image, const Var& variable) {
   return image.ffi != nullptr && variable.type == CellType::String;
 }
 
-// The instant, and of each atom how many words its clocks have, and these. Nothing else of time: there are no actions
-// beside the others and no events.
+// The instant, and of each atom how many words its clocks have, and these; where there are actions beside the others,
+// how many are at work, and each as AsyncActions says it, in the order in which they began. There are no events.
 void print_time(ByteWriter& writer, const Core& core, const SavedTime& time) {
-  BIP_ASSERT(time.clocks.size() == core.image().atoms.size && time.beside.empty(), "clocks of {} of {} atoms",
-             time.clocks.size(), core.image().atoms.size);
+  BIP_ASSERT(time.clocks.size() == core.image().atoms.size, "clocks of {} of {} atoms", time.clocks.size(),
+             core.image().atoms.size);
+  BIP_ASSERT(time.beside.empty() || core.actions().any(), "{} actions at work", time.beside.size());
   writer.number(static_cast<u64>(time.now));
   for (const std::vector<i64>& words : time.clocks) {
     writer.number(words.size());
     for (const i64 word : words) writer.number(static_cast<u64>(word));
   }
+  if (!core.actions().any()) return;
+  std::vector<SavedTime::Beside> beside = time.beside;
+  sort_by_begin(beside);
+  writer.number(beside.size());
+  for (const SavedTime::Beside& action : beside) {
+    for (const i64 word : action.words) writer.number(static_cast<u64>(word));
+  }
+}
+
+// What is at work was begun before now, and ends when its atom is busy no longer.
+bool read_actions(ByteReader& reader, const Core& core, SavedTime& time) {
+  time.beside.clear();
+  if (!core.actions().any()) return true;
+  std::vector<bool> is_at_work(core.image().atoms.size);
+  for (u64 left = reader.count(); left != 0 && reader.is_sound(); --left) {
+    SavedTime::Beside action{0, static_cast<u32>(time.beside.size()), {}};
+    for (std::size_t k = 0; k < AsyncActions::kSavedWords; ++k)
+      action.words.push_back(static_cast<i64>(reader.number()));
+    if (!reader.is_sound() || !core.actions().is_saved(action.words.data())) return false;
+    const u32 atom = static_cast<u32>(action.words[0]);
+    if (is_at_work[atom] || action.words[3] <= time.now || action.words[3] != time.clocks[atom].back()) return false;
+    is_at_work[atom] = true;
+    time.beside.push_back(std::move(action));
+  }
+  return reader.is_sound();
 }
 
 bool read_time(ByteReader& reader, const Core& core, SavedTime& time) {
@@ -40,7 +66,7 @@ bool read_time(ByteReader& reader, const Core& core, SavedTime& time) {
       time.clocks[atom].push_back(static_cast<i64>(reader.number()));
     if (!reader.is_sound() || !core.time().is_saved(atom, time.clocks[atom])) return false;
   }
-  return reader.is_sound();
+  return reader.is_sound() && read_actions(reader, core, time);
 }
 
 }  // namespace

@@ -21,8 +21,9 @@ struct Checkpoint {
 /// Returns the path of an atom's variable that C++ made, `atom.variable`: its models have no checkpoints. Empty: none.
 [[nodiscard]] std::string object_without_checkpoint(const Image& image);
 
-/// Of images without such variables, and, with time, without actions that run beside the others (has_async). The state
-/// is one of the core's image.
+/// Of images without such variables. The state is one of the core's image. An action that runs beside the others
+/// (`@async`) has not run yet, whatever time has passed since it began: it runs when its budget ends. So it is a part
+/// of the state: which transition, and until when.
 [[nodiscard]] std::string print_checkpoint(const Core& core, const Checkpoint& checkpoint);
 /// Returns what is wrong with the bytes; empty: nothing. The checkpoint's state is one of the core before and after.
 [[nodiscard]] std::string read_checkpoint(const Core& core, std::string_view bytes, Checkpoint& checkpoint);

@@ -2,6 +2,7 @@
 #include "runtime/distributed/node.hpp"
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 #include "bip/assert.hpp"
@@ -20,6 +21,7 @@ bool Node::start(const State& state) {
   PartialSteps& partial = core_.partial();
   partial.allow();
   partial.share();
+  start_actions();
   for (u32 atom = 0; atom < atoms; ++atom) {
     u32 coordinator = kNone;
     if (!find_coordinator(atom, coordinator)) return false;
@@ -38,6 +40,15 @@ bool Node::start(const State& state) {
   link_whole();
   link_compiled();
   return true;
+}
+
+// Of a resumed state: an action beside the others is its home's. They have begun before all steps, in this order.
+void Node::start_actions() {
+  const std::vector<u32> working = core_.actions().working();
+  for (std::size_t k = 0; k < working.size(); ++k) {
+    if (distribution_.home(working[k]) == self_) core_.partial().note_begun(working[k], static_cast<u32>(k));
+    else (void)core_.actions().end_work(working[k]);
+  }
 }
 
 void Node::take(const Message& message) {
@@ -466,6 +477,12 @@ void Node::save(State& state, SavedTime& time) const {
   }
 }
 
+void sort_by_begin(std::vector<SavedTime::Beside>& beside) {
+  std::sort(beside.begin(), beside.end(), [](const SavedTime::Beside& a, const SavedTime::Beside& b) {
+    return std::tuple(a.step, a.order, a.words[0]) < std::tuple(b.step, b.order, b.words[0]);
+  });
+}
+
 void add_time(const Core& core, SavedTime time, State& state) {
   if (!core.is_timed()) return;
   time.clocks.resize(core.image().atoms.size);
@@ -478,10 +495,9 @@ void add_time(const Core& core, SavedTime time, State& state) {
     const std::vector<i64>& said = time.clocks[atom].empty() ? own : time.clocks[atom];
     words.insert(words.end(), said.begin(), said.end());
   }
-  // Nothing is at work in the initial state: what follows its clocks is what follows those that are at work.
-  std::sort(time.beside.begin(), time.beside.end(), [](const SavedTime::Beside& a, const SavedTime::Beside& b) {
-    return std::pair(a.step, a.order) < std::pair(b.step, b.order);
-  });
+  // What is at work in the state before gives way; events follow.
+  while (core.actions().any() && state.time[head] >= 0) head += AsyncActions::kSavedWords;
+  sort_by_begin(time.beside);
   for (const SavedTime::Beside& beside : time.beside)
     words.insert(words.end(), beside.words.begin(), beside.words.end());
   words.insert(words.end(), state.time.begin() + static_cast<std::ptrdiff_t>(head), state.time.end());

@@ -181,6 +181,7 @@ class Node {
  private:
   /// WithHistory: of atoms whose next moves depend on the connector that they took part in last.
   enum class WholeSteps : std::uint8_t { None, Plain, WithHistory };
+  void start_actions();
   void take(const Offer& offer);
   void take(const Begin& begin);
   void take(const Stop&) { is_stopped_ = true; }
@@ -300,6 +301,8 @@ class Node {
   bool is_stopped_ = false;
 };
 
+/// Into the order in which they began.
+void sort_by_begin(std::vector<SavedTime::Beside>& beside);
 /// Puts the clocks of all nodes into their state, which has those of the initial state, as the core is.
 void add_time(const Core& core, SavedTime time, State& state);
 

@@ -20,6 +20,7 @@
 #include "runtime/engine/node_team.hpp"
 #include "runtime/engine/silence_watch.hpp"
 #include "runtime/engine/step_merge.hpp"
+#include "runtime/engine/told_state.hpp"
 #include "runtime/engine/unwritten_steps.hpp"
 #include "runtime/engine/waker.hpp"
 
@@ -57,6 +58,7 @@ class Launcher {
         writes_(output.writes_steps()),
         run_(draw_run()),
         codec_(core.tables(), distribution, run_),
+        told_(core, distribution, codec_),
         merge_(core, distribution, output),
         plans_(plans_instants(core, options)),
         now_(core.now()),
@@ -65,7 +67,7 @@ class Launcher {
 
   DistributedResult run() {
     const State initial = core_.snapshot();
-    last_ = initial;
+    told_.start(initial);
     const i64 began = wall_clock();
     if (!open(initial)) {
       if (result_.error.empty()) result_.end = End::Interrupted;
@@ -75,9 +77,6 @@ class Launcher {
     beat_at_ = began + kBeat;
     began_ = began;
     silences_.emplace(static_cast<u32>(members_.size()), wall_clock());
-    history_.assign(core_.image().atoms.size, kNone);
-    locked_.assign(core_.image().atoms.size, false);
-    time_.clocks.resize(core_.image().atoms.size);
     while (!has_ended()) {
       const i64 now = wall_clock();
       advance(now);
@@ -350,7 +349,9 @@ class Launcher {
         if (writes_) merge_.take_landed(heard.from, numbers);
         return;
       case Control::Kind::Fault: return take_fault(*control);
-      case Control::Kind::Atom: return take_atom(heard.from, *control);
+      case Control::Kind::Atom:
+        if (!told_.take(heard.from, *control)) ++odd_;
+        return;
       case Control::Kind::Told: member.has_told = true; return save_checkpoint(now);
       case Control::Kind::Limited:
       case Control::Kind::Planned: return take_time(member, *control);
@@ -395,53 +396,6 @@ class Launcher {
     fault_step_ = told->step;
     fault_order_ = told->order;
     fault_ = std::move(told->fault);
-  }
-
-  void take_atom(u32 node, const Control& control) {
-    if (control.numbers.size() < 2 || control.texts.size() != (core_.is_timed() ? 2u : 1u)) return;
-    const Tables& tables = core_.tables();
-    if (control.numbers[0] >= core_.image().atoms.size) return;
-    const u32 atom = static_cast<u32>(control.numbers[0]);
-    const u32 words = tables.types[tables.atoms[atom].type].mark_words;
-    if (distribution_.home(atom) != node || control.numbers.size() != 4 + words) return;
-    if (control.numbers[1] < tables.atom_type(atom).places.size)
-      last_.places[atom] = static_cast<u32>(control.numbers[1]);
-    for (u32 i = 0; i < words; ++i) last_.marks[tables.first_mark(atom) + i] = control.numbers[2 + i];
-    const u64 history = control.numbers[2 + words];
-    history_[atom] = history < core_.image().connectors.size ? static_cast<u32>(history) : kNone;
-    locked_[atom] = control.numbers[3 + words] != 0;
-    ByteReader reader(control.texts[0]);
-    for (u32 i = 0; i < tables.atom_type(atom).variables.size; ++i) {
-      const VariableId cell = tables.atoms[atom].first_cell + i;
-      const u64 bits = codec_.read_cell(reader, cell);
-      if (reader.is_sound()) last_.data[cell] = bits;
-    }
-    if (core_.is_timed()) take_clocks(atom, control.texts[1]);
-  }
-
-  // NodeProcess::append_clocks.
-  void take_clocks(u32 atom, std::string_view text) {
-    ByteReader reader(text);
-    const auto word = [&reader] { return static_cast<i64>(reader.number()); };
-    const i64 instant = word();
-    std::vector<i64> words;
-    for (u64 left = reader.count(); left != 0 && reader.is_sound(); --left) words.push_back(word());
-    if (!reader.is_sound() || instant < 0 || !core_.time().is_saved(atom, words)) {
-      ++odd_;
-      return;
-    }
-    time_.now = std::max(time_.now, instant);
-    time_.clocks[atom] = std::move(words);
-    if (reader.is_at_end() || !core_.actions().any()) return;
-    SavedTime::Beside beside{reader.number(), reader.row(kNone), {}};
-    for (std::size_t k = 0; k < AsyncActions::kSavedWords; ++k) beside.words.push_back(word());
-    const Tables& tables = core_.tables();
-    const LinkedType& type = tables.types[tables.atoms[atom].type];
-    const bool is_it = reader.is_sound() && beside.words[0] == i64{atom} &&
-                       beside.words[1] >= i64{type.first_transition} &&
-                       beside.words[1] < i64{type.first_transition} + i64{type.transition_count};
-    if (is_it) time_.beside.push_back(std::move(beside));
-    else ++odd_;
   }
 
   // ---- losses
@@ -566,6 +520,7 @@ class Launcher {
     if (is_over && is_pausing_ && !has_fault_) {
       phase_ = RunPhase::Telling;
       for (Member& member : members_) member.has_told = false;
+      told_.begin();
       return say_all(Control::Kind::Tell);
     }
     if (is_over && may_pass_time()) {
@@ -638,7 +593,7 @@ class Launcher {
 
   void save_checkpoint(i64 now) {
     if (phase_ != RunPhase::Telling || !all([](const Member& member) { return member.has_told; })) return;
-    checkpoints_.write(core_, {steps(), last_, history_, time_});
+    checkpoints_.write(core_, told_.checkpoint(steps()));
     if (wants_collection(core_.image())) free_strings();
     phase_ = RunPhase::Running;
     is_pausing_ = false;
@@ -651,7 +606,7 @@ class Launcher {
   void free_strings() {
     LiveStrings live;
     live.add(core_);
-    live.add(last_.data.rows());
+    live.add(told_.state().data.rows());
     live.keep_only(*core_.image().ffi);
   }
 
@@ -701,25 +656,24 @@ class Launcher {
     result_.checkpoints = checkpoints_.count();
     result_.checkpoint = checkpoints_.steps();
     result_.most_waiting_bytes = merge_.most_waiting_bytes();
+    const State last = told_.finish();
     if (has_fault_) {
       result_.end = End::Fault;
-      add_time(core_, std::move(time_), last_);
       if (writes_) merge_.write_until(fault_step_);
       // The step with the fault is not counted.
       // What an instant brings is no step.
       const u64 faulty = instant_step_ != 0 && fault_step_ == instant_step_ ? 0 : 1;
       result_.steps = writes_ ? std::max<u64>(merge_.written(), faulty) - faulty : steps();
-      (void)core_.restore(last_);
+      (void)core_.restore(last);
       core_.fail(fault_);
       return;
     }
-    add_time(core_, std::move(time_), last_);
     if (writes_) merge_.write_until(cut_);
     result_.steps = writes_ ? merge_.written() : steps();
-    const bool is_sound = core_.restore(last_);
+    const bool is_sound = core_.restore(last);
     if (has_lost_) return end_with_loss(is_sound, initial);
     // C++ objects stay at home: what depends on them cannot be asked here.
-    const bool is_known = last_.objects.empty();
+    const bool is_known = last.objects.empty();
     if (!is_sound && is_known) return end_with_nonsense("they told of a state that ends in a run-time error", initial);
     if (result_.steps == options_.limit) result_.end = End::Limit;
     else if (is_interrupted_) result_.end = End::Interrupted;
@@ -750,8 +704,8 @@ class Launcher {
     std::vector<bool> lost;
     for (const Member& member : members_) lost.push_back(member.is_lost);
     std::string& story = result_.end == End::Limit ? result_.warning : result_.lost_nodes;
-    story =
-        loss_story(core_, distribution_, Survivors(core_, distribution_, std::move(lost)), locked_, lost_after_, how_);
+    story = loss_story(core_, distribution_, Survivors(core_, distribution_, std::move(lost)), told_.locked(),
+                       lost_after_, how_);
     core_.partial().allow();
   }
 
@@ -763,6 +717,7 @@ class Launcher {
   bool writes_;
   u64 run_;
   Codec codec_;
+  ToldState told_;
   StepMerge merge_;
   bool plans_;  // instants of steps
   i64 now_;     // the instant
@@ -777,10 +732,7 @@ class Launcher {
   std::optional<SilenceWatch> silences_;
 
   RunPhase phase_ = RunPhase::Running;
-  State last_;
-  std::vector<u32> history_;  // by atom, as the nodes said with it
-  std::vector<bool> locked_;  // by atom, the same: an attempt holds it
-  u64 pool_ = 0;              // credit that is granted to no node
+  u64 pool_ = 0;  // credit that is granted to no node
   u64 round_ = 0, first_sum_ = 0;
   u64 odd_ = 0;  // messages that say what cannot be
   bool is_changed_ = false, is_halted_ = false, is_interrupted_ = false;
@@ -790,7 +742,6 @@ class Launcher {
   i64 planned_ = kForever;
   u64 steps_at_again_ = ~u64{0};  // steps when the current instant was last announced again
   bool stands_still_ = false;     // it would be announced for ever
-  SavedTime time_;
   i64 began_ = 0;
   bool has_fault_ = false, has_lost_ = false;
   u64 fault_step_ = 0, fault_order_ = 0;

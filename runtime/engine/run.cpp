@@ -90,9 +90,6 @@ Refusal parallel_refusal(const Image& image, const RunOptions& options) {
     return {"several nodes do not run models in real time",
             "leave `--real-time` out for logical time, or use `--engine=sequential`"};
   if (!options.events_path.empty()) return {"--events needs the sequential engine"};
-  if (has_async(image) && (!options.checkpoint_path.empty() || !options.resume_path.empty()))
-    return {"--checkpoint and --resume do not save actions that run beside the others (`@async`)",
-            "`--engine=sequential --record FILE`, and `--replay FILE` repeats that run"};
   if (is_weighted(image)) return {"weights (`@weight`) need the sequential engine"};
   if (options.interactive || options.debug) return {"--interactive and --debug need the sequential engine"};
   if (options.profile != nullptr) return {"--profile needs the sequential engine"};

@@ -41,6 +41,18 @@ void AsyncActions::save_work(u32 atom, std::vector<i64>& out) const {
     out.push_back(word);
 }
 
+bool AsyncActions::is_saved(const i64* words) const {
+  if (!any() || words[0] < 0 || words[0] >= static_cast<i64>(at_work_.size())) return false;
+  const u32 type = core_.atoms[static_cast<u32>(words[0])].type;
+  const LinkedType& linked = core_.tables.types[type];
+  const i64 row = words[1] - linked.first_transition;
+  if (row < 0 || row >= i64{linked.transition_count}) return false;
+  const AtomTime* const time = core_.image().atom_types[type].time;
+  if (time == nullptr || !time->transitions[static_cast<u32>(row)].async.present) return false;
+  const bool is_place = words[2] >= 0 && words[2] < i64{core_.image().atom_types[type].places.size};
+  return is_place && words[3] >= 0 && (words[4] == 0 || words[4] == 1);
+}
+
 const i64* AsyncActions::load(const i64* in) {
   reset();
   if (!any()) return in;

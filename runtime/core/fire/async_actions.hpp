@@ -62,6 +62,8 @@ class AsyncActions {
   /// After a restored state: what runs belongs to another one.
   void restart_jobs();
   static constexpr std::size_t kSavedWords = 5;
+  /// Are these such words, of an atom that could be at work? kSavedWords of them.
+  [[nodiscard]] bool is_saved(const i64* words) const;
   /// Appends what `save` says of an atom that is at work: kSavedWords words.
   void save_work(u32 atom, std::vector<i64>& out) const;
   /// Appends the atoms at work with their actions; reads the same, and returns what follows.

@@ -130,6 +130,8 @@ class PartialSteps {
   /// Of an atom at home here whose ports may change at this instant, which has the number `step` among the steps: what
   /// follows is of it.
   void begin_change(u32 atom, u64 step);
+  /// Of an atom whose action beside the others began before the first step, as number `order` of those.
+  void note_begun(u32 atom, u32 order) { state_->order[atom] = order; }
   /// The budget of the atom's action is over: the action runs next. Of an atom that is away.
   [[nodiscard]] Work return_action(u32 atom);
   /// Finds anew what the atom, at home and offered here, offers. False: a fault. Settle follows.

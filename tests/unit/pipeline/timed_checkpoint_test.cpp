@@ -1,5 +1,5 @@
 // Checkpoints of models with time: the instant and the clocks, also of other speeds, are those of the run; odd bytes
-// are refused, or are a state.
+// are refused, or are a state. So are actions that are at work beside the others.
 #include <catch2/catch.hpp>
 
 #include <unistd.h>
@@ -16,6 +16,7 @@
 #include "runtime/engine/checkpoints.hpp"
 #include "runtime/trace/recorded.hpp"
 #include "tests/unit/base/contents.hpp"
+#include "tests/unit/runtime/odd_checkpoints.hpp"
 
 namespace {
 
@@ -38,6 +39,33 @@ constexpr const char* kTanks =
     "  end\n"
     "end\n";
 
+// Cameras whose pictures take a while, and what uses them.
+constexpr const char* kCameras =
+    "package m\n"
+    "  port type P()\n  port type N(int n)\n"
+    "  connector type Send(N from_, N to_)\n"
+    "    define from_ to_\n    on from_ to_ down { to_.n = from_.n; }\n"
+    "  end\n"
+    "  atom type Camera(int pause)\n"
+    "    clock c unit millisecond\n    data int n = 0, twice = 0\n"
+    "    export port N send(n)\n    port P look()\n"
+    "    place WAITS, SEES\n    initial to WAITS do { c = 0; }\n"
+    "    @async(budget=\"25ms\")\n"
+    "    on look from WAITS to SEES provided (c >= pause) eager do { n = n + 1; twice = 2 * n; }\n"
+    "    on send from SEES to WAITS do { c = 0; }\n"
+    "  end\n"
+    "  atom type User()\n"
+    "    data int n = 0, sum = 0\n"
+    "    export port N get(n)\n"
+    "    place P\n    initial to P\n"
+    "    on get from P to P do { sum = sum + n; }\n"
+    "  end\n"
+    "  compound type R()\n"
+    "    component Camera a(3), b(7), c(11), d(20)\n    component User u, v\n"
+    "    connector Send p(a.send, u.get), q(b.send, u.get), r(c.send, v.get), s(d.send, v.get)\n"
+    "  end\n"
+    "end\n";
+
 // Lets time pass, changes of ports on the way included.
 void pass_to(Core& core, std::int64_t instant) {
   std::vector<std::int64_t> ends;
@@ -48,14 +76,14 @@ void pass_to(Core& core, std::int64_t instant) {
   }
 }
 
-}  // namespace
-
-TEST_CASE("a checkpoint of a model with time has its instant and clocks") {
+// `is_beside`: in some of the checkpoints actions are at work beside the others.
+void check_checkpoints(const char* model, bool is_beside) {
   bip::pipeline::Compilation c{bip::pipeline::CompileOptions{}};
-  c.open_texts["m.bip"] = kTanks;
+  c.open_texts["m.bip"] = model;
   REQUIRE(bip::pipeline::compile(c, "m.bip", bip::pipeline::Stage::Image));
   const bip::interp::Interpreter interpreter(*c.lowered);
   const Image& image = c.lowered->image;
+  bool are_any_beside = false;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     char name[] = "/tmp/bip-checkpoint-XXXXXX";
     const int file = mkstemp(name);
@@ -102,21 +130,14 @@ TEST_CASE("a checkpoint of a model with time has its instant and clocks") {
     pass_to(followed, core.now());
     CHECK(followed.snapshot() == checkpoint.state);
     CHECK(core.snapshot() == checkpoint.state);
-
-    const std::string bytes = print_checkpoint(core, checkpoint);
-    Prng draws(seed);
-    for (std::size_t size = 0; size < bytes.size(); ++size) {
-      Checkpoint cut = checkpoint;
-      CHECK_FALSE(read_checkpoint(core, std::string_view(bytes).substr(0, size), cut).empty());
-      std::string odd = bytes;
-      odd[size] = static_cast<char>(draws.below(256));
-      Checkpoint other = checkpoint;
-      Core from_odd(image);
-      REQUIRE(from_odd.initialize());
-      if (!read_checkpoint(from_odd, odd, other).empty() || !from_odd.restore(other.state)) continue;
-      for (int step = 0; step < 5 && from_odd.candidate_count() != 0; ++step) {
-        if (!from_odd.take(from_odd.position(0))) break;
-      }
-    }
+    are_any_beside = are_any_beside || !core.actions().working().empty();
+    CHECK(bip::testing::check_odd_checkpoints(image, core, checkpoint, seed) != 0);
   }
+  CHECK(are_any_beside == is_beside);
 }
+
+}  // namespace
+
+TEST_CASE("a checkpoint of a model with time has its instant and clocks") { check_checkpoints(kTanks, false); }
+
+TEST_CASE("a checkpoint has the actions that are at work beside the others") { check_checkpoints(kCameras, true); }
