@@ -57,8 +57,7 @@ void add_generation(CLI::App* command, GenomArguments& a) {
       ->add_flag(
           "--task-threads", a.task_threads,
           "run the codels of activities and tasks in threads: a slow one holds up its own task, and nothing else")
-      ->needs(served)
-      ->excludes(processes);
+      ->needs(served);
   add_duration(*command, "--kill-after", a.kill_after,
                "end the process of a codel that takes so long, or so much longer than its budget (default: 0: never)")
       ->needs(processes);

@@ -5,7 +5,8 @@
 
 The rover is a process of its own (models/dala/mission/rover.cpp): it moves by the wall clock as it was last told, whatever becomes of the controller, and writes down what
 is so. Facts are judged by that record alone (`facts`), with no code of the controller's. Each of two levels, fourteen modules under `bipc serve`, goes through all faults, a
-third one, with modules in processes of their own (--processes), through the last one; each fact has to hold with the rules and the watchdog, and to be broken without them, else the test shows nothing. --table prints it only.
+third one, with modules in processes of their own (--processes), through the last but one, and a fourth one, whose codels run in threads as well (--task-threads), through the
+last one and a codel that hangs: there the rover drives on. Each fact has to hold with the rules and the watchdog, and to be broken without them, else the test shows nothing. --table prints it only.
 Python's library, and g++ for the rover. The last line is "faults: N passed, N failed".
 """
 import argparse
@@ -41,9 +42,11 @@ FACTS = {"a sharp picture is asked for while it drives": ("s blurred", 0.0, 1.0)
          "a codel hangs for 4 s": ("m after 0.5 s", 0.6, 1.0),
          "NDD fails: its speed gets old": ("m on an old speed", 0.6, 1.0),
          "a codel writes to a bad address": ("m after the crash", 0.6, 1.0),
-         "the same, modules in processes of their own": ("m after the crash", 0.6, 1.0)}
-# Of the level whose modules are processes: all others go through the rest.
-CRASH, APART = list(FACTS)[-2:]
+         "the same, modules in processes of their own": ("m after the crash", 0.6, 1.0),
+         "the same, their codels in threads": ("m after the crash", 0.6, 1.0)}
+# Of the levels whose modules are processes: all others go through the rest.
+CRASH, APART, THREADS = list(FACTS)[-3:]
+DRIVES_ON = 1.2  # metres in the four seconds in which a codel in a thread hangs
 
 
 def facts(rows, begin, end):
@@ -216,10 +219,28 @@ class Level:
         found[next(names)] = facts(self.rows(), begin, self.now())[2]
         return found
 
+    def go_in_threads(self):
+        """A codel that hangs holds up its own task; the others, and the rover, go on. Then as go_apart."""
+        self.begin()
+        self.do("NDD.GoTo 500 0")
+        self.drive()
+        hangs = self.ask("Hueblob.SetHue hang")
+        begin = self.now()
+        self.listen(4)
+        driven = facts(self.rows(), begin, begin + 4)[2]
+        if driven < DRIVES_ON or "R0046" in self.log() or not self.ended(hangs, 10):
+            raise AssertionError(f"a codel in a thread holds up others: {driven:.2f} m, {self.log()[-1500:]}")
+        self.stand()
+        return {THREADS: self.crash()}
+
     def go_apart(self):
         """A crash ends its module, which is started again; the others go on, and so does the controller."""
         self.begin()
         self.do("NDD.GoTo 500 0")
+        return {APART: self.crash()}
+
+    def crash(self):
+        """Returns what was driven after it."""
         self.drive(f"RFLEX.GotoPosition {self.rows()[-1][X] + 30} 0")
         crash = self.ask("Hueblob.SetHue crash")
         begin = self.now()
@@ -236,7 +257,7 @@ class Level:
         self.drive()
         if self.level.poll() is not None or "R0049" not in self.log():
             raise AssertionError(f"the robot was not stopped: {self.log()[-1500:]}")
-        return {APART: found}
+        return found
 
     def expect(self, number, word):
         """It has failed, with an exception that says so."""
@@ -253,13 +274,15 @@ class Level:
 
 def measure(work):
     """{fact: (with rules and watchdog, without)}"""
-    found, problems = {"kept": {}, "free": {}, "apart": {}}, []
+    found, problems = {"kept": {}, "free": {}, "apart": {}, "threads": {}}, []
+    options = {"apart": ["--processes"], "threads": ["--processes", "--task-threads"]}
+    ways = {"apart": Level.go_apart, "threads": Level.go_in_threads}
 
     def one(name):
         level = None
         try:
-            level = Level(work / name, name != "free", *(["--processes"] if name == "apart" else []))
-            found[name] = level.go_apart() if name == "apart" else level.go()
+            level = Level(work / name, name != "free", *options.get(name, []))
+            found[name] = ways.get(name, Level.go)(level)
         except Exception as problem:  # of a thread: told by who waits for it
             problems.append(f"{name}: {problem!r}")
         finally:
@@ -275,8 +298,8 @@ def measure(work):
     if problems:
         raise AssertionError("; ".join(problems))
     # Without rules and processes it is the same fault.
-    found["free"][APART] = found["free"][CRASH]
-    found["kept"] |= found["apart"]
+    found["free"] |= dict.fromkeys((APART, THREADS), found["free"][CRASH])
+    found["kept"] |= found["apart"] | found["threads"]
     return {fact: (found["kept"][fact], found["free"][fact]) for fact in FACTS}
 
 

@@ -145,8 +145,8 @@ def revive(level):
     check("its init runs again", (got := level.ask("eye.Init"))["report"] == "OK", got)
 
 
-def apart(work):
-    level = Level(work, "--processes", "--kill-after", "2s")
+def apart(work, *options):
+    level = Level(work, "--processes", "--kill-after", "2s", *options)
     level.ask("eye.Init")
     check("each module is a process", {"eye", "wheel", "bip-modules"} <= set(level.processes()), level.processes())
     check("a rule asks its process what its poster holds", (got := level.ask("wheel.Peek"))["report"] == "OK", got)
@@ -224,6 +224,7 @@ def main():
     with tempfile.TemporaryDirectory(prefix="processes-") as name:
         work = pathlib.Path(name)
         apart(work / "apart")
+        apart(work / "threads", "--task-threads")
         orphans(work / "orphans")
         (work / "together").mkdir()
         together(work / "together")

@@ -88,7 +88,7 @@ void request_asked(const char*, const char*) {}
 void request_input(const char*, const char*) {}
 extern "C" const char* bip_poster_value(const char* poster) {
   static std::string json;
-  if (std::string_view(poster) != "ticks") return nullptr;
+  if (std::string_view(poster) != "lively.ticks") return nullptr;
   return (json = std::to_string(ticks)).c_str();
 }
 """
@@ -194,12 +194,12 @@ def test_without(level):
 
 
 def ticks_of_genom2(level):
-    return int(level.client.ask("poster", poster="ticks")["value"])
+    return int(level.client.ask("poster", poster="lively.ticks")["value"])
 
 
-def model_of_genom2(work, lock):
+def model_of_genom2(work, lock, *options):
     (pathlib.Path(work) / "old_codels.cpp").write_text(CPP, encoding="utf-8")
-    make(work, "genom", "--served", "--task-threads", "--skeleton", "--lock", lock, "old.gen", "lively.gen", "-o", "old.bip")
+    make(work, "genom", "--served", "--task-threads", "--skeleton", "--lock", lock, *options, "old.gen", "lively.gen", "-o", "old.bip")
     make(work, "check", "old.bip")
     return Level(work, "old.bip")
 
@@ -226,13 +226,15 @@ def main():
     with tempfile.TemporaryDirectory(prefix="threads-") as work:
         for name, content in (("slow.gen", SLOW), ("quick.gen", QUICK), ("both.rules", RULES), ("old.gen", OLD), ("lively.gen", LIVELY)):
             (pathlib.Path(work) / name).write_text(content, encoding="utf-8")
-        with model_of_genom3(work, "--task-threads") as level:
-            test_genom3(level)
+        for options in ([], ["--processes"]):
+            with model_of_genom3(work, "--task-threads", *options) as level:
+                test_genom3(level)
         with model_of_genom3(work) as level:
             test_without(level)
         for lock in ("module", "codel"):
-            with model_of_genom2(work, lock) as level:
-                test_genom2(level, lock)
+            for options in ([], ["--processes"]):
+                with model_of_genom2(work, lock, *options) as level:
+                    test_genom2(level, " ".join([lock, *options]))
     return finish("task threads")
 
 

@@ -30,15 +30,23 @@ constexpr int kOk = 0, kEther = 0, kExec = 2, kEnd = 3, kInter = 4;
 
 // What modules see also from processes of their own (`bipc rules --processes`); all else here is its module's.
 struct Shared {
+  bip::SharedMutex lock;  // of all but what is atomic: codels of several modules run at a time (--task-threads)
   World world;
   Image panorama;                       // what VIAM shows in its poster
   std::atomic<bool> is_stopped{false};  // without a bus
 };
 const bip::SharedObject<Shared> kShared;
 World& world() { return kShared->world; }
+// A codel that looks at the world, or changes it, has it for itself.
+struct Turn {
+  Turn() { kShared->lock.lock(); }
+  ~Turn() { kShared->lock.unlock(); }
+  Turn(const Turn&) = delete;
+  Turn& operator=(const Turn&) = delete;
+};
 Image& panorama() { return kShared->panorama; }
 
-// What requests came with, as numbers, by service.
+// What requests came with, as numbers, by service. With a turn: a request may come while a codel runs in a thread.
 std::map<std::string, std::vector<double>>& arguments() {
   static std::map<std::string, std::vector<double>> numbers;
   return numbers;
@@ -113,6 +121,7 @@ extern "C" void safe_go_on(const char* /*why*/) { is_stopped() = false; }
 
 // What posters hold, as their descriptions say; null: this one does not show it.
 extern "C" const char* bip_poster_value(const char* poster) {
+  const Turn turn;
   static thread_local std::string json;
   const World& w = world();
   const std::string_view name = poster;
@@ -137,6 +146,7 @@ void request_asked(const char*, const char*) {}
 
 // Words are no number: NaN.
 void request_input(const char* service, const char* text) {
+  const Turn turn;
   const std::string bare = service;
   std::vector<double>& numbers = arguments()[bare.substr(0, bare.find('('))];
   numbers.clear();
@@ -154,6 +164,7 @@ void request_input(const char* service, const char* text) {
 // ---- POM, RFLEX: where the rover is, and its wheels
 int pomPermanent() { return kOk; }
 int rflexPermanent() {
+  const Turn turn;
   World& w = world();
   if (bus() != nullptr) {
     talk_to_rover(*bus());
@@ -173,17 +184,20 @@ int rflexPermanent() {
   return kOk;
 }
 int rflexTrackSpeedStartStart(int&) {
+  const Turn turn;
   is_stopped() = false;
   world().is_tracking = true;
   return kExec;
 }
 int rflexTrackSpeedStartMain(int&) { return kExec; }
 int rflexTrackSpeedStartInter(int&) {
+  const Turn turn;
   world().is_tracking = false;
   return std::abs(world().v) > 0.01 ? kInter : kEther;
 }
 // By odometry alone, straight.
 int rflexGotoPositionMain(int&) {
+  const Turn turn;
   World& w = world();
   const double dx = input("RFLEX.GotoPosition", 0, w.x) - w.x, dy = input("RFLEX.GotoPosition", 1, w.y) - w.y,
                far = std::hypot(dx, dy);
@@ -195,40 +209,51 @@ int rflexGotoPositionMain(int&) {
   return w.is_tracking ? kExec : kEnd;
 }
 int rflexGotoPositionInter(int&) {
+  const Turn turn;
   world().is_tracking = false;
   return kEther;
 }
 
 // ---- LaserRF, Aspect: what is round the rover
 int laserPermanent() {
+  const Turn turn;
   if (world().is_scanning) world().look();
   return kOk;
 }
 int laserrfStartAcquisitionMain(int&) {
+  const Turn turn;
   world().is_scanning = true;
   return kExec;
 }
 int laserrfStartAcquisitionInter(int&) {
+  const Turn turn;
   world().is_scanning = false;
   return kEther;
 }
 int aspectPermanent() {
+  const Turn turn;
   if (world().is_mapping) world().map = world().scan;
   return kOk;
 }
 int aspectBuildMapMain(int&) {
+  const Turn turn;
   world().is_mapping = true;
   return kExec;
 }
 int aspectBuildMapInter(int&) {
+  const Turn turn;
   world().is_mapping = false;
   return kEther;
 }
 
 // ---- NDD: speeds from obstacles and a goal
 // Without a speed it cannot go on.
-int nddPermanent() { return std::isnan(world().fastest) ? -1 : kOk; }
+int nddPermanent() {
+  const Turn turn;
+  return std::isnan(world().fastest) ? -1 : kOk;
+}
 int nddGoToStart(int&) {
+  const Turn turn;
   World& w = world();
   w.goal_x = input("NDD.GoTo", 0, w.x);
   w.goal_y = input("NDD.GoTo", 1, w.y);
@@ -236,6 +261,7 @@ int nddGoToStart(int&) {
   return kExec;
 }
 int nddGoToMain(int& report) {
+  const Turn turn;
   World& w = world();
   note_reference();
   if (std::hypot(w.goal_x - w.x, w.goal_y - w.y) < 0.15) return kEnd;
@@ -249,32 +275,41 @@ int nddGoToMain(int& report) {
   return kEther;
 }
 int nddGoToEnd(int&) {
+  const Turn turn;
   world().wanted_v = world().wanted_turn = 0;
   note_reference();
   return kEther;
 }
 int nddGoToInter(int&) {
+  const Turn turn;
   world().wanted_v = world().wanted_turn = 0;
   return kEther;
 }
 
 // ---- Heating, Battery
 int heatingPermanent() {
+  const Turn turn;
   World& w = world();
   w.temperature += (w.is_heating ? 12.0 : 0.0) * 0.1 - 0.002 * (w.temperature + 30);
   return kOk;
 }
 int heatingHeatToStart(int&) {
+  const Turn turn;
   world().heat_to = input("Heating.HeatTo", 0, 0);
   world().is_heating = true;
   return kExec;
 }
-int heatingHeatToMain(int&) { return world().temperature < world().heat_to ? kExec : kEnd; }
+int heatingHeatToMain(int&) {
+  const Turn turn;
+  return world().temperature < world().heat_to ? kExec : kEnd;
+}
 int heatingHeatToEnd(int&) {
+  const Turn turn;
   world().is_heating = false;
   return kEther;
 }
 int batteryPermanent() {
+  const Turn turn;
   World& w = world();
   w.charge -= (w.is_heating ? 60.0 : 0.0) * 0.1 + 40 * std::abs(w.v) * 0.1 + 1.0;
   return kOk;
@@ -287,26 +322,31 @@ int batteryAntennaStartUsingBatteryMain(int&) { return kExec; }
 
 // ---- PTU, VIAM, Hueblob: cameras
 int ptuMoveAbsoluteStart(int&) {
+  const Turn turn;
   world().pan_to = input("PTU.MoveAbsolute", 0, 0);
   return kExec;
 }
 int ptuMoveAbsoluteMain(int&) {
+  const Turn turn;
   World& w = world();
   w.pan += std::clamp(w.pan_to - w.pan, -0.02, 0.02);
   return std::abs(w.pan_to - w.pan) > 0.001 ? kExec : kEther;
 }
 int viamAcquireStart(int&) {
+  const Turn turn;
   read_sensors();
   if (bus() != nullptr) bus()->exposes = is_sharp();
   world().busy_until = world().now + 3;
   return kExec;
 }
 int viamAcquireMain(int&) {
+  const Turn turn;
   read_sensors();
   return world().now < world().busy_until ? kExec : kEnd;
 }
 // To the sides of the front wheels, where the PTU looks.
 int viamAcquireEnd(int&) {
+  const Turn turn;
   if (bus() != nullptr) bus()->exposes = false;
   static Image picture;
   take(picture, world(), 640, 480, world().pan - 0.4, world().pan + 0.4);
@@ -314,19 +354,25 @@ int viamAcquireEnd(int&) {
   return kEther;
 }
 int viamAcquireContinuousMain(int&) {
+  const Turn turn;
   read_sensors();
   take(panorama(), world(), 1280, 480, -kPi, kPi);
   return kExec;
 }
 // A red rock in front.
 int hueblobMonitorMain(int&) {
+  const Turn turn;
   double direction = 0;
   return find_red(panorama(), direction) && std::abs(direction) < 0.8 ? kEnd : kExec;
 }
 
 // ---- Antenna: pictures to the orbiter, while it is there
-int antennaCheckWindow() { return world().orbiter_is_visible() ? kOk : 1; }
+int antennaCheckWindow() {
+  const Turn turn;
+  return world().orbiter_is_visible() ? kOk : 1;
+}
 int antennaCommunicateMain(int&) {
+  const Turn turn;
   World& w = world();
   const bool sends = w.sent != w.pictures && w.orbiter_is_visible();
   if (bus() != nullptr) bus()->sends = sends;
@@ -390,6 +436,7 @@ int nddSetParamsMain(int&) { return kEther; }
 int nddSetDataSourceMain(int&) { return kEther; }
 int nddCheckSpeed() { return kOk; }
 int nddSetSpeedMain(int&) {
+  const Turn turn;
   world().fastest = input("NDD.SetSpeed", 0, world().fastest);
   return kEther;
 }
@@ -463,11 +510,16 @@ int hueCheckHue() { return kOk; }
 // Faults: with the word `hang` it takes four seconds, with `crash` it writes where there is nothing, with `exit` it
 // ends the process, with `throw` it throws.
 int hueblobSetHueMain(int&) {
-  if (hue() == "throw") throw std::runtime_error("no such hue");
-  if (hue() == "hang") std::this_thread::sleep_for(std::chrono::seconds(4));
-  if (hue() == "exit") std::exit(0);
+  std::string words;
+  {
+    const Turn turn;
+    words = hue();
+  }
+  if (words == "throw") throw std::runtime_error("no such hue");
+  if (words == "hang") std::this_thread::sleep_for(std::chrono::seconds(4));
+  if (words == "exit") std::exit(0);
   static volatile std::uintptr_t nowhere = 0;
-  if (hue() == "crash") *reinterpret_cast<volatile int*>(nowhere) = 1;
+  if (words == "crash") *reinterpret_cast<volatile int*>(nowhere) = 1;
   return kEther;
 }
 int hueblobLearnStart(int&) { return kExec; }
@@ -499,6 +551,7 @@ namespace {
 std::atomic<bool> is_stuck{false};
 }
 int stereoCorrelateStart(int&) {
+  const Turn turn;
   is_stuck = std::isnan(input("Stereo.Correlate", 0, 0));
   return kExec;
 }
