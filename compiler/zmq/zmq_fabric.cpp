@@ -19,7 +19,10 @@ namespace bip::zmq_fabric {
 namespace {
 
 constexpr int kMostBytes = 1 << 26;
-constexpr int kMostStalled = 5000;    // ms that sent bytes wait for TCP's confirmation
+constexpr int kMostStalled = 5000;  // ms that sent bytes wait for TCP's confirmation
+// ms between attempts to connect, at most; the library adds up to as much again. A peer that was started later is there
+// before a person notices.
+constexpr int kMostReconnect = 50;
 constexpr std::size_t kKeyText = 40;  // of 32 bytes
 // Of what has arrived at a socket, bytes that one wait hands over: the caller looks at its clock and its other duties
 // between two portions, however far it is behind those who send.
@@ -172,7 +175,7 @@ class ZmqFabric final : public rt::Fabric {
     Socket socket(context_, ZMQ_DEALER);
     if (!prepare(socket, plan) || !prepare_remote(socket, plan.addresses[peer]) || !set_most_bytes(socket) ||
         !socket.set(ZMQ_ROUTING_ID, identity_of(self_)) || !socket.set(ZMQ_CURVE_SERVERKEY, plan.open_keys[peer]) ||
-        !socket.set(ZMQ_RECONNECT_IVL, 20) || !socket.set(ZMQ_RECONNECT_IVL_MAX, 500) ||
+        !socket.set(ZMQ_RECONNECT_IVL, 20) || !socket.set(ZMQ_RECONNECT_IVL_MAX, kMostReconnect) ||
         zmq_connect(socket.get(), plan.addresses[peer].c_str()) != 0)
       return false;
     BIP_ASSERT(connected_.size() == peer, "peer {} has row {}", peer, connected_.size());

@@ -29,6 +29,8 @@ class Station {
   static constexpr i64 kAnswerAfter = 10000000;  // ns until what came is confirmed by a frame without messages
   static constexpr i64 kAgainAfter = 200000000;  // until frames are sent again; doubles up to
   static constexpr i64 kAgainAtMost = 2000000000;
+  // The same until the peer has confirmed a frame: what is sent before it is connected is lost.
+  static constexpr i64 kFirstAgainAfter = 10000000;
   static constexpr u64 kMostUnanswered = 64;  // frames
 
   /// Links to `peers` processes; `self` is one of them, or (the launcher's) behind them. All arguments must outlive the
@@ -75,7 +77,7 @@ class Station {
     i64 answer_at = 0;   // 0: it has its answer
     u64 unanswered = 0;  // frames
     i64 again_at = 0;    // 0: everything is confirmed
-    i64 again_after = kAgainAfter;
+    i64 again_after = kFirstAgainAfter;
     u64 probe = 0;     // number of the frame that was sent again alone, until something is confirmed; 0: none
     u64 measured = 0;  // number of the frame whose answer is awaited; 0: none
     i64 measured_at = 0;

@@ -35,8 +35,9 @@ void Gathering::tick(i64 now) {
     Guest& guest = guests_[node];
     if (is_welcoming_ ? guest.is_in_run : guest.is_there) continue;
     fabric_.send(node, is_welcoming_ ? text_of(welcome_) : knock);
-    next_ = now + kKnock;
+    next_ = now + pause_;
   }
+  pause_ = std::min(2 * pause_, kKnock);
 }
 
 i64 Gathering::due() const { return is_welcoming_ ? next_ : std::min(next_, tell_at_); }
@@ -80,6 +81,7 @@ std::string Gathering::take(const Arrival& arrival, i64 now) {
 
 void Gathering::welcome(i64 now) {
   is_welcoming_ = true;
+  pause_ = kKnock;
   next_ = now;
   tick(now);
 }

@@ -14,7 +14,8 @@ namespace bip::rt {
 
 class Gathering {
  public:
-  static constexpr i64 kKnock = 100000000;         // ns between knocks
+  static constexpr i64 kFirstKnock = 5000000;      // ns after the first knock; what connects meanwhile has not heard it
+  static constexpr i64 kKnock = 100000000;         // ns between knocks at most
   static constexpr i64 kTellMissing = 3000000000;  // until missing nodes are reported
 
   /// `welcome` is sent to the nodes when all are present. The others must outlive it.
@@ -46,7 +47,7 @@ class Gathering {
   Greeting welcome_;
   bool is_welcoming_ = false;
   std::vector<Guest> guests_;  // by node; the first one is beside the launcher
-  i64 next_ = 0, tell_at_ = 0;
+  i64 next_ = 0, tell_at_ = 0, pause_ = kFirstKnock;
 };
 
 }  // namespace bip::rt

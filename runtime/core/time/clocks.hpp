@@ -19,6 +19,7 @@
 #include "runtime/core/state/enabled_set.hpp"
 #include "runtime/core/state/state.hpp"
 #include "runtime/core/time/interval.hpp"
+#include "runtime/core/time/open_eager.hpp"
 #include "runtime/core/time/time_heap.hpp"
 
 namespace bip::rt {
@@ -29,16 +30,6 @@ struct CoreParts;
 [[nodiscard]] bool has_resume(const AtomTime& time);
 /// Has an atom to do with time?
 [[nodiscard]] bool has_time(const Image& image);
-/// The transitions because of which an eager candidate may have an interval without a first instant.
-struct OpenEager {
-  const Transition* eager = nullptr;  // null: none may
-  const Transition* open_bound = nullptr;
-};
-[[nodiscard]] OpenEager find_open_eager(const Image& image);
-/// May an eager candidate have an interval without a first instant? Images with `@async` are left out: their actions
-/// are not executed twice.
-[[nodiscard]] bool may_open_eagerly(const Image& image);
-
 struct ClockState {
   i64 value = 0;  // at `since`
   i64 since = 0;

@@ -522,6 +522,26 @@ TEST_CASE("stations measure round trips, but not of frames that came late on pur
   CHECK(stations[0].link(1).unconfirmed().empty());
 }
 
+TEST_CASE("what is lost before a peer is connected is sent again soon, and later with patience") {
+  TwoStations two;
+  Station(&stations)[2] = two.stations;
+  const auto lose = [&](i64 now) {
+    stations[0].say(1, Stop{1});
+    stations[0].send(now);
+    two.fabrics[0].sent.clear();
+  };
+  lose(1000000);
+  CHECK(stations[0].due() == 1000000 + Station::kFirstAgainAfter);
+  stations[0].tick(stations[0].due());
+  CHECK(stations[0].counts().again == 1);
+  two.carry(0, 20000000);
+  stations[1].tick(20000000 + Station::kAnswerAfter);
+  two.carry(1, 20000000 + Station::kAnswerAfter);
+  CHECK(stations[0].link(1).unconfirmed().empty());
+  lose(50000000);
+  CHECK(stations[0].due() == 50000000 + Station::kAgainAfter);
+}
+
 TEST_CASE("stations repeat one frame to learn whether the others were lost") {
   TwoStations two;
   KeptFabric(&fabrics)[2] = two.fabrics;
