@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "compiler/base/json_text.hpp"
 #include "compiler/base/write_file.hpp"
 #include "compiler/driver/answer_question.hpp"
 #include "compiler/driver/check_outputs.hpp"
@@ -122,9 +123,10 @@ int command_verify(const VerifyArguments& arguments) {
   }
   if (const int code = report(c); code != 0 || !are_answered) return code;
   const library::Verdict& first = verdicts.front().verdict;
-  const std::string text = verdicts.size() == 1 ? (arguments.json ? first.json : first.text)
-                           : arguments.json     ? verdict_table_json(verdicts)
-                                                : verdict_table(verdicts);
+  const std::string text = verdicts.size() == 1
+                               ? (arguments.json ? json_line(first.json) + '\n' : first.text_with_figures())
+                           : arguments.json ? verdict_table_json(verdicts)
+                                            : verdict_table(verdicts);
   std::fwrite(text.data(), 1, text.size(), stdout);
   return worst_exit_code(verdicts);
 }

@@ -32,7 +32,8 @@ std::string verdict_table(const std::vector<NamedVerdict>& verdicts) {
   std::string table, details;
   std::vector<std::string> notes;
   for (const NamedVerdict& row : verdicts) {
-    const std::vector<std::string> lines = lines_of(row.verdict.text);
+    const std::string answer = row.verdict.text_with_figures();
+    const std::vector<std::string> lines = lines_of(answer);
     BIP_ASSERT(!lines.empty(), "a verdict says something");
     // The verdict follows the steps of a run: of a violation, or of what is possible.
     const auto verdict = std::find_if(lines.begin(), lines.end(), [](const std::string& line) {
@@ -42,7 +43,7 @@ std::string verdict_table(const std::vector<NamedVerdict>& verdicts) {
     const std::string& said = verdict != lines.end() ? *verdict : lines.front();
     table += fmt::format("{:<{}}  {}\n", row.name, width, said);
     if (row.verdict.exit_code != pipeline::kOk) {
-      details += fmt::format("\n{}\n{}", row.name, row.verdict.text);
+      details += fmt::format("\n{}\n{}", row.name, answer);
       continue;
     }
     for (std::size_t k = 1; k < lines.size(); ++k) {
@@ -63,7 +64,7 @@ std::string verdict_table_json(const std::vector<NamedVerdict>& verdicts) {
       {"format", "bipc-verdicts"}, {"version", 1}, {"verdicts", nlohmann::ordered_json::array()}};
   for (const NamedVerdict& row : verdicts) {
     nlohmann::ordered_json named{{"name", row.name}};
-    named.update(parse_json(row.verdict.json));
+    named.update(row.verdict.json);
     named.erase("format");
     named.erase("version");
     json["verdicts"].push_back(std::move(named));

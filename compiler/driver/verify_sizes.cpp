@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <string>
 
+#include "compiler/base/json_text.hpp"
 #include "compiler/base/write_file.hpp"
 #include "compiler/driver/check_outputs.hpp"
 #include "compiler/driver/interrupt_cancellation.hpp"
@@ -52,7 +53,8 @@ int verify_for_all_sizes(const VerifyArguments& arguments) {
     print_error_words(found.verdict.text.substr(0, found.verdict.text.find('\n')));
     return found.verdict.exit_code;
   }
-  const std::string& text = arguments.json && emit == EmitKind::None ? found.verdict.json : found.verdict.text;
+  const std::string text =
+      arguments.json && emit == EmitKind::None ? json_line(found.verdict.json) + '\n' : found.verdict.text;
   std::fwrite(text.data(), 1, text.size(), stdout);
   return found.verdict.exit_code;
 }

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "compiler/base/json_text.hpp"
 #include "compiler/graph/graph.hpp"
 #include "compiler/interp/interp.hpp"
 #include "compiler/library/decide.hpp"
@@ -362,10 +363,10 @@ Verdict Model::verify(const VerifyOptions& options) const {
   out.outcome = verdict->exit_code == pipeline::kOk        ? Outcome::Holds
                 : verdict->exit_code == pipeline::kUnknown ? Outcome::Unknown
                                                            : Outcome::Violated;
-  out.text = std::move(verdict->text);
-  out.json = std::move(verdict->json);
+  out.text = verdict->text_with_figures();
+  out.json = json_line(verdict->json) + '\n';
   out.certificate = std::move(verdict->certificate);
-  library::read_verdict(out);
+  library::read_verdict(verdict->json, out);
   if (verdict->counterexample) {
     // Small and seen once: the interpreter.
     const std::unique_ptr<lower::LoweredSystem> lowered = lower::lower(*c.system, c.root_name);

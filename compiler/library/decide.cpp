@@ -200,7 +200,9 @@ Verdict decide(const VerifyRequest& request, Compilation& c, const verify::Quest
     if (std::optional<verify::Property> fewer = verify::with_first_conditions(question.property, c.lowered->image)) {
       verify::Question about_fewer = question;
       about_fewer.property = std::move(*fewer);
-      return decide(request, c, about_fewer, note + kSymmetricConditions, asked, report);
+      Verdict verdict = decide(request, c, about_fewer, note + kSymmetricConditions, asked, report);
+      if (verdict.is_answered) verdict.json["quantifier"] = quantifier_json(question.property);
+      return verdict;
     }
   }
   if (question.formula.has_limit() || (is_timed && question.formula.response))
@@ -268,7 +270,8 @@ Verdict decide(const VerifyRequest& request, Compilation& c, const verify::Quest
     run_data = rt::counterexample_json(c.lowered->image, rt::MaximalProgress::On, end_of(question.what),
                                        rt::at_once(found->choices));
   verdict.json = verdict_json(said, question, decision, shown, run_data);
-  verdict.text = said.text + (shown != nullptr ? stats_text(stats) : "");
+  verdict.text = std::move(said.text);
+  if (shown != nullptr) verdict.figures = stats_text(stats);
   if (const verify::Counterexample* found = decision.counterexample()) {
     FoundRun run{end_of(question.what), rt::at_once(found->choices), {}};
     // While the image has its code.

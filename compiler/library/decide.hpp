@@ -4,6 +4,8 @@
 #include <optional>
 #include <string>
 
+#include <nlohmann/json.hpp>
+
 #include "compiler/library/verify_request.hpp"
 #include "compiler/pipeline/pipeline.hpp"
 #include "compiler/verify/portfolio/portfolio.hpp"
@@ -24,7 +26,11 @@ struct FoundRun {
 struct Verdict {
   bool is_answered = false;  // false: the compilation's diagnostics say why there is none
   int exit_code = 0;         // of `bipc verify`
-  std::string text, json;
+  std::string text;          // the answer with its run and its notes
+  std::string figures;       // lines that `--stats` adds
+  [[nodiscard]] std::string text_with_figures() const { return text + figures; }
+  // What `--json` prints; its `text` is the text above.
+  nlohmann::ordered_json json;
   std::string certificate;  // if it was wanted and the answer has one
   // Also the run that shows a property to hold which begins with `possibly`.
   std::optional<FoundRun> counterexample;

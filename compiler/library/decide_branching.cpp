@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "compiler/base/json_text.hpp"
 #include "compiler/library/add_run.hpp"
 #include "compiler/library/decide.hpp"
 #include "compiler/library/run_text.hpp"
@@ -185,12 +184,12 @@ Verdict decide_branching(const VerifyRequest& request, Compilation& c, const ver
   if (found.outcome == verify::Outcome::Unknown) json["reason"] = found.reason;
   json["text"] = verdict.text;
   if (request.stats) {
-    verdict.text += fmt::format("{}, {}; {} of the formula\n", rt::counted(found.states, "state"),
-                                rt::counted(found.steps, "step"), rt::counted(formula.nodes.size(), "node"));
+    verdict.figures += fmt::format("{}, {}; {} of the formula\n", rt::counted(found.states, "state"),
+                                   rt::counted(found.steps, "step"), rt::counted(formula.nodes.size(), "node"));
     json["graph"] = {{"states", found.states}, {"steps", found.steps}};
     json["nodes"] = formula.nodes.size();
   }
-  verdict.json = json_line(json) + '\n';
+  verdict.json = std::move(json);
   verdict.is_answered = true;
   return verdict;
 }

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "compiler/base/json_text.hpp"
 #include "compiler/library/decide.hpp"
 #include "compiler/library/add_run.hpp"
 #include "compiler/library/run_text.hpp"
@@ -187,20 +186,20 @@ Verdict decide_liveness(const VerifyRequest& request, Compilation& c, const veri
   if (decision.outcome == verify::Outcome::Unknown) json["reason"] = decision.reason;
   json["text"] = verdict.text;
   if (request.stats) {
-    verdict.text += fmt::format("{}, {}; automaton of {}, product of {}\n", rt::counted(found.states, "state"),
-                                rt::counted(found.steps, "step"), rt::counted(found.automaton_states, "state"),
-                                rt::counted(found.nodes, "node"));
+    verdict.figures += fmt::format("{}, {}; automaton of {}, product of {}\n", rt::counted(found.states, "state"),
+                                   rt::counted(found.steps, "step"), rt::counted(found.automaton_states, "state"),
+                                   rt::counted(found.nodes, "node"));
     json["graph"] = {{"states", found.states}, {"steps", found.steps}};
     json["automaton"] = found.automaton_states;
     json["product"] = found.nodes;
     if (proof != nullptr) {
-      verdict.text += fmt::format("{} in {}; {} of fairness\n", rt::counted(proof->lemmas, "lemma"),
-                                  rt::counted(proof->frames, "frame"), rt::counted(proof->units, "unit"));
+      verdict.figures += fmt::format("{} in {}; {} of fairness\n", rt::counted(proof->lemmas, "lemma"),
+                                     rt::counted(proof->frames, "frame"), rt::counted(proof->units, "unit"));
       json["lemmas"] = proof->lemmas;
       json["frames"] = proof->frames;
     }
   }
-  verdict.json = json_line(json) + '\n';
+  verdict.json = std::move(json);
   verdict.is_answered = true;
   return verdict;
 }

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "compiler/base/json_text.hpp"
 #include "compiler/library/decide.hpp"
 #include "compiler/library/run_text.hpp"
 #include "compiler/library/timed_verdict.hpp"
@@ -109,10 +108,7 @@ std::optional<Verdict> decide_possible(const VerifyRequest& request, Compilation
   if (!is_decided_by_negation(request, *c.system, *negation)) return std::nullopt;
   Verdict verdict = decide(request, c, *negation, {}, token, report);
   if (!verdict.is_answered) return verdict;
-  const nlohmann::ordered_json answer = parse_json(verdict.json);
-  const std::string said = answer.value("text", "");
-  BIP_ASSERT(verdict.text.starts_with(said), "figures before an answer");
-  const std::string figures = verdict.text.substr(said.size());
+  const nlohmann::ordered_json answer = std::move(verdict.json);
   nlohmann::ordered_json json{{"format", "bipc-verdict"},
                               {"version", 1},
                               {"verdict", answer.value("verdict", "")},
@@ -145,15 +141,14 @@ std::optional<Verdict> decide_possible(const VerifyRequest& request, Compilation
     }
     case kOk:
       verdict.exit_code = kViolated;
-      verdict.text = excluded_text(formula, formula.nodes[formula.root], said);
+      verdict.text = excluded_text(formula, formula.nodes[formula.root], verdict.text);
       json["verdict"] = "violated";
       break;
-    default: verdict.text = said; break;
+    default: break;
   }
   verdict.text += note;
   json["text"] = verdict.text;
-  verdict.text += figures;
-  verdict.json = json_line(json) + '\n';
+  verdict.json = std::move(json);
   return verdict;
 }
 

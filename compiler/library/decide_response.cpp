@@ -152,7 +152,7 @@ Verdict decide_response(const VerifyRequest& request, Compilation& c, const veri
   }
   text += note;
   json["text"] = text;
-  Verdict verdict = verdict_of(json, text, exit_code);
+  Verdict verdict = verdict_of(std::move(json), std::move(text), exit_code);
   verdict.counterexample = std::move(run);
   if (exit_code == kOk) verdict.certificate = std::move(certificate);
   return verdict;

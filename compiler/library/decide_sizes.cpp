@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "compiler/base/json_text.hpp"
 #include "compiler/library/verify_text.hpp"
 #include "compiler/pipeline/error_sources.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
@@ -88,7 +87,7 @@ void SizeDecider::answer(int exit_code, const std::string& name, std::string tex
   if (nodes_ != 0) json["nodes"] = nodes_;
   if (exit_code == kUnknown) json["reason"] = reason_;
   json["text"] = verdict.text;
-  verdict.json = json_line(json) + '\n';
+  verdict.json = std::move(json);
 }
 
 std::string SizeDecider::sizes_text() const {

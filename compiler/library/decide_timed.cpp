@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "compiler/base/json_text.hpp"
 #include "compiler/library/decide.hpp"
 #include "compiler/library/add_run.hpp"
 #include "compiler/library/timed_verdict.hpp"
@@ -144,12 +143,12 @@ std::string endless_text(rt::CounterexampleEnd end, std::size_t steps, std::opti
              : fmt::format("the steps #{} to #{} can repeat for ever, and time goes on", *cycle, steps - 1);
 }
 
-Verdict verdict_of(const nlohmann::ordered_json& json, std::string text, int exit_code) {
+Verdict verdict_of(nlohmann::ordered_json json, std::string text, int exit_code) {
   Verdict verdict;
   verdict.is_answered = true;
   verdict.exit_code = exit_code;
   verdict.text = std::move(text);
-  verdict.json = json_line(json) + '\n';
+  verdict.json = std::move(json);
   return verdict;
 }
 
@@ -200,7 +199,9 @@ static Verdict verdict_of_parts(const verify::TimeProof& proof, const verify::Qu
   json["verdict"] = name_of(question.what, Finding::Holds);
   json["method"] = "parts";
   json["text"] = text;
-  return verdict_of(json, text + stats, kOk);
+  Verdict verdict = verdict_of(std::move(json), std::move(text), kOk);
+  verdict.figures = stats;
+  return verdict;
 }
 
 Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify::Question& question,
@@ -239,6 +240,7 @@ Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify:
     const std::optional<verify::Property> first =
         asks_state ? verify::with_first_of_array(question.property, *c.system) : std::nullopt;
     if (first) proof = verify::prove_state_by_pairs(*c.system, *first, explore_system, soon);
+    if (proof.is_proved) json["quantifier"] = quantifier_json(question.property);
     if (!proof.is_proved)
       proof = asks_state ? verify::prove_state_in_time(*c.system, question.property, explore_system, soon)
                          : verify::prove_time(*c.system, explore_system, soon);
@@ -340,7 +342,8 @@ Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify:
   }
   text += note;
   json["text"] = text;
-  Verdict verdict = verdict_of(json, text + stats, exit_code);
+  Verdict verdict = verdict_of(std::move(json), std::move(text), exit_code);
+  verdict.figures = std::move(stats);
   verdict.counterexample = std::move(run);
   if (request.wants_certificate && exit_code == kOk)
     verdict.certificate =

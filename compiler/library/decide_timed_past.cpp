@@ -84,7 +84,7 @@ Verdict decide_timed_past(const VerifyRequest& request, Compilation& c, const ve
   }
   text += note;
   json["text"] = text;
-  Verdict verdict = verdict_of(json, text, exit_code);
+  Verdict verdict = verdict_of(std::move(json), std::move(text), exit_code);
   verdict.counterexample = std::move(run);
   return verdict;
 }

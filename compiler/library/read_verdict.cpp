@@ -3,12 +3,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "compiler/base/json_text.hpp"
-
 namespace bip::library {
 
-void read_verdict(compiler::Verdict& verdict) {
-  const nlohmann::ordered_json json = parse_json(verdict.json);
+void read_verdict(const nlohmann::ordered_json& json, compiler::Verdict& verdict) {
   verdict.name = json.value("verdict", "");
   verdict.property = json.value("property", "");
   verdict.method = json.value("method", "");

@@ -23,7 +23,7 @@ namespace bip::library {
 [[nodiscard]] std::string endless_text(rt::CounterexampleEnd end, std::size_t steps, std::optional<std::size_t> cycle);
 /// "57ms".
 [[nodiscard]] std::string time_text(std::int64_t ticks);
-[[nodiscard]] Verdict verdict_of(const nlohmann::ordered_json& json, std::string text, int exit_code);
+[[nodiscard]] Verdict verdict_of(nlohmann::ordered_json json, std::string text, int exit_code);
 /// Why a certificate of a zone graph says less than it should: guards of connectors or priorities that can fault, for
 /// which of several faults, or of a fault and a false guard, comes first is not for a checker to know.
 [[nodiscard]] bool can_fault_in_guards(const System& system);

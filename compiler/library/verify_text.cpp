@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "compiler/base/json_text.hpp"
 #include "compiler/library/add_run.hpp"
 #include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/pipeline/limits.hpp"
@@ -173,8 +172,8 @@ VerdictText verdict_text(const Compilation& c, const verify::Question& question,
   return v;
 }
 
-std::string verdict_json(const VerdictText& v, const verify::Question& question, const verify::Decision& d,
-                         const VerifyStats* stats, const std::string& run) {
+nlohmann::ordered_json verdict_json(const VerdictText& v, const verify::Question& question, const verify::Decision& d,
+                                    const VerifyStats* stats, const std::string& run) {
   nlohmann::ordered_json json{{"format", "bipc-verdict"}, {"version", 1}, {"verdict", v.name}};
   if (question.what == verify::QuestionKind::State) json["property"] = question.property.text;
   if (question.what == verify::QuestionKind::Runs) json["property"] = question.formula.text;
@@ -228,7 +227,12 @@ std::string verdict_json(const VerdictText& v, const verify::Question& question,
   }
   json["text"] = v.text;
   if (!run.empty()) add_run(json, run);
-  return json_line(json) + '\n';
+  return json;
+}
+
+nlohmann::ordered_json quantifier_json(const verify::Property& property) {
+  BIP_ASSERT(property.counted, "`{}` is no quantifier", property.text);
+  return {{"conditions", property.counted->rows.size()}, {"asked", property.counted->least}};
 }
 
 std::string stats_text(const VerifyStats& stats) {

@@ -3,6 +3,8 @@
 #include <optional>
 #include <string>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "compiler/pipeline/pipeline.hpp"
 #include "compiler/verify/evidence/relevant_steps.hpp"
 #include "compiler/verify/portfolio/portfolio.hpp"
@@ -58,10 +60,12 @@ struct VerifyStats {
   const verify::ProofCache* cache = nullptr;
   const std::vector<std::string>* permuted = nullptr;  // groups of equal components, of a search up to symmetry
 };
-/// Returns the verdict as one line of JSON; `stats` may be null; `run`: of counterexample_json, may be empty.
-[[nodiscard]] std::string verdict_json(const VerdictText& text, const verify::Question& question,
-                                       const verify::Decision& d, const VerifyStats* stats,
-                                       const std::string& run = {});
+/// Returns the verdict as one object; `stats` may be null; `run`: of counterexample_json, may be empty.
+[[nodiscard]] nlohmann::ordered_json verdict_json(const VerdictText& text, const verify::Question& question,
+                                                  const verify::Decision& d, const VerifyStats* stats,
+                                                  const std::string& run = {});
+/// Of a quantifier that was asked of its first conditions, which stand for all: how many it has, how many were asked.
+[[nodiscard]] nlohmann::ordered_json quantifier_json(const verify::Property& property);
 /// Returns a line each: the engine that decided, time and candidates; the symmetry that a search used; reuse of proofs.
 [[nodiscard]] std::string stats_text(const VerifyStats& stats);
 
