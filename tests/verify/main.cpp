@@ -31,6 +31,7 @@
 #include "compiler/verify/evidence/certificate.hpp"
 #include "compiler/verify/evidence/counterexample_text.hpp"
 #include "compiler/verify/portfolio/local_deadlock_search.hpp"
+#include "compiler/verify/portfolio/induction_engines.hpp"
 #include "compiler/verify/portfolio/local_lemma_engine.hpp"
 #include "compiler/verify/portfolio/search_engines.hpp"
 #include "compiler/verify/portfolio/search_symmetry.hpp"
@@ -61,6 +62,7 @@ struct Totals {
   std::uint64_t decided = 0;                  // answers of the prover
   std::uint64_t learnt = 0, learnt_from = 0;  // proofs by small instances; questions
   std::uint64_t local = 0;                    // proofs by local lemmas
+  std::uint64_t of_pairs = 0;                 // and by lemmas about pairs
   // Searches up to symmetry; those that permuted components, and how many of these found a bad state; states, and those
   // that were saved.
   std::uint64_t symmetric = 0, permuted = 0, permuted_violated = 0, orbits = 0, orbits_saved = 0;
@@ -200,6 +202,11 @@ class Check {
       t_.local += is_local ? 1 : 0;
       if (is_local && all.end == verify::SearchEnd::Found)
         fail(asked + ": proved by local lemmas, but a bad state is reachable");
+      const bool is_of_pairs =
+          verify::kPairLemmaEngine.attempt(context, {}, few.cancellation).outcome == verify::Outcome::Holds;
+      t_.of_pairs += is_of_pairs ? 1 : 0;
+      if (is_of_pairs && all.end == verify::SearchEnd::Found)
+        fail(asked + ": proved by lemmas about pairs, but a bad state is reachable");
       const verify::EngineResult found = verify::kSmallInstanceEngine.attempt(context, {}, few.cancellation);
       ++t_.learnt_from;
       if (found.outcome != verify::Outcome::Holds) continue;
@@ -469,8 +476,10 @@ int main(int argc, char** argv) {
               n(t.whole), n(t.rows), n(t.forged_rows));
   std::printf("runs %llu: steps left out %llu, a step decided %llu, none %llu\n", n(t.relevance.runs),
               n(t.relevance.left_out), n(t.relevance.decided), n(t.relevance.inevitable));
-  std::printf("small instances: %llu questions, %llu proofs with lemmas learnt from them, %llu by local lemmas\n",
-              n(t.learnt_from), n(t.learnt), n(t.local));
+  std::printf(
+      "small instances: %llu questions, %llu proofs with lemmas learnt from them, %llu by local lemmas, "
+      "%llu by lemmas about pairs\n",
+      n(t.learnt_from), n(t.learnt), n(t.local), n(t.of_pairs));
   std::printf(
       "symmetry: %llu searches, %llu permuted components (%llu violated, %llu waited), %llu states instead of %llu\n",
       n(t.symmetric), n(t.permuted), n(t.permuted_violated), n(t.permuted_stuck), n(t.orbits),
@@ -497,10 +506,11 @@ int main(int argc, char** argv) {
     std::printf("FAILED: %llu answers, %llu rows of kept proofs: nothing was compared\n", n(t.decided), n(t.rows));
   }
   constexpr std::uint64_t kManyLearnt = 100;
-  if (t.learnt_from >= kManyLearnt && (t.learnt == 0 || t.local == 0)) {
+  if (t.learnt_from >= kManyLearnt && (t.learnt == 0 || t.local == 0 || t.of_pairs == 0)) {
     ++t.failed;
-    std::printf("FAILED: of %llu questions none was proved by small instances, or none by local lemmas\n",
-                n(t.learnt_from));
+    std::printf(
+        "FAILED: of %llu questions none was proved by small instances, by local lemmas or by lemmas about pairs\n",
+        n(t.learnt_from));
   }
   if (t.relevance.runs >= kMany && (t.relevance.left_out == 0 || t.relevance.decided == 0)) {
     ++t.failed;

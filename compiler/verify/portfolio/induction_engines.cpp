@@ -6,6 +6,7 @@
 #include "compiler/verify/invariants/houdini.hpp"
 #include "compiler/verify/invariants/inductive_core.hpp"
 #include "compiler/verify/invariants/local_lemmas.hpp"
+#include "compiler/verify/invariants/pair_lemmas.hpp"
 #include "compiler/verify/invariants/refine_invariants.hpp"
 #include "compiler/system/system.hpp"
 #include "compiler/verify/symbolic/cnf.hpp"
@@ -19,9 +20,9 @@ namespace bip::verify {
 
 namespace {
 
-/// FactsOnly: without lemmas. Guesses: only with the lemmas that the caller proposes. Localized: searches for lemmas
-/// about few atoms. Lemmas: about all.
-enum class Effort : std::uint8_t { FactsOnly, Guesses, Localized, Lemmas };
+/// FactsOnly: without lemmas. Guesses: only with the lemmas that the caller proposes. Pairs: searches for lemmas about
+/// two atoms each. Localized: about few atoms. Lemmas: about all.
+enum class Effort : std::uint8_t { FactsOnly, Guesses, Pairs, Localized, Lemmas };
 
 /// IC3 follows all atoms of systems with fewer atoms than kFewAtoms; of larger ones localized IC3 follows at most the
 /// fraction kMostFollowed.
@@ -59,6 +60,7 @@ class Induction {
       return std::move(result_);
     if (effort == Effort::FactsOnly && !cached.is_enough) return std::move(result_);
     if (effort == Effort::Guesses) try_guesses(*guesses, reduction);
+    else if (effort == Effort::Pairs) find_pairs();
     else find_lemmas(std::move(cached));
     return std::move(result_);
   }
@@ -151,7 +153,14 @@ class Induction {
 
   void try_guesses(const LemmaSource& guesses, LemmaReduction reduction) {
     problem_.invariants = structural_clauses();
-    InductiveLemmas held = houdini(problem_, guesses(machine_));
+    try_cubes(guesses(machine_), reduction);
+  }
+  void find_pairs() {
+    problem_.invariants = structural_clauses();
+    try_cubes(find_pair_lemmas(problem_, context_.parts.system()), LemmaReduction::ByShape);
+  }
+  void try_cubes(std::vector<Cube> cubes, LemmaReduction reduction) {
+    InductiveLemmas held = houdini(problem_, std::move(cubes));
     if (!held.is_enough) return;
     if (reduction == LemmaReduction::ByShape && !held.lemmas.empty()) {
       const std::vector<std::vector<Cube>> groups = group_by_shape(held.lemmas, machine_, context_.parts.system());
@@ -300,6 +309,16 @@ const Engine kAffineEngine{"affine invariants", is_inductive,
                            [](ProofContext& context, const Budget& budget, const CancellationToken& cancellation) {
                              return attempt_induction(context, budget, cancellation, Effort::FactsOnly);
                            }};
+const Engine kPairLemmaEngine{"pair lemmas",
+                              [](const ProofContext& context) {
+                                return is_inductive(context) &&
+                                       context.parts.system().atoms.size() <= kMostAtomsOfPairs;
+                              },
+                              [](ProofContext& context, const Budget& budget, const CancellationToken& cancellation) {
+                                EngineResult found = attempt_induction(context, budget, cancellation, Effort::Pairs);
+                                if (found.outcome == Outcome::Unknown) found.retry = Retry::Pointless;
+                                return found;
+                              }};
 const Engine kIc3Engine{"IC3", is_inductive,
                         [](ProofContext& context, const Budget& budget, const CancellationToken& cancellation) {
                           return attempt_induction(context, budget, cancellation, Effort::Lemmas);

@@ -11,6 +11,8 @@ extern const Engine kLocalizedEngine;
 /// Structural and affine invariants, found for this question's bad states; no lemmas. Only its first attempt does
 /// something.
 extern const Engine kAffineEngine;
+/// Lemmas about two components each, learnt from bad states (pair_lemmas.hpp). One attempt.
+extern const Engine kPairLemmaEngine;
 /// The same if it has not been done, cached lemmas that are inductive (houdini.hpp), then IC3/PDR (ic3.hpp).
 extern const Engine kIc3Engine;
 
