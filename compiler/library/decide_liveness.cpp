@@ -87,11 +87,14 @@ std::string proof_text(const verify::Question& question, const VerifyRequest& re
                        const verify::KLivenessProof& proof, std::size_t atoms) {
   const std::string part = proof.atoms == atoms ? rt::counted(atoms, "component")
                                                 : fmt::format("{} of {}", proof.atoms, rt::counted(atoms, "component"));
+  const std::string rest =
+      proof.finite_ports == 0 ? "" : fmt::format(" once {} have come to rest", rt::counted(proof.finite_ports, "port"));
   std::string text =
       verify::is_invariant_of_past(question.formula)
           ? fmt::format("holds: `{}`: true at each point of all runs, by IC3 on {}\n", question.formula.text, part)
-          : fmt::format("holds: `{}`: true of all runs, by k-liveness: at most {} on {} ({})\n", question.formula.text,
-                        rt::counted(proof.rounds, "round"), part, fairness_text(request.fairness));
+          : fmt::format("holds: `{}`: true of all runs, by k-liveness: at most {} on {}{} ({})\n",
+                        question.formula.text, rt::counted(proof.rounds, "round"), part, rest,
+                        fairness_text(request.fairness));
   if (proof.may_have_errors) text += "note: runs that end in a run-time error were not looked at\n";
   return text;
 }
@@ -164,6 +167,7 @@ Verdict decide_liveness(const VerifyRequest& request, Compilation& c, const veri
   if (proof != nullptr) {
     if (!is_invariant) json["rounds"] = proof->rounds;
     json["components"] = proof->atoms;
+    if (proof->finite_ports != 0) json["finite_ports"] = proof->finite_ports;
   }
   // Of a proof on the circuit no states are known.
   if (found.states != 0 && proof == nullptr) json["states"] = found.states;

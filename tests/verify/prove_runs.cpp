@@ -1,7 +1,7 @@
-// bip-prove-runs FILE [SECONDS [ROUNDS [CERTIFICATE]]]: properties of runs of a model, each asked of the circuit alone
-// (compiler/verify/liveness/ k_liveness.hpp). Reads lines "FAIRNESS PROPERTY"; prints for each `holds ROUNDS ATOMS`, or
-// `unknown REASON`. With CERTIFICATE that of the proof of line N is written to the file CERTIFICATE.N; the proof is
-// then another one. test_liveness.py compares the answers with its oracle.
+// bip-prove-runs [--finite] FILE [SECONDS [ROUNDS [CERTIFICATE]]]: properties of runs of a model, each asked of the
+// circuit alone (compiler/verify/liveness/k_liveness.hpp; --finite: finite_moves.hpp). Reads lines "FAIRNESS PROPERTY";
+// prints for each `holds ROUNDS ATOMS`, or `unknown REASON`. With CERTIFICATE that of the proof of line N is written to
+// the file CERTIFICATE.N; the proof is then another one. test_liveness.py compares the answers with its oracle.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -13,13 +13,24 @@
 #include <string>
 
 #include "compiler/verify/evidence/certificate.hpp"
-#include "compiler/verify/liveness/k_liveness.hpp"
+#include "compiler/verify/liveness/finite_moves.hpp"
 #include "tools/gen/compiled.hpp"
+
+namespace {
+
+constexpr std::size_t kMegabytes = 2048;
+
+}
 
 int main(int argc, char** argv) {
   using namespace bip;
+  const bool is_finite = argc > 1 && std::string(argv[1]) == "--finite";
+  if (is_finite) {
+    --argc;
+    ++argv;
+  }
   if (argc < 2 || argc > 5) {
-    std::fprintf(stderr, "bip-prove-runs FILE [SECONDS [ROUNDS [CERTIFICATE]]]\n");
+    std::fprintf(stderr, "bip-prove-runs [--finite] FILE [SECONDS [ROUNDS [CERTIFICATE]]]\n");
     return 2;
   }
   const double seconds = argc > 2 ? std::strtod(argv[2], nullptr) : 5;
@@ -49,8 +60,11 @@ int main(int argc, char** argv) {
     options.most_rounds = most_rounds;
     options.wants_certificate = argc > 4;
     options.cancellation = verify::within_seconds(seconds);
+    const rt::Image& image = c.lowered->image;
+    const verify::RunCircuit circuit = verify::make_run_circuit(*c.system, image, kMegabytes, options.cancellation);
     const verify::KLivenessProof proof =
-        verify::prove_by_k_liveness(parsed->formula, *c.system, c.lowered->image, options);
+        is_finite ? verify::prove_by_finite_moves(parsed->formula, *c.system, image, circuit, options)
+                  : verify::prove_by_k_liveness(parsed->formula, *c.system, image, circuit, options);
     if (proof.outcome == verify::Outcome::Holds) std::printf("holds %u %u\n", proof.rounds, proof.atoms);
     else std::printf("unknown %s\n", proof.reason.c_str());
     if (argc > 4 && proof.outcome == verify::Outcome::Holds)

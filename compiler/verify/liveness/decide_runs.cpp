@@ -6,12 +6,13 @@
 #include <utility>
 
 #include "compiler/system/system.hpp"
+#include "compiler/verify/liveness/finite_moves.hpp"
 
 namespace bip::verify {
 
 namespace {
 
-enum class RunsEngine : std::uint8_t { Graph, KLiveness };
+enum class RunsEngine : std::uint8_t { Graph, KLiveness, FiniteMoves };
 struct RunsTurn {
   RunsEngine engine;
   double fraction = 1;  // of the time that is left
@@ -20,7 +21,8 @@ struct RunsTurn {
 // What is small is visited at once. A graph is made anew in its second turn.
 constexpr RunsTurn kRunsTurns[] = {
     {RunsEngine::Graph, 1.0 / 8, 3},
-    {RunsEngine::KLiveness, 1.0 / 2, 120},
+    {RunsEngine::KLiveness, 1.0 / 4, 60},
+    {RunsEngine::FiniteMoves, 3.0 / 4, 180},
     {RunsEngine::Graph, 2.0 / 3},
     // An attempt has more time now than in the first turn; or the graph gave up for memory.
     {RunsEngine::KLiveness}};
@@ -35,15 +37,19 @@ class RunsPortfolio {
       graph_reason_ = reason_without_graph(system_);
       may_visit_ = false;
     }
+    // A certificate has rounds of one monitor.
+    may_split_ = options_.add_state == nullptr;
     for (const RunsTurn& turn : kRunsTurns) {
       const bool is_graph = turn.engine == RunsEngine::Graph;
-      if (!(is_graph ? may_visit_ : may_prove_)) continue;
+      const bool is_split = turn.engine == RunsEngine::FiniteMoves;
+      if (!(is_graph ? may_visit_ : is_split ? may_split_ : may_prove_)) continue;
       const double left = options_.cancellation.seconds_left();
       // Questions that need little time are answered in the first turns. If the graph cannot grow, all time that is
       // left is for the proof.
-      const bool is_last = !is_graph && !may_visit_;
+      const bool is_last = !is_graph && !is_split && !may_visit_;
       const double seconds = is_last ? left : std::min(left * turn.fraction, turn.at_most);
-      is_graph ? visit(seconds) : prove(seconds);
+      if (is_graph) visit(seconds);
+      else prove(seconds, turn.engine);
       if (decision_.outcome != Outcome::Unknown) return std::move(decision_);
       if (options_.cancellation.is_over()) break;
     }
@@ -62,16 +68,20 @@ class RunsPortfolio {
     graph_reason_ = decision_.on_graph.reason;
     may_visit_ = decision_.on_graph.is_out_of_time;
   }
-  void prove(double seconds) {
+  void prove(double seconds, RunsEngine engine) {
     KLivenessOptions options;
     options.fairness = options_.fairness;
-    options.megabytes = options_.megabytes;
     options.cancellation = options_.cancellation.within(seconds);
     options.report = options_.report;
     options.wants_certificate = options_.add_state != nullptr;
-    KLivenessProof proof = prove_by_k_liveness(formula_, system_, image_, options);
-    proof_reason_ = proof.reason;
-    may_prove_ = proof.is_out_of_time;
+    if (!circuit_) circuit_ = make_run_circuit(system_, image_, options_.megabytes, options.cancellation);
+    const bool is_split = engine == RunsEngine::FiniteMoves;
+    KLivenessProof proof = is_split ? prove_by_finite_moves(formula_, system_, image_, *circuit_, options)
+                                    : prove_by_k_liveness(formula_, system_, image_, *circuit_, options);
+    if (!is_split) {
+      proof_reason_ = proof.reason;
+      may_prove_ = proof.is_out_of_time;
+    }
     if (proof.outcome != Outcome::Holds) return;
     decision_.outcome = Outcome::Holds;
     decision_.proof = std::move(proof);
@@ -83,7 +93,8 @@ class RunsPortfolio {
   const LivenessOptions& options_;
   RunsDecision decision_;
   std::string graph_reason_, proof_reason_;
-  bool may_visit_ = true, may_prove_ = true;
+  std::optional<RunCircuit> circuit_;
+  bool may_visit_ = true, may_prove_ = true, may_split_ = true;
 };
 
 }  // namespace

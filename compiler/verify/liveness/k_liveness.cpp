@@ -10,14 +10,11 @@
 #include <vector>
 
 #include "compiler/base/log.hpp"
-#include "compiler/system/inner_priorities.hpp"
 #include "compiler/system/system.hpp"
 #include "compiler/verify/evidence/certificate.hpp"
-#include "compiler/verify/invariants/affine_bounds.hpp"
 #include "compiler/verify/liveness/automaton.hpp"
 #include "compiler/verify/liveness/round_monitor.hpp"
 #include "compiler/verify/symbolic/ic3.hpp"
-#include "compiler/verify/symbolic/mode_signals.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
@@ -27,7 +24,6 @@ namespace {
 // Of the time that is left an attempt may use this part, and each search in it, with units that the ones before taught,
 // that one.
 constexpr double kShareOfAttempt = 1.0 / 2, kShareOfSearch = 1.0 / 4;
-constexpr double kShareOfInvariants = 1.0 / 4, kShareOfRemark = 1.0 / 16;
 // Of a part, which mostly has such runs because it lacks what would end them.
 constexpr std::uint32_t kMostRoundsOfPart = 64;
 
@@ -71,8 +67,9 @@ class CircuitRun {
 
 class KLiveness {
  public:
-  KLiveness(const Formula& formula, const System& system, const rt::Image& image, const KLivenessOptions& options)
-      : formula_(formula), system_(system), image_(image), options_(options) {}
+  KLiveness(const Formula& formula, const System& system, const rt::Image& image, const RunCircuit& circuit,
+            const KLivenessOptions& options)
+      : formula_(formula), system_(system), image_(image), circuit_(circuit), options_(options) {}
 
   KLivenessProof run() {
     Result<Automaton> automaton = make_automaton(formula_, RunsOf::Negation);
@@ -84,14 +81,15 @@ class KLiveness {
       result_.outcome = Outcome::Holds;
       return std::move(result_);
     }
-    machine_ = build_transition_system(system_, image_, options_.megabytes);
-    if (!machine_.unsupported.empty()) return unknown(machine_.unsupported);
-    if (machine_.starts_with_fault) return unknown("the initial state could not be entered");
-    if (!ranges_hold(machine_, options_.cancellation)) return unknown("the ranges of data could not be confirmed");
-    find_clauses();
-    if (!follows_all_internals()) return unknown("more internal transitions in a row than the circuit follows");
-    find_parts();
-    try_parts();
+    if (!circuit_.problem.empty()) return unknown(circuit_.problem);
+    if (options_.attempt) {
+      parts_.push_back({{options_.attempt->keeps}, {}, nullptr, false});
+      (void)is_proved(0, options_.attempt->rounds);
+      result_.has_run = parts_[0].has_run;
+    } else {
+      find_parts();
+      try_parts();
+    }
     if (result_.outcome == Outcome::Unknown)
       return unknown(options_.cancellation.is_cancelled() ? "interrupted"
                      : options_.cancellation.is_over()    ? "the time is over"
@@ -114,70 +112,19 @@ class KLiveness {
     bool has_run = false;  // of rounds without end, fair to all units: no bound exists
   };
 
-  // Modes and equations of the structure, and the invariants that exclude deadlocks: what must happen mostly rests on
-  // them.
-  void find_clauses() {
-    net_ = build_net(system_);
-    const Net& net = net_;
-    if (net.too_large_atom != kNoRow || !system::first_inner_priority(system_).empty()) return;
-    const CancellationToken share =
-        options_.cancellation.within(options_.cancellation.seconds_left() * kShareOfInvariants);
-    proof_ = prove_deadlock_freedom(net, share);
-    if (proof_->reachable.empty()) proof_ = find_reachable_modes(net);
-    clauses_ = mode_clauses(net, *proof_, machine_, image_);
-    affine_ = find_affine_invariants(net, machine_, image_, clauses_, share);
-    const AffineInvariants& affine = affine_;
-    for (const AffineEquation& equation : affine.equations)
-      clauses_.push_back({equation_signal(equation, machine_, image_)});
-    for (const VariableBound& bound : affine.bounds) clauses_.push_back({bound_signal(bound, machine_, image_)});
-    for (const PlaceValue& value : affine.places) clauses_.push_back(place_clause(value, machine_, image_));
-  }
-
-  // A step after which the circuit has lost its way must not be reachable, or runs would be missing.
-  [[nodiscard]] bool follows_all_internals() const { return is_never(machine_.lost, kShareOfSearch); }
-  [[nodiscard]] bool is_never(Signal bad, double share) const {
-    Ic3Problem problem;
-    problem.system = &machine_;
-    problem.bad = bad;
-    problem.invariants = clauses_;
-    problem.cancellation = options_.cancellation.within(options_.cancellation.seconds_left() * share);
-    return run_ic3(problem).end == Ic3End::Safe;
-  }
-
   // The atoms of the property, then those that take part in steps with them, and so on; at last all.
   void find_parts() {
     const rt::Tables tables = rt::link(image_, rt::MaximalProgress::On);
-    std::vector<std::vector<std::uint32_t>> steps;
-    std::vector<std::uint32_t> connector;
-    for (const SystemStep& step : machine_.steps) {
-      steps.emplace_back();
-      for (const auto& [port, ignored] : step.parts) steps.back().push_back(tables.port_atom[port]);
-      connector.push_back(tables.is_of_connector(step.interaction) ? tables.connector_of(step.interaction) : kNoRow);
-    }
-    AtomMask kept(system_.atoms.size(), 0);
-    const auto keep_connector = [&](std::uint32_t row) {
-      for (std::size_t k = 0; k < steps.size(); ++k) {
-        for (const std::uint32_t atom : steps[k]) {
-          if (connector[k] == row) kept[atom] = 1;
-        }
-      }
-    };
-    for (const Property& condition : formula_.states) {
-      for (const std::uint32_t atom : atoms_of(condition)) kept[atom] = 1;
-      for (const std::uint32_t row : connectors_of(condition)) keep_connector(row);
-    }
-    for (const StepCondition& condition : formula_.steps) {
-      if (condition.is_port) kept[condition.owner] = 1;
-      else keep_connector(condition.owner);
-    }
+    AtomMask kept = named_atoms(formula_, circuit_.machine, image_);
     distance_.assign(kept.size(), 0);
     const auto has_all = [&] { return std::find(kept.begin(), kept.end(), 0) == kept.end(); };
     for (bool grows = true; grows && !has_all();) {
       parts_.push_back({{kept}, {}, nullptr, false});
       AtomMask more = kept;
-      for (const std::vector<std::uint32_t>& atoms : steps) {
-        if (std::any_of(atoms.begin(), atoms.end(), [&](std::uint32_t atom) { return kept[atom] != 0; })) {
-          for (const std::uint32_t atom : atoms) more[atom] = 1;
+      for (const SystemStep& step : circuit_.machine.steps) {
+        if (std::any_of(step.parts.begin(), step.parts.end(),
+                        [&](const auto& part) { return kept[tables.port_atom[part.first]] != 0; })) {
+          for (const auto& [port, ignored] : step.parts) more[tables.port_atom[port]] = 1;
         }
       }
       grows = more != kept;
@@ -209,13 +156,15 @@ class KLiveness {
 
   bool is_proved(std::size_t row, std::uint32_t bound) {
     Part& part = parts_[row];
-    const CancellationToken attempt =
-        options_.cancellation.within(options_.cancellation.seconds_left() * kShareOfAttempt);
+    // The only attempt has all of the time.
+    const double share = options_.attempt ? 1 : kShareOfAttempt,
+                 share_of_search = options_.attempt ? 1 : kShareOfSearch;
+    const CancellationToken attempt = options_.cancellation.within(options_.cancellation.seconds_left() * share);
     for (;;) {
       if (!part.monitor)
-        part.monitor = std::make_unique<RoundMonitor>(machine_, image_, formula_,
+        part.monitor = std::make_unique<RoundMonitor>(circuit_.machine, image_, formula_,
                                                       options_.wants_certificate ? nullptr : &automaton_,
-                                                      options_.fairness, part.atoms, clauses_, part.expected);
+                                                      options_.fairness, part.atoms, circuit_.clauses, part.expected);
       RoundMonitor& monitor = *part.monitor;
       const bool is_invariant = is_invariant_of_past(formula_);
       Ic3Problem problem;
@@ -223,7 +172,7 @@ class KLiveness {
       problem.system = &monitor.machine();
       problem.invariants = monitor.clauses();
       problem.constraint = monitor.constraint();
-      problem.cancellation = attempt.within(options_.cancellation.seconds_left() * kShareOfSearch);
+      problem.cancellation = attempt.within(options_.cancellation.seconds_left() * share_of_search);
       problem.report = [this](std::uint32_t, std::size_t lemmas) {
         if (options_.report) options_.report("k-liveness", lemmas, "lemmas");
       };
@@ -245,7 +194,7 @@ class KLiveness {
   }
   void note_proof(const Part& part, std::uint32_t bound, const Ic3Answer& answer) {
     result_.outcome = Outcome::Holds;
-    result_.may_have_errors = !is_never(machine_.error, kShareOfRemark);
+    if (!options_.attempt) result_.may_have_errors = may_have_errors(circuit_, options_.cancellation);
     result_.rounds = bound;
     result_.frames = answer.frames;
     result_.lemmas = answer.lemmas.size();
@@ -276,7 +225,8 @@ class KLiveness {
       }
       out += '\n';
     }
-    out += invariant_rows(net_, proof_ ? &*proof_ : nullptr, affine_, machine_, system_);
+    out += invariant_rows(circuit_.net, circuit_.proof ? &*circuit_.proof : nullptr, circuit_.affine, circuit_.machine,
+                          system_);
     // A single demand has no bit here: where it is met the round ends.
     if (const std::optional<std::size_t> demand = monitor.lone_demand())
       out += "lemma !%seen" + std::to_string(*demand) + '\n';
@@ -367,13 +317,9 @@ class KLiveness {
   const Formula& formula_;
   const System& system_;
   const rt::Image& image_;
+  const RunCircuit& circuit_;
   const KLivenessOptions& options_;
   Automaton automaton_;
-  TransitionSystem machine_;
-  StateClauses clauses_;
-  Net net_;
-  std::optional<Proof> proof_;
-  AffineInvariants affine_;
   std::vector<Part> parts_;
   std::vector<std::uint32_t> distance_;  // by atom: from those of the property
   KLivenessProof result_;
@@ -381,9 +327,30 @@ class KLiveness {
 
 }  // namespace
 
+std::vector<std::uint8_t> named_atoms(const Formula& formula, const TransitionSystem& machine, const rt::Image& image) {
+  const rt::Tables tables = rt::link(image, rt::MaximalProgress::On);
+  AtomMask named(machine.marks.size(), 0);
+  const auto name_connector = [&](std::uint32_t row) {
+    for (const SystemStep& step : machine.steps) {
+      if (!tables.is_of_connector(step.interaction) || tables.connector_of(step.interaction) != row) continue;
+      for (const auto& [port, ignored] : step.parts) named[tables.port_atom[port]] = 1;
+    }
+  };
+  for (const Property& condition : formula.states) {
+    for (const std::uint32_t atom : atoms_of(condition)) named[atom] = 1;
+    for (const std::uint32_t row : connectors_of(condition)) name_connector(row);
+  }
+  for (const StepCondition& condition : formula.steps) {
+    if (!condition.instances.empty()) continue;
+    if (condition.is_port) named[condition.owner] = 1;
+    else name_connector(condition.owner);
+  }
+  return named;
+}
+
 KLivenessProof prove_by_k_liveness(const Formula& formula, const System& system, const rt::Image& image,
-                                   const KLivenessOptions& options) {
-  return KLiveness(formula, system, image, options).run();
+                                   const RunCircuit& circuit, const KLivenessOptions& options) {
+  return KLiveness(formula, system, image, circuit, options).run();
 }
 
 }  // namespace bip::verify

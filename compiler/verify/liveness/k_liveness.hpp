@@ -11,9 +11,12 @@
 // K. Claessen, N. Sörensson: A Liveness Checking Algorithm that Counts (FMCAD 2012).
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "compiler/system/system_ids.hpp"
+#include "compiler/verify/liveness/run_circuit.hpp"
 #include "compiler/verify/property/fairness.hpp"
 #include "compiler/verify/portfolio/question.hpp"
 #include "compiler/verify/property/formula.hpp"
@@ -22,28 +25,39 @@
 
 namespace bip::verify {
 
+// One search: for a bound of so many rounds on the part with these atoms.
+struct KLivenessAttempt {
+  std::vector<std::uint8_t> keeps;  // by atom
+  std::uint32_t rounds = 0;
+};
 struct KLivenessOptions {
   Fairness fairness;
-  std::size_t megabytes = 2048;
   CancellationToken cancellation;
   std::uint32_t most_rounds = 256;
   bool wants_certificate = false;  // the monitor is the tester that certificates speak of; no invariants that look back
+  std::optional<KLivenessAttempt> attempt = std::nullopt;  // nothing else is tried
   Report report;
 };
 struct KLivenessProof {
   Outcome outcome = Outcome::Unknown;  // Holds or Unknown
   std::string reason;                  // Unknown
   bool is_out_of_time = false;         // Unknown: with more time it may be proved
+  bool has_run = false;                // Unknown: of the only attempt; the part has a run of rounds without end
   // Holds: of the proof.
   std::uint32_t rounds = 0, atoms = 0, units = 0, frames = 0;
   std::size_t lemmas = 0;
-  bool may_have_errors = false;  // some step may end in a run-time error
-  std::string rows;              // of the certificate, if one is wanted
+  std::uint32_t finite_ports = 0;  // it rests on these, which move finitely often (finite_moves.hpp)
+  bool may_have_errors = false;    // some step may end in a run-time error
+  std::string rows;                // of the certificate, if one is wanted
 };
 
-/// `system` and `image` are of one compilation, without time and without a fault in the initialization. Code of the
-/// image is not called.
+/// `system`, `image` and the circuit are of one compilation, without time and without a fault in the initialization.
+/// Code of the image is not called.
 [[nodiscard]] KLivenessProof prove_by_k_liveness(const Formula& formula, const System& system, const rt::Image& image,
-                                                 const KLivenessOptions& options);
+                                                 const RunCircuit& circuit, const KLivenessOptions& options);
+
+/// Returns by atom whether the formula speaks of it: of its state, or of steps in which it may take part.
+[[nodiscard]] std::vector<std::uint8_t> named_atoms(const Formula& formula, const TransitionSystem& machine,
+                                                    const rt::Image& image);
 
 }  // namespace bip::verify

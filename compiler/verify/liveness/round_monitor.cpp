@@ -49,7 +49,7 @@ RoundMonitor::RoundMonitor(const TransitionSystem& system, const rt::Image& imag
     : machine_(system), aig_(machine_.aig), tables_(rt::link(image, rt::MaximalProgress::On)), expected_(expected) {
   BIP_ASSERT((automaton == nullptr || !automaton->is_empty()) && system.unsupported.empty(),
              "no automaton, or no circuit");
-  find_conditions(formula, image);
+  find_conditions(formula, image, part);
   find_units(fairness, part);
   add_end(part);
   cut(part, clauses);
@@ -63,14 +63,20 @@ RoundMonitor::RoundMonitor(const TransitionSystem& system, const rt::Image& imag
   add_rounds();
 }
 
-void RoundMonitor::find_conditions(const Formula& formula, const rt::Image& image) {
+void RoundMonitor::find_conditions(const Formula& formula, const rt::Image& image, const Part& part) {
   states_ = formula.states.size();
   for (const Property& condition : formula.states)
     conditions_.push_back(broken_signal(as_condition(condition), machine_, image));
   for (const StepCondition& condition : formula.steps) {
     Signal happens = kFalse;
     for (const SystemStep& step : machine_.steps) {
-      if (condition.is_port) {
+      if (!condition.instances.empty()) {
+        for (const auto& [port, when] : step.parts) {
+          if (std::binary_search(condition.instances.begin(), condition.instances.end(), port) &&
+              part.has(tables_.port_atom[port]))
+            happens = aig_.make_or(happens, aig_.make_and(step.chosen, when));
+        }
+      } else if (condition.is_port) {
         for (const auto& [port, when] : step.parts) {
           if (port == tables_.instance(condition.owner, condition.port))
             happens = aig_.make_or(happens, aig_.make_and(step.chosen, when));

@@ -22,14 +22,12 @@
 #include <vector>
 
 #include "compiler/verify/liveness/automaton.hpp"
+#include "compiler/verify/liveness/run_circuit.hpp"
 #include "compiler/verify/property/fairness.hpp"
 #include "compiler/verify/symbolic/transition_system.hpp"
 #include "runtime/core/link/tables.hpp"
 
 namespace bip::verify {
-
-/// Clauses that hold in every reachable state.
-using StateClauses = std::vector<std::vector<Signal>>;
 
 class RoundMonitor {
  public:
@@ -81,7 +79,7 @@ class RoundMonitor {
   }
 
  private:
-  void find_conditions(const Formula& formula, const rt::Image& image);
+  void find_conditions(const Formula& formula, const rt::Image& image, const Part& part);
   void find_units(const Fairness& fairness, const Part& part);
   void cut(const Part& part, const StateClauses& clauses);
   void add_end(const Part& part);

@@ -38,6 +38,9 @@ struct StepCondition {
   bool is_port = false;
   std::uint32_t owner = 0;  // connector, or atom
   std::uint32_t port = 0;
+  // Of a formula that a proof makes: one in which any of these instances of ports takes part, in ascending order. Those
+  // of atoms that the proof does not follow may be left out.
+  std::vector<std::uint32_t> instances = {};
 };
 struct Formula {
   std::vector<FormulaNode> nodes;  // operands before operators

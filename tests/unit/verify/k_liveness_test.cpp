@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "compiler/verify/liveness/k_liveness.hpp"
+#include "compiler/verify/liveness/finite_moves.hpp"
 #include "tests/unit/verify/hand_made_nets.hpp"
 
 namespace bip::verify {
@@ -15,6 +15,9 @@ using test::HandMadeNet;
 
 constexpr std::uint32_t kEnough = 16;
 
+RunCircuit circuit_of(const HandMadeNet& made, const KLivenessOptions& options) {
+  return make_run_circuit(*made.compiled.system, made.compiled.lowered->image, 2048, options.cancellation);
+}
 KLivenessProof prove(const HandMadeNet& made, const std::string& property, const std::string& fairness) {
   Result<ParsedProperty> parsed = PropertyReader(*made.compiled.system).read(property);
   REQUIRE(parsed);
@@ -22,7 +25,9 @@ KLivenessProof prove(const HandMadeNet& made, const std::string& property, const
   KLivenessOptions options;
   options.fairness = read_fairness(fairness).value();
   options.most_rounds = kEnough;
-  return prove_by_k_liveness(parsed->formula, *made.compiled.system, made.compiled.lowered->image, options);
+  const System& system = *made.compiled.system;
+  const rt::Image& image = made.compiled.lowered->image;
+  return prove_by_k_liveness(parsed->formula, system, image, circuit_of(made, options), options);
 }
 bool is_proved(const HandMadeNet& made, const std::string& property, const std::string& fairness) {
   return prove(made, property, fairness).outcome == Outcome::Holds;
@@ -93,6 +98,26 @@ end
 )";
 }
 const char* const kTicks = "    component Clock clock()\n    connector One tick(clock.tick)\n";
+
+// Each asks once.
+const char* const kQueue = R"(package p
+  port type Signal()
+  connector type One(Signal a)
+    define a
+  end
+  atom type Process()
+    export port Signal ask(), enter()
+    place OUTSIDE, WAITS, SERVED
+    initial to OUTSIDE
+    on ask from OUTSIDE to WAITS
+    on enter from WAITS to SERVED
+  end
+  compound type Root()
+    component Process p[6]()
+    for i in 0..6 connector One ask[i](p[i].ask), enter[i](p[i].enter)
+  end
+end
+)";
 
 // Many that are independent of each other.
 const char* const kMany = R"(package p
@@ -165,14 +190,33 @@ TEST_CASE("k-liveness: an invariant that looks back has no rounds") {
   CHECK_FALSE(is_proved(key, "always (happens p_enters implies previously happens p_asks)", "none"));
 }
 
+TEST_CASE("finite moves: who waits is served, because the others come to rest") {
+  const HandMadeNet queue(kQueue);
+  Result<ParsedProperty> parsed = PropertyReader(*queue.compiled.system).read("p[0]@WAITS leads to p[0]@SERVED");
+  REQUIRE(parsed);
+  const System& system = *queue.compiled.system;
+  const rt::Image& image = queue.compiled.lowered->image;
+  const RunCircuit circuit = circuit_of(queue, {});
+  const KLivenessProof proof = prove_by_finite_moves(parsed->formula, system, image, circuit, {});
+  CHECK(proof.outcome == Outcome::Holds);
+  // Both of each process.
+  CHECK(proof.finite_ports == 12);
+  // All ports are finite here, and so are the runs: their last states violate these.
+  for (const char* const violated : {"p[0]@SERVED leads to p[0]@WAITS", "always eventually p[1]@WAITS"}) {
+    Result<ParsedProperty> other = PropertyReader(system).read(violated);
+    REQUIRE(other);
+    CHECK(prove_by_finite_moves(other->formula, system, image, circuit, {}).outcome == Outcome::Unknown);
+  }
+}
+
 TEST_CASE("k-liveness: no time, no answer") {
   const HandMadeNet key(kKey);
   Result<ParsedProperty> parsed = PropertyReader(*key.compiled.system).read("p@INSIDE leads to p@OUTSIDE");
   REQUIRE(parsed);
   KLivenessOptions options;
   options.cancellation = within_seconds(0);
-  const KLivenessProof proof =
-      prove_by_k_liveness(parsed->formula, *key.compiled.system, key.compiled.lowered->image, options);
+  const KLivenessProof proof = prove_by_k_liveness(parsed->formula, *key.compiled.system, key.compiled.lowered->image,
+                                                   circuit_of(key, {}), options);
   CHECK(proof.outcome == Outcome::Unknown);
   CHECK(proof.is_out_of_time);
 }
