@@ -7,6 +7,7 @@
 
 #include "compiler/system/system.hpp"
 #include "compiler/verify/liveness/finite_moves.hpp"
+#include "runtime/core/link/tables.hpp"
 
 namespace bip::verify {
 
@@ -15,14 +16,15 @@ namespace {
 enum class RunsEngine : std::uint8_t { Graph, KLiveness, FiniteMoves };
 struct RunsTurn {
   RunsEngine engine;
-  double fraction = 1;  // of the time that is left
+  double fraction = 1;               // of the time that is left
+  double fraction_alone = fraction;  // if finite moves are not tried
   double at_most = std::numeric_limits<double>::infinity();
 };
 // What is small is visited at once. A graph is made anew in its second turn.
 constexpr RunsTurn kRunsTurns[] = {
-    {RunsEngine::Graph, 1.0 / 8, 3},
-    {RunsEngine::KLiveness, 1.0 / 4, 60},
-    {RunsEngine::FiniteMoves, 3.0 / 4, 180},
+    {RunsEngine::Graph, 1.0 / 8, 1.0 / 8, 3},
+    {RunsEngine::KLiveness, 1.0 / 4, 1.0 / 2, 120},
+    {RunsEngine::FiniteMoves, 3.0 / 4, 3.0 / 4, 180},
     {RunsEngine::Graph, 2.0 / 3},
     // An attempt has more time now than in the first turn; or the graph gave up for memory.
     {RunsEngine::KLiveness}};
@@ -38,7 +40,8 @@ class RunsPortfolio {
       may_visit_ = false;
     }
     // A certificate has rounds of one monitor.
-    may_split_ = options_.add_state == nullptr;
+    may_split_ =
+        options_.add_state == nullptr && rt::link(image_, rt::MaximalProgress::On).port_atom.size() <= kMostMovingPorts;
     for (const RunsTurn& turn : kRunsTurns) {
       const bool is_graph = turn.engine == RunsEngine::Graph;
       const bool is_split = turn.engine == RunsEngine::FiniteMoves;
@@ -47,7 +50,8 @@ class RunsPortfolio {
       // Questions that need little time are answered in the first turns. If the graph cannot grow, all time that is
       // left is for the proof.
       const bool is_last = !is_graph && !is_split && !may_visit_;
-      const double seconds = is_last ? left : std::min(left * turn.fraction, turn.at_most);
+      const double fraction = may_split_ ? turn.fraction : turn.fraction_alone;
+      const double seconds = is_last ? left : std::min(left * fraction, turn.at_most);
       if (is_graph) visit(seconds);
       else prove(seconds, turn.engine);
       if (decision_.outcome != Outcome::Unknown) return std::move(decision_);

@@ -17,9 +17,11 @@
 
 namespace bip::verify {
 
-/// As prove_by_k_liveness. `finite_ports` of the proof is above 0. Unknown, too, if the system has more than
-/// kMostMovingPorts ports that take part in steps.
+/// Of more ports, so many searches take longer than the whole.
 inline constexpr std::size_t kMostMovingPorts = 400;
+
+/// As prove_by_k_liveness. `finite_ports` of a proof is above 0. Unknown, too, if more than kMostMovingPorts take part
+/// in steps.
 [[nodiscard]] KLivenessProof prove_by_finite_moves(const Formula& formula, const System& system, const rt::Image& image,
                                                    const RunCircuit& circuit, const KLivenessOptions& options);
 
