@@ -12,7 +12,7 @@ certificates: it must accept them for exactly those kinds of fairness, and the n
 without one of its states. Prints the text of
 a system with another answer. BIPC names the program, JOBS the number of processes. Python's library only. To see it go red: let
 `covers` in compiler/verify/liveness/automaton.cpp ignore `postponed`, or count no unit in `is_accepting` of components.cpp, or
-let `is_each_step_finite` of finite_moves.cpp and `has_no_deadlock` return true, or
+let `is_each_step_finite` of finite_moves.cpp and `has_no_end` return true, or
 let `add_end` of round_monitor.cpp add no step, or `fair_part` in tools/certcheck/runs.cpp return nothing.
 """
 import collections

@@ -20,7 +20,7 @@ namespace {
 constexpr std::array<std::uint32_t, 4> kBounds = {1, 4, 16, 64};
 // Of the time that is left, for one search.
 constexpr double kShareOfPort = 1.0 / 8;
-// For what excludes deadlocks, and for the property of what is left.
+// For what excludes ends, and for the property of what is left.
 constexpr double kShareOfLemmas = 7.0 / 8, kShareOfRest = 1.0 / 2;
 
 using Instances = std::vector<std::uint32_t>;  // of ports, in ascending order
@@ -90,8 +90,8 @@ class FiniteMoves {
       return none;
     }
     KLivenessProof proof;
-    // A run of which each step has a finite port ends, and what excludes deadlocks excludes it.
-    if (is_each_step_finite() && has_no_deadlock()) {
+    // A run of which each step has a finite port ends, and what excludes ends excludes it.
+    if (is_each_step_finite() && has_no_end()) {
       proof.outcome = Outcome::Holds;
       proof.atoms = static_cast<std::uint32_t>(circuit_.machine.marks.size());
       proof.may_have_errors = may_have_errors(circuit_, options_.cancellation);
@@ -182,10 +182,11 @@ class FiniteMoves {
     return true;
   }
   // By lemmas about two components each.
-  [[nodiscard]] bool has_no_deadlock() const {
+  [[nodiscard]] bool has_no_end() const {
     Ic3Problem problem;
     problem.system = &circuit_.machine;
-    problem.bad = circuit_.machine.stuck;
+    // In final places, too: the last state repeats.
+    problem.bad = circuit_.machine.ended;
     problem.invariants = circuit_.clauses;
     problem.cancellation = options_.cancellation.within(options_.cancellation.seconds_left() * kShareOfLemmas);
     return houdini(problem, find_pair_lemmas(problem, system_)).is_enough;

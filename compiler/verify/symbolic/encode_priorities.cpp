@@ -107,7 +107,8 @@ TransitionSystem TransitionSystemBuilder::build() {
   }
   transition_system_.state_fault = state_fault_;
   const Signal is_end = final_state();
-  transition_system_.stuck = aig_.make_and(aig_.make_and(negated(some), negated(state_fault_)), negated(is_end));
+  transition_system_.ended = aig_.make_and(negated(some), negated(state_fault_));
+  transition_system_.stuck = aig_.make_and(transition_system_.ended, negated(is_end));
   transition_system_.error = aig_.make_or_of({state_fault_, fault, guard_fault_});
   finish_state();
   transition_system_.imprecisions = code_.imprecisions();

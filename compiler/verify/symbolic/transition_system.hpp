@@ -44,7 +44,8 @@ struct TransitionSystem {
   std::vector<Signal> in_range;  // invariants: a variable is in its range; no internal transition can be taken
   Signal next_in_range = kTrue;  // it holds after every step, if the ranges are right
   Signal state_fault = kFalse;   // the run has ended with a fault in this state
-  Signal stuck = kFalse;         // no candidate, in a state without fault
+  Signal ended = kFalse;         // no candidate, in a state without fault
+  Signal stuck = kFalse;         // the same, and not each atom is final
   Signal error = kFalse;         // a fault in the state or in the chosen step
   Signal lost = kFalse;          // more internal transitions in a row than are followed
   std::vector<Word> words;       // by variable among the atoms': its value now; empty: not followed

@@ -209,6 +209,35 @@ TEST_CASE("finite moves: who waits is served, because the others come to rest") 
   }
 }
 
+TEST_CASE("finite moves: a run that ends in final places ends") {
+  const HandMadeNet made(R"(package p
+  port type Signal()
+  connector type One(Signal a)
+    define a
+  end
+  atom type Client()
+    export port Signal ask(), read()
+    place IDLE, ASKED, ANSWERED
+    initial to IDLE
+    on ask from IDLE to ASKED
+    on read from ASKED to ANSWERED provided (false)
+    final ASKED, ANSWERED
+  end
+  compound type Root()
+    component Client client()
+    connector One ask(client.ask), read(client.read)
+  end
+end
+)");
+  const System& system = *made.compiled.system;
+  Result<ParsedProperty> parsed = PropertyReader(system).read("client@ASKED leads to client@ANSWERED");
+  REQUIRE(parsed);
+  const RunCircuit circuit = circuit_of(made, {});
+  CHECK(circuit.machine.ended != circuit.machine.stuck);
+  CHECK(prove_by_finite_moves(parsed->formula, system, made.compiled.lowered->image, circuit, {}).outcome ==
+        Outcome::Unknown);
+}
+
 TEST_CASE("k-liveness: no time, no answer") {
   const HandMadeNet key(kKey);
   Result<ParsedProperty> parsed = PropertyReader(*key.compiled.system).read("p@INSIDE leads to p@OUTSIDE");
