@@ -17,6 +17,7 @@
 #include "compiler/genom/plan.hpp"
 #include "compiler/genom/remote_services.hpp"
 #include "compiler/genom/standard_services.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::genom {
 namespace {
@@ -227,6 +228,8 @@ class Glue {
     };
     for (std::size_t s = 0; s < plan.module->services.size(); ++s) {
       const Service& service = plan.module->services[s];
+      BIP_ASSERT(find_row(c.services, service.name.text) != nullptr, "service `{}` has no parameters in the IDL",
+                 service.name.text);
       const idl::Service& parameters = *find_row(c.services, service.name.text);
       std::vector<std::size_t> owners;
       for (const std::size_t activity : plan.services[s].activities) owners.push_back(plan.owner_of_activity(activity));
@@ -237,6 +240,7 @@ class Glue {
     }
     for (std::size_t t = 0; t < plan.module->tasks.size(); ++t) {
       const Task& task = plan.module->tasks[t];
+      BIP_ASSERT(find_row(c.tasks, task.name.text) != nullptr, "task `{}` is not in the IDL", task.name.text);
       write_owner("task_" + task.name.text, find_row(c.tasks, task.name.text)->locals, {plan.owner_of_task(t)},
                   task.activity, {});
     }
@@ -376,6 +380,8 @@ class Glue {
                          std::size_t owner, const std::string& behaviour, const std::string& outputs,
                          const std::string& before) {
       if (!codel.is_set()) return;
+      BIP_ASSERT(find_row(owner_row.codels, codel.text) != nullptr, "codel `{}` has no arguments in the IDL",
+                 codel.text);
       const idl::Codel& called = *find_row(owner_row.codels, codel.text);
       std::string call = codel.text + "(";
       for (const idl::Argument& a : called.arguments) call += names.argument(a, locals)->value_of(owner) + ", ";
@@ -385,6 +391,8 @@ class Glue {
     };
     for (std::size_t s = 0; s < m.services.size(); ++s) {
       const Service& service = m.services[s];
+      BIP_ASSERT(find_row(c.services, service.name.text) != nullptr, "service `{}` has no codels in the IDL",
+                 service.name.text);
       const idl::Service& row = *find_row(c.services, service.name.text);
       const std::vector<idl::Member> locals = names.locals_of(row);
       const std::string id = c.name + "_" + service.name.text, behaviour = "kBehaviour_" + id;
@@ -402,6 +410,8 @@ class Glue {
       }
     }
     for (std::size_t t = 0; t < m.tasks.size(); ++t) {
+      BIP_ASSERT(find_row(c.tasks, m.tasks[t].name.text) != nullptr, "task `{}` has no codels in the IDL",
+                 m.tasks[t].name.text);
       const idl::Task& row = *find_row(c.tasks, m.tasks[t].name.text);
       for (const State& state : m.tasks[t].activity.states)
         add(steps, row, row.locals, state.codel.name, plan.owner_of_task(t),

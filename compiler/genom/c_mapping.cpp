@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "runtime/include/bip/assert.hpp"
+
 namespace bip::genom {
 namespace {
 
@@ -12,6 +14,9 @@ using idl::Kind;
 
 // "double name[3]".
 std::string declared(const Component& c, std::size_t type, const std::string& name) {
+  BIP_ASSERT(type < c.types.size(), "`{}` is of type {} of {}", name, type, c.types.size());
+  BIP_ASSERT(c.types[type].kind != Kind::Array || c.types[type].bound > 0, "array `{}` has {} elements", name,
+             c.types[type].bound);
   const idl::Type& t = c.types[type];
   switch (t.kind) {
     case Kind::Array: return declared(c, t.element, fmt::format("{}[{}]", name, t.bound));

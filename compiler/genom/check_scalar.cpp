@@ -77,6 +77,7 @@ std::string type_text(const Type& plain) {
 }
 
 void check_scalar(const Type& plain, const Value& value, std::string_view what, SourceRange range, Diagnostics& diags) {
+  BIP_ASSERT(plain.kind != Kind::Alias, "type `{}` stands for another one", plain.c_name);
   if (value.kind == ValueKind::None || value.kind == ValueKind::Error) return;
   if (!is_value_of(plain, value.kind)) {
     diags.report(Diag::kB6032, range, what, name_of(value.kind), type_text(plain));
@@ -99,6 +100,7 @@ void check_scalar(const Type& plain, const Value& value, std::string_view what, 
 }
 
 Value as_type(const Type& plain, Value value) {
+  BIP_ASSERT(plain.kind != Kind::Alias, "type `{}` stands for another one", plain.c_name);
   const PrimitiveType* const row = plain.kind == Kind::Primitive ? find_primitive_type(plain.c_name) : nullptr;
   if (row != nullptr && row->kind == PrimitiveKind::Real && value.kind == ValueKind::Integer) {
     value.kind = ValueKind::Real;

@@ -5,6 +5,7 @@
 
 #include "compiler/genom/c_mapping.hpp"
 #include "compiler/genom/cxx_mapping.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::genom {
 
@@ -12,6 +13,7 @@ using idl::Direction;
 using idl::Kind;
 
 std::string CodelArgument::value_of(std::size_t owner) const {
+  BIP_ASSERT(value.find('@') == value.rfind('@'), "`{}` names its owner twice", value);
   std::string text = value;
   if (const std::size_t at = text.find('@'); at != std::string::npos) text.replace(at, 1, std::to_string(owner));
   return text;

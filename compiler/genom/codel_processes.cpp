@@ -9,12 +9,15 @@
 #include "compiler/genom/names.hpp"
 #include "compiler/genom/plan.hpp"
 #include "compiler/genom/standard_services.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::genom {
 namespace {
 
 // ms that a call may take: after its budget the codel has been given up.
 std::int64_t limit_of(const CodelFunction& f, const GenerateOptions& options) {
+  BIP_ASSERT(f.budget_us >= 0 && options.processes.kill_after_us >= 0, "codel `{}` has {} us, and then {} us", f.name,
+             f.budget_us, options.processes.kill_after_us);
   if (options.processes.kill_after_us == 0 || f.is_unlimited) return 0;
   return std::max<std::int64_t>(1, (options.processes.kill_after_us + f.budget_us + 999) / 1000);
 }
@@ -88,6 +91,8 @@ class ProcessWriter {
 
   void codel(const CodelFunction& f) {
     const std::string function = codel_function(f.name), take = "call.answer = ";
+    BIP_ASSERT(row_count_ < functions_.size() && functions_[row_count_].name == f.name,
+               "codel `{}` is not function {} of the table", f.name, row_count_);
     const std::string input = "bip::genom3::asked_inputs()[kCodelOwners[{}].service]";
     if (f.has_report) {
       const std::size_t k = row(
@@ -169,6 +174,8 @@ class ProcessWriter {
   void module(std::size_t m, std::string& modules, std::string& owners, std::string& starts) const {
     const Plan& plan = plans_[m];
     const auto flag = [](bool is_set) { return is_set ? "true" : "false"; };
+    BIP_ASSERT(plan.first_owner == static_cast<std::size_t>(std::count(owners.begin(), owners.end(), '\n')),
+               "the owners of `{}` begin with {}, not in this row", plan.component, plan.first_owner);
     modules +=
         fmt::format("    {{\"{}\", {}}},\n", plan.module->name.text,
                     flag(std::any_of(plan.module->services.begin(), plan.module->services.end(), has_init_codel)));
@@ -181,6 +188,7 @@ class ProcessWriter {
       const std::string name = bip_name(own.states[own.start].codel.name.text);
       const auto found = std::find_if(functions_.begin(), functions_.end(),
                                       [&](const CodelFunction& f) { return f.has_report && f.name == name; });
+      BIP_ASSERT(found != functions_.end(), "codel `{}`, with which a task starts, is in no table", name);
       starts += fmt::format("    {{{}, {}}},\n", found - functions_.begin(), plan.owner_of_task(t));
     }
   }

@@ -10,11 +10,14 @@
 #include "compiler/genom/generate_package.hpp"
 #include "compiler/genom/names.hpp"
 #include "compiler/genom/plan.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::genom {
 namespace {
 
 std::string text_of(const Activity& activity, const Yield& y, bool is_3) {
+  BIP_ASSERT((y.next != Next::State && y.next != Next::Pause) || y.state < activity.states.size(),
+             "state {} of {} is yielded", y.state, activity.states.size());
   switch (y.next) {
     case Next::State: return activity.states[y.state].name.text;
     case Next::Pause: return "pause::" + activity.states[y.state].name.text;
@@ -83,6 +86,8 @@ std::string guarded_text(const CodelFunction& f) {
 std::string owners_text(const std::vector<Plan>& plans) {
   std::string rows;
   for (const Plan& p : plans) {
+    BIP_ASSERT(p.first_owner == static_cast<std::size_t>(std::count(rows.begin(), rows.end(), '\n')),
+               "the owners of `{}` begin with {}, not in this row", p.component, p.first_owner);
     for (std::size_t k = 0; k < p.activities.size(); ++k)
       rows += fmt::format("    {{\"{}.{}\", \"{}.{}\"}},\n", p.component, p.activities[k].component,
                           p.module->name.text, p.service_of(k).name.text);
@@ -137,9 +142,13 @@ std::vector<CodelFunction> functions_of(const std::vector<Module>& modules) {
 }
 
 std::string value_function(const Module& module, const ValueRow& value) {
+  BIP_ASSERT(value.poster.poster < module.posters.size(), "value `{}` is of poster {} of {}", value.name,
+             value.poster.poster, module.posters.size());
   return bip_name(fmt::format("{}_{}_{}", module.name.text, module.posters[value.poster.poster].name.text, value.name));
 }
 std::string value_function(const std::vector<Module>& modules, const ValueRow& value) {
+  BIP_ASSERT(value.poster.module < modules.size(), "value `{}` is of module {} of {}", value.name, value.poster.module,
+             modules.size());
   return value_function(modules[value.poster.module], value);
 }
 std::string called_value_function(const Module& module, const ValueRow& value, bool has_processes) {

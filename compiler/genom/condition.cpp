@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "compiler/genom/operators.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::genom {
 namespace {
@@ -18,6 +19,7 @@ class Evaluator {
 
   std::optional<std::int64_t> run() {
     const std::int64_t value = climb_operators(*this);
+    BIP_ASSERT(depth_ == 0, "{} operands are open at word {}", depth_, at_);
     if (failed_ || at_ != tokens_.size()) return std::nullopt;
     return value;
   }

@@ -65,6 +65,9 @@ std::string json_of(const Value& value) {
 }
 
 std::string c_expression(const Value& value) {
+  BIP_ASSERT(value.kind != ValueKind::Integer || (value.integer >= std::numeric_limits<std::int64_t>::min() &&
+                                                  value.integer <= std::numeric_limits<std::uint64_t>::max()),
+             "the constant at byte {} needs more than 64 bits", value.range.begin);
   if (value.kind == ValueKind::Enumerator) return value.c_name;
   if (value.kind != ValueKind::Integer) return json_of(value);
   // C has no literal of the smallest number, and the largest ones are unsigned.

@@ -8,6 +8,7 @@
 #include <cctype>
 
 #include "compiler/genom/remote_services.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::genom {
 namespace {
@@ -98,6 +99,7 @@ std::string expression_in_cxx(const Component& c, const std::string& text) {
 
 // What a union holds while its discriminant is `label`; the default member has none of its own.
 std::string union_definition(const Component& c, const idl::Type& t, const std::string& name) {
+  BIP_ASSERT(t.kind == Kind::Union && !t.full_name.empty(), "`{}` is of kind {}, no union", name, t.kind);
   const std::string tag = cxx_type(c, t.element);
   std::string kinds, cases, accessors;
   bool has_default = false;
@@ -167,6 +169,7 @@ std::string cxx_constant(const Component& c, const idl::Constant& k) {
 }
 
 std::string cxx_exception_text(const Component& c, const idl::Exception& e) {
+  BIP_ASSERT(e.full_name.starts_with("::"), "exception `{}` is in no namespace", e.full_name);
   const std::string full = e.full_name.substr(2), name = last_of(full);
   std::string text = aliases_of(c, full, "");
   if (e.members.empty()) {
@@ -213,6 +216,7 @@ std::string cxx_port(const Component& c, const idl::Port& p) {
 }  // namespace
 
 std::string cxx_type(const Component& c, std::size_t type) {
+  BIP_ASSERT(type < c.types.size(), "type {} of {}", type, c.types.size());
   const idl::Type& t = c.types[type];
   switch (t.kind) {
     case Kind::Primitive: return t.c_name;

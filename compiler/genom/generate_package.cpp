@@ -13,6 +13,7 @@
 #include "compiler/genom/mailbox.hpp"
 #include "compiler/genom/names.hpp"
 #include "compiler/genom/plan.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::genom {
 
@@ -100,6 +101,7 @@ void write_types(std::string& out, const Plan& plan, std::int64_t tick_us) {
 
 std::string generate(const std::vector<Module>& modules, const GenerateOptions& given) {
   const std::int64_t tick_us = given.tick_us > 0 ? given.tick_us : tick_of(modules);
+  BIP_ASSERT(tick_us > 0, "ticks of {} us", tick_us);
   GenerateOptions options = given;
   for (const Constraint& c : options.constraints.rows)
     options.oldest = std::max(options.oldest, oldest_for(c.condition, options, tick_us));
@@ -121,6 +123,7 @@ std::string generate(const std::vector<Module>& modules, const GenerateOptions& 
   }
   const std::vector<std::vector<RequestSpec>> requests = write_level(out, plans, options, tick_us);
   if (options.executive != Executive::Anybody) {
+    BIP_ASSERT(requests.size() == plans.size(), "requests of {} modules of {}", requests.size(), plans.size());
     std::vector<RequestSpec> all;
     std::string mailboxes;
     for (std::size_t m = 0; m < plans.size(); ++m) {

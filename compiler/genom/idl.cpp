@@ -13,6 +13,7 @@
 #include "compiler/genom/cursor.hpp"
 #include "compiler/genom/declarations.hpp"
 #include "compiler/genom/names.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::genom::idl {
 namespace {
@@ -63,6 +64,8 @@ class IdlParser {
 
   std::optional<Component> run() {
     while (!in_.at_end() && ok_) declaration();
+    BIP_ASSERT(scope_.empty() && namespaces_ == 0 && depth_ == 0, "{} scopes, {} namespaces, {} types are open",
+               scope_.size(), namespaces_, depth_);
     if (!ok_ || has_unknown_ || !component_) return std::nullopt;
     Unit unit = std::move(*component_);
     inherit_all(unit);
@@ -75,6 +78,7 @@ class IdlParser {
 
  private:
   void inherit_all(Unit& unit) const {
+    BIP_ASSERT(unit.part.types.empty(), "{} types are of one unit alone", unit.part.types.size());
     std::set<std::string> done;
     for (std::size_t i = 0; i < unit.inherited.size(); ++i) {
       const auto found = units_.find(unit.inherited[i]);
@@ -115,6 +119,11 @@ class IdlParser {
   }
 
   std::size_t add(Type type) {
+    BIP_ASSERT(type.element == 0 || type.element < types_.size(), "type {} is of type {}, which comes later",
+               types_.size(), type.element);
+    BIP_ASSERT(std::all_of(type.members.begin(), type.members.end(),
+                           [&](const Member& m) { return m.type == 0 || m.type < types_.size(); }),
+               "type {} has a member of a type that comes later", types_.size());
     types_.push_back(std::move(type));
     return types_.size() - 1;
   }
@@ -138,6 +147,7 @@ class IdlParser {
   // With its names.
   std::size_t add_named(Type t, const std::string& name) {
     const std::string full_name = scoped(name);
+    BIP_ASSERT(namespaces_ <= scope_.size(), "{} of {} scopes are modules or components", namespaces_, scope_.size());
     t.full_name = full_name;
     t.c_name = in_c(full_name);
     t.namespaces = namespaces_;
@@ -558,6 +568,7 @@ class IdlParser {
   }
   // Of an attribute, if its member of the IDS stands before it.
   [[nodiscard]] std::optional<std::size_t> type_at(const std::vector<std::string>& path_) const {
+    BIP_ASSERT(!path_.empty(), "an attribute without a path");
     std::optional<std::size_t> its = member_of(unit_.part.ids, path_.front());
     for (std::size_t k = 1; its && k < path_.size(); ++k) {
       const Type& t = plain(*its);

@@ -15,6 +15,7 @@
 #include "compiler/diag/diagnostics.hpp"
 #include "compiler/genom/constant_value.hpp"
 #include "compiler/genom/tokens.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::genom::idl {
 
@@ -105,6 +106,7 @@ struct Component {
 
   /// Without aliases.
   [[nodiscard]] const Type& plain(std::size_t type) const {
+    BIP_ASSERT(type < types.size(), "type {} of {}", type, types.size());
     while (types[type].kind == Kind::Alias) type = types[type].element;
     return types[type];
   }

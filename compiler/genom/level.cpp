@@ -13,6 +13,7 @@
 #include "compiler/genom/codels.hpp"
 #include "compiler/genom/level_condition.hpp"
 #include "compiler/genom/wires.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::genom {
 namespace {
@@ -32,6 +33,8 @@ class LevelWriter {
   std::vector<std::vector<RequestSpec>> run() {
     out_ += "\n  // All modules, the token for triggers, and the clock.\n  compound type FunctionalLevel()\n";
     for (const Plan& p : plans_) {
+      BIP_ASSERT(p.posters.size() == p.module->posters.size(), "{} posters of `{}` have {} names",
+                 p.module->posters.size(), p.component, p.posters.size());
       out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component {} {}()\n", p.type, p.component);
       names_.claim(p.component, "");
       for (std::size_t i = 0; i < p.posters.size(); ++i)
@@ -72,6 +75,8 @@ class LevelWriter {
   }
   [[nodiscard]] const Plan& plan(ServiceRef s) const { return plans_[s.module]; }
   [[nodiscard]] std::string name_of(ServiceRef s) const {
+    BIP_ASSERT(s.module < plans_.size() && s.service < plan(s).services.size(), "service {} of module {}", s.service,
+               s.module);
     return plan(s).component + "_" + plan(s).services[s.service].id;
   }
   [[nodiscard]] std::vector<std::string> of_activities(ServiceRef s, const char* port) const {
@@ -114,6 +119,7 @@ class LevelWriter {
       return name;
     };
     for (const ParameterRow& p : constraints_.parameters) {
+      BIP_ASSERT(!p.values.empty(), "parameter `{}` has no values", p.name);
       parts_.parameters.push_back(
           component(name_of(p.service) + "_" + bip_name(p.name),
                     p.type == ValueType::Text ? "TextParameter"
@@ -184,6 +190,8 @@ class LevelWriter {
     for (std::size_t i = 0; i < p.tasks.size(); ++i) {
       const Task& t = p.module->tasks[i];
       if (!t.has_permanent() && t.reads.empty()) continue;
+      BIP_ASSERT(t.freshness.size() == t.reads.size(), "{} posters are read, {} have an age", t.reads.size(),
+                 t.freshness.size());
       std::vector<std::string> ports{prefix + "begin_" + p.tasks[i].component};
       std::string guard;
       for (const Name& read : t.reads) {
@@ -246,6 +254,7 @@ class LevelWriter {
         !plan(s).services[s.service].activity.ends)
       return;
     for (const std::string& fin : of_activities(s, "fin")) {
+      BIP_ASSERT(fin.find(".fin_") != std::string::npos, "`{}` is no port `fin`", fin);
       std::vector<std::string> ports{fin};
       for (std::size_t i = 0; i < constraints_.successes.size(); ++i) {
         if (constraints_.successes[i].service == s) ports.push_back(parts_.successes[i] + ".ended");
@@ -315,6 +324,8 @@ class LevelWriter {
 
   // Parameter `row` is value `k` of the request.
   void brings(Wire& w, ServiceRef s, std::size_t row, std::size_t k) {
+    BIP_ASSERT(row < parts_.parameters.size() && constraints_.parameters[row].service == s,
+               "parameter {} is brought by service {}, which does not have it", row, s.service);
     w.ports.push_back(parts_.parameters[row] + ".set");
     w.action +=
         fmt::format("{}{}.set.asked <- {}({}.ask.due, {})", w.action.empty() ? "" : "; ", parts_.parameters[row],
@@ -344,6 +355,7 @@ class LevelWriter {
   void asks(Wire& w, std::size_t module, std::size_t request) {
     if (executives_.empty()) return;
     const std::string& executive = executives_[module];
+    BIP_ASSERT(request < requests_[module].size(), "request {} of {}", request, requests_[module].size());
     w.ports.push_back(executive + ".ask");
     w.guard = fmt::format("{}.ask.due_service == \"{}\"", executive, requests_[module][request].text);
     if (is_served())
@@ -372,6 +384,8 @@ class LevelWriter {
   }
 
   void reject(std::size_t row) {
+    BIP_ASSERT(constraints_.rows[row].kind == ConstraintKind::Admit, "rule {} rejects, and is of kind {}", row,
+               constraints_.rows[row].kind);
     const Constraint& c = constraints_.rows[row];
     out_ += fmt::format("\n    // {}", c.text);
     const std::string rejected =
@@ -388,6 +402,7 @@ class LevelWriter {
   }
 
   static Condition negated(const Condition& of) {
+    BIP_ASSERT(of.kind != ConditionKind::Not || of.operands.size() == 1, "`not` has {} operands", of.operands.size());
     if (of.kind == ConditionKind::Not) return of.operands[0];
     Condition c;
     c.kind = ConditionKind::Not;
@@ -398,6 +413,7 @@ class LevelWriter {
   // A connector each that carries the report, and joins the interruption if there is something to stop.
   void tell(const Constraint& c, std::vector<std::string>& told) {
     for (const std::string& halt : of_activities(c.other, "halt")) {
+      BIP_ASSERT(halt.find(".halt_") != std::string::npos, "`{}` is no port `halt`", halt);
       std::string wanted = fmt::format("{}_tells_{}", name_of(c.subject), halt);
       wanted.replace(wanted.find(".halt_"), 6, "_");
       if (std::find(told.begin(), told.end(), wanted + ".out") != told.end()) continue;
@@ -411,6 +427,8 @@ class LevelWriter {
   }
 
   void stop(std::size_t row) {
+    BIP_ASSERT(constraints_.rows[row].kind == ConstraintKind::Keep, "rule {} stops, and is of kind {}", row,
+               constraints_.rows[row].kind);
     const Constraint& c = constraints_.rows[row];
     for (const std::string& halt : of_activities(c.subject, "halt")) {
       out_ += fmt::format("\n    // {}", c.text);
@@ -465,6 +483,8 @@ class LevelWriter {
       if (c.kind != ConstraintKind::When) continue;
       out_ += fmt::format("\n    // {}", c.text);
       const std::string rise = parts_.edges[row] + ".rise";
+      BIP_ASSERT(!parts_.edges[row].empty() && !parts_.recoveries[row].empty(), "rule {} has no edge or no recovery",
+                 row);
       std::vector<std::string> ports{rise, parts_.recoveries[row] + ".call"};
       std::string guard = conditions_.text(c.condition, ports);
       const std::string name = wire({.name = "when_" + c.name,

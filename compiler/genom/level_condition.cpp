@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "compiler/genom/names.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::genom {
 
@@ -22,10 +23,13 @@ std::vector<std::string> ConditionWriter::stats(ServiceRef s) const {
 }
 
 std::int64_t ConditionWriter::ticks(Span span) const {
+  BIP_ASSERT(tick_us_ > 0 && span.value >= 0, "{} in ticks of {} us", span.value, tick_us_);
   return std::max<std::int64_t>(1, span.is_ticks ? span.value : (span.value + tick_us_ - 1) / tick_us_);
 }
 
 std::int64_t steps_of_age(Span span, const GenerateOptions& options, std::int64_t tick_us) {
+  BIP_ASSERT(tick_us > 0 && options.poster_period > 0, "ticks of {} us, posters grow older in every {}", tick_us,
+             options.poster_period);
   return (span.is_ticks ? span.value : span.value / tick_us) / options.poster_period;
 }
 
@@ -33,6 +37,8 @@ std::string ten_thousandths(const std::string& fraction) {
   const bool is_negative = fraction.starts_with('-');
   const std::string_view size = std::string_view(fraction).substr(is_negative ? 1 : 0);
   const std::size_t dot = std::min(size.find('.'), size.size());
+  BIP_ASSERT(dot <= 14 && size.find_first_not_of("0123456789.") == std::string_view::npos,
+             "`{}` does not fit 64 bits in ten-thousandths", fraction);
   std::int64_t value = 0;
   for (std::size_t i = 0, digits = 0; digits < dot + 4; ++i) {
     if (i == dot) continue;
@@ -94,6 +100,7 @@ std::string ConditionWriter::write(const Condition& c, std::vector<std::string>*
     case ConditionKind::Total: {
       std::string sum;
       for (const std::size_t row : c.rows) {
+        BIP_ASSERT(row < parts_.parameters.size(), "parameter {} of {}", row, parts_.parameters.size());
         const std::string value = read(parts_.parameters[row], "value", ports);
         sum += fmt::format("{}{} * {}", sum.empty() ? "" : " + ",
                            any_of(options_.constraints.parameters[row].service, "running", "+", ports), value);
@@ -103,15 +110,20 @@ std::string ConditionWriter::write(const Condition& c, std::vector<std::string>*
     case ConditionKind::Fresh: return fmt::format("{} <= {}", poster_age(), steps_of_age(c.span, options_, tick_us_));
     case ConditionKind::Age: return poster_age();
     case ConditionKind::Below:
+      BIP_ASSERT(c.row < parts_.stopwatches.size(), "stopwatch {} of {}", c.row, parts_.stopwatches.size());
       return fmt::format("{} < {}", read(parts_.stopwatches[c.row], "t", ports),
                          ticks(options_.constraints.stopwatches[c.row].limit));
     case ConditionKind::Recent: return read(parts_.successes[c.row], "counts", ports);
     case ConditionKind::Held:
+      BIP_ASSERT(c.row < options_.constraints.values.size(), "value {} of {}", c.row,
+                 options_.constraints.values.size());
       return of_poster(options_.constraints.values[c.row].poster, bip_name(options_.constraints.values[c.row].name));
     case ConditionKind::Ordered: return read(parts_.pairs[c.row], "ordered", ports);
     case ConditionKind::Silent: return read(parts_.silences[c.row], "silent", ports);
     case ConditionKind::Failed: return read(parts_.failures[c.row], "failed", ports);
     case ConditionKind::Missed: {
+      BIP_ASSERT(c.row < options_.constraints.watched_tasks.size(), "watched task {} of {}", c.row,
+                 options_.constraints.watched_tasks.size());
       const TaskRef task = options_.constraints.watched_tasks[c.row];
       const Plan& p = plans_[task.module];
       if (ports == nullptr) return fmt::format("{}.{}.timer.missed", p.component, p.tasks[task.task].component);
@@ -120,6 +132,7 @@ std::string ConditionWriter::write(const Condition& c, std::vector<std::string>*
       return port + ".missed";
     }
     case ConditionKind::Not: {
+      BIP_ASSERT(c.operands.size() == 1, "`not` has {} operands", c.operands.size());
       const Condition& of = c.operands[0];
       const bool is_bare = of.kind == ConditionKind::Ordered || of.kind == ConditionKind::Recent ||
                            of.kind == ConditionKind::Active || of.kind == ConditionKind::Done ||
@@ -129,6 +142,7 @@ std::string ConditionWriter::write(const Condition& c, std::vector<std::string>*
     }
     case ConditionKind::Operator: break;
   }
+  BIP_ASSERT(c.operands.size() == 2, "`{}` has {} operands", c.text, c.operands.size());
   std::string sides[2];
   for (std::size_t i = 0; i < 2; ++i) {
     const Condition& of = c.operands[i];

@@ -13,6 +13,7 @@
 #include <algorithm>
 
 #include "compiler/genom/codels.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::genom {
 namespace {
@@ -30,7 +31,10 @@ constexpr const char* kAgrees = "request_agrees(due, due_input, services)";
 // As read_services() (bip/service_requests.hpp) reads it.
 std::string words_of(const RequestParameter& p) {
   std::string out;
-  for (const std::string& word : p.words) out += (out.empty() ? "=" : "|") + word.substr(1, word.size() - 2);
+  for (const std::string& word : p.words) {
+    BIP_ASSERT(word.size() >= 2 && word.front() == '"' && word.back() == '"', "{} is no string", word);
+    out += (out.empty() ? "=" : "|") + word.substr(1, word.size() - 2);
+  }
   std::replace(out.begin(), out.end(), ' ', '~');
   return out;
 }
@@ -50,6 +54,7 @@ std::string directory(const std::vector<RequestSpec>& requests) {
 }
 
 std::string condition_of(const std::vector<std::string>& services) {
+  BIP_ASSERT(!services.empty(), "a condition on no service");
   std::string out;
   for (const std::string& s : services) out += fmt::format("{}wanted_service == \"{}\"", out.empty() ? "" : " || ", s);
   return out;

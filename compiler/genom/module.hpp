@@ -46,6 +46,9 @@ struct Codel {
   std::int64_t budget_us = 0;  // its longest time, after which an async one is given up; 0: none is known
 };
 
+/// States of an activity whose codels C++ runs: a codel answers 1 + k for the k-th state, 101 + k for it after a pause.
+inline constexpr std::size_t kMaxCalledStates = 100;
+
 /// One state of an activity. Without a codel it passes on as its default says; that costs its turn all the same.
 struct State {
   Name name;

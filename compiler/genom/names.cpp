@@ -6,6 +6,8 @@
 #include <cctype>
 #include <set>
 
+#include "runtime/include/bip/assert.hpp"
+
 namespace bip::genom {
 
 std::string bip_name(std::string_view name) {
@@ -49,6 +51,8 @@ std::string upper(std::string_view name) {
 }
 
 std::string Scope::claim(const std::string& name, const std::string& kind) {
+  BIP_ASSERT(name.empty() || !kind.empty() || !taken_.contains(name),
+             "`{}` is taken, and there is no other name for it", name);
   std::string result = name;
   if (taken_.contains(result)) result = name + "_" + kind;
   for (int n = 2; taken_.contains(result); ++n) result = name + "_" + kind + std::to_string(n);

@@ -69,6 +69,8 @@ constexpr const char* kOwnTypes[] = {"Signal",
                                      "Edge"};
 
 bool yields(const Activity& activity, const ActivityPlan& a, std::size_t to, Next next) {
+  BIP_ASSERT(to < activity.states.size() && a.used.size() == activity.states.size(), "state {} of {}, {} are planned",
+             to, activity.states.size(), a.used.size());
   for (std::size_t i = 0; i < activity.states.size(); ++i) {
     const std::vector<Yield>& all = activity.states[i].yields;
     if (a.used[i] &&
@@ -85,6 +87,9 @@ enum class StoppedBy : std::uint8_t { Nobody, Requests, Kill };
 ActivityPlan plan_activity(const Activity& activity, StoppedBy stopped_by, const std::vector<std::string>& reports,
                            int generation) {
   const bool can_be_stopped = stopped_by == StoppedBy::Requests;
+  BIP_ASSERT(activity.start < activity.states.size() && activity.stop < activity.states.size(),
+             "an activity of {} states starts in {} and stops in {}", activity.states.size(), activity.start,
+             activity.stop);
   const bool has_reports = !reports.empty();
   ActivityPlan a;
   Scope scope;
@@ -179,6 +184,8 @@ class Planner {
     ServicePlan plan;
     plan.id = ids_.claim(bip_name(s.name.text), "service");
     const bool is_execution = s.kind == ServiceKind::Execution;
+    BIP_ASSERT(!is_execution || s.task_index < module_.tasks.size(), "service `{}` is of task {} of {}", s.name.text,
+               s.task_index, module_.tasks.size());
     plan.type = "ControlService";
     if (is_execution) {
       plan.type = types_.claim(plan_.type + type_name(s.name.text), "Service");
@@ -201,6 +208,8 @@ class Planner {
   // the activity's own atom waits for the codel. With locks by codel it can be interrupted, so a second atom waits
   // (has_turns).
   void find_threaded(const Activity& activity, ActivityPlan& a) const {
+    BIP_ASSERT(a.used.size() == activity.states.size() && a.async.size() == activity.states.size(),
+               "{} states, {} are planned", activity.states.size(), a.used.size());
     a.threaded.assign(activity.states.size(), false);
     for (std::size_t i = 0; i < activity.states.size(); ++i) {
       a.threaded[i] = plan_.has_task_threads && a.used[i] && !a.async[i] && activity.states[i].codel.name.is_set();
@@ -282,6 +291,8 @@ class Planner {
       if (!meets) continue;
       std::set<std::size_t> threads;
       for (const Use& use : uses) threads.insert(use.thread);
+      BIP_ASSERT(threads.size() >= 2 && *threads.rbegin() <= 2 * module_.tasks.size() + plan_.activities.size(),
+                 "the lock of `{}` is for {} threads, the last is {}", data, threads.size(), *threads.rbegin());
       locked.insert(data);
       plan_.locks.push_back({data, scope_.claim("lock_" + bip_name(data), "data"), {threads.begin(), threads.end()}});
     }
@@ -314,6 +325,11 @@ class Planner {
 Plan make_plan(const Module& module, std::size_t index, const GenerateOptions& options, Scope& types) {
   Plan p = Planner(module, options, types).run();
   for (const Constraint& c : options.constraints.rows) {
+    BIP_ASSERT(c.kind == ConstraintKind::When || c.subject.module != index || c.subject.service < p.services.size(),
+               "rule `{}` is about service {} of {}", c.name, c.subject.service, p.services.size());
+    BIP_ASSERT((c.kind != ConstraintKind::Interrupt && c.kind != ConstraintKind::Wait) || c.other.module != index ||
+                   c.other.service < p.services.size(),
+               "rule `{}` names service {} of {}", c.name, c.other.service, p.services.size());
     if (c.kind == ConstraintKind::Admit && c.subject.module == index) p.services[c.subject.service].is_decided = true;
     if (c.kind == ConstraintKind::Keep && c.subject.module == index) p.services[c.subject.service].is_stopped = true;
     if (c.kind == ConstraintKind::Interrupt && c.other.module == index) p.services[c.other.service].is_stopped = true;
@@ -322,10 +338,14 @@ Plan make_plan(const Module& module, std::size_t index, const GenerateOptions& o
     if (c.subject.module == index) p.is_launched_by_rules = true;
   }
   for (const SuccessRow& row : options.constraints.successes) {
+    BIP_ASSERT(row.service.module != index || row.service.service < p.services.size(), "success of service {} of {}",
+               row.service.service, p.services.size());
     if (row.service.module == index) p.services[row.service.service].is_heard = true;
   }
   for (const FailureRow& row : options.constraints.failures) {
     if (row.service.module != index) continue;
+    BIP_ASSERT(row.service.service < p.services.size(), "failure of service {} of {}", row.service.service,
+               p.services.size());
     ServicePlan& s = p.services[row.service.service];
     (row.kind == FailureKind::Failed ? s.fails_heard : s.losses_heard) = true;
     for (std::size_t i = 0; row.kind == FailureKind::Late && i < s.activity.timed.size(); ++i) {
@@ -334,6 +354,8 @@ Plan make_plan(const Module& module, std::size_t index, const GenerateOptions& o
     }
   }
   for (const TaskRef& task : options.constraints.watched_tasks) {
+    BIP_ASSERT(task.module != index || task.task < p.tasks.size(), "task {} of {} is watched", task.task,
+               p.tasks.size());
     if (task.module == index) p.tasks[task.task].is_watched = true;
   }
   for (const ValueRow& row : options.constraints.values) {
@@ -365,6 +387,7 @@ std::vector<Plan> make_plans(const std::vector<Module>& modules, const GenerateO
 }
 
 bool Plan::may_suspend(std::size_t task) const {
+  BIP_ASSERT(task < tasks.size() && tasks.size() == module->tasks.size(), "task {} of {}", task, tasks.size());
   const Task& t = module->tasks[task];
   if ((t.permanent.name.is_set() && t.permanent_fails) || tasks[task].permanent.has_bad) return true;
   return std::any_of(tasks[task].activities.begin(), tasks[task].activities.end(),
@@ -394,6 +417,8 @@ std::vector<DataUse> uses_of(const Module& module, const Codel& codel) {
 }
 
 int answer_code(const Yield& answer) {
+  BIP_ASSERT((answer.next != Next::State && answer.next != Next::Pause) || answer.state < kMaxCalledStates,
+             "state {} has no code of its own", answer.state);
   switch (answer.next) {
     case Next::Ether: return 0;
     case Next::State: return 1 + static_cast<int>(answer.state);

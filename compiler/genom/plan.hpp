@@ -9,6 +9,7 @@
 #include "compiler/genom/generate_package.hpp"
 #include "compiler/genom/module.hpp"
 #include "compiler/genom/names.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::genom {
 
@@ -111,6 +112,8 @@ struct Plan {
   std::string control_type, box_type, mailbox_type;
 
   [[nodiscard]] const Service& service_of(std::size_t activity) const {
+    BIP_ASSERT(activity < activities.size() && activities[activity].service < module->services.size(),
+               "activity {} of {} is of a service that there is not", activity, activities.size());
     return module->services[activities[activity].service];
   }
   /// Does the message box wait for what a request interrupts, so that a module's lock goes back meanwhile?

@@ -12,6 +12,7 @@
 #include "compiler/genom/codel_arguments.hpp"
 #include "compiler/genom/cxx_mapping.hpp"
 #include "compiler/genom/standard_services.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::genom {
 namespace {
@@ -57,6 +58,8 @@ std::string taken(const Component& c, const idl::Parameter& p) {
 }
 
 bool is_same_type(const Component& a, std::size_t in_a, const Component& b, std::size_t in_b) {
+  BIP_ASSERT(in_a < a.types.size() && in_b < b.types.size(), "type {} of `{}`, type {} of `{}`", in_a, a.name, in_b,
+             b.name);
   const idl::Type &x = a.types[in_a], &y = b.types[in_b];
   return x.kind == y.kind && x.c_name == y.c_name && x.bound == y.bound &&
          (x.kind != Kind::Array || is_same_type(a, x.element, b, y.element));

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "compiler/genom/names.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::genom {
 namespace {
@@ -51,7 +52,10 @@ class Resolver {
       if (p.task.is_set()) p.task_index = task(p.task);
     }
     for (SideLine& line : side_) apply(line);
-    if (flavour_ == Flavour::Execution) free_answers();
+    if (flavour_ == Flavour::Execution) {
+      free_answers();
+      check_answer_codes();
+    }
     for (Service& s : module_.services) {
       for (State& state : s.activity.states) states_of(s.activity, state);
       const std::size_t own = find(module_.services, s.name.text);
@@ -103,6 +107,8 @@ class Resolver {
       }
     }
     std::sort(s.interrupted.begin(), s.interrupted.end());
+    BIP_ASSERT(std::adjacent_find(s.interrupted.begin(), s.interrupted.end()) == s.interrupted.end(),
+               "`{}` interrupts a service twice", s.name.text);
     others(s, s.before, s.before_index, s.is_before_itself);
     others(s, s.after, s.after_index, s.is_after_itself);
   }
@@ -140,11 +146,24 @@ class Resolver {
     }
   }
 
+  // Codels of C++ answer with numbers: beyond so many states, two answers would have the same one.
+  void check_answer_codes() {
+    const auto check = [&](const Activity& activity, const char* kind, const Name& owner) {
+      if (activity.states.size() > kMaxCalledStates)
+        diags_.report(Diag::kB6010, owner.range, fmt::format("the number of states of {} `{}`", kind, owner.text),
+                      activity.states.size(), 1, kMaxCalledStates);
+    };
+    for (const Service& s : module_.services) check(s.activity, "service", s.name);
+    for (const Task& t : module_.tasks) check(t.activity, "task", t.name);
+  }
+
   // Names of states that GenoM 2 codels yield; those of GenoM 3 are known already.
   void states_of(const Activity& activity, State& state) {
     if (module_.generation != 2) return;
     for (Yield& y : state.yields) {
       if (y.next == Next::State) y.state = find(activity.states, y.name.text);
+      BIP_ASSERT(y.next != Next::State || y.state < activity.states.size() || diags_.has_errors(),
+                 "`{}` is no state of the activity", y.name.text);
     }
   }
 

@@ -9,6 +9,7 @@
 #include "compiler/genom/names.hpp"
 #include "compiler/genom/parse_genom.hpp"
 #include "compiler/genom/standard_services.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::genom {
 namespace {
@@ -93,7 +94,10 @@ std::optional<std::vector<Module>> read_modules(SourceMap& sources, const std::v
   return modules;
 }
 
-std::string package_of(const std::vector<Module>& modules) { return bip_name(modules.front().name.text); }
+std::string package_of(const std::vector<Module>& modules) {
+  BIP_ASSERT(!modules.empty(), "a package of no modules");
+  return bip_name(modules.front().name.text);
+}
 
 Translation write_package(const std::vector<Module>& modules, const GenerateOptions& options) {
   Translation result{generate(modules, options), {}, {}, {}};

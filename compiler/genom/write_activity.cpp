@@ -15,6 +15,7 @@
 
 #include "compiler/genom/names.hpp"
 #include "compiler/genom/plan.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::genom {
 namespace {
@@ -30,7 +31,12 @@ class ActivityWriter {
         service_(service),
         reports_(service == nullptr ? std::vector<std::string>() : activity_reports(plan, *service)),
         is_3_(plan.module->generation == 3),
-        places_(a.places) {}
+        places_(a.places) {
+    BIP_ASSERT(
+        places_.size() == activity.states.size() && activity.start < places_.size() && activity.stop < places_.size(),
+        "{} places of {} states, start {}, stop {}", places_.size(), activity.states.size(), activity.start,
+        activity.stop);
+  }
 
   void run(const std::string& comment, std::optional<std::size_t> owner) {
     owner_ = owner ? std::to_string(*owner) : "owner";

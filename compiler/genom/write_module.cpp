@@ -6,6 +6,7 @@
 
 #include "compiler/genom/module_writer.hpp"
 #include "compiler/genom/standard_services.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::genom {
 namespace {
@@ -34,6 +35,10 @@ bool has_checked(const Plan& p) {
 
 ModuleWriter::ModuleWriter(std::string& out, const Plan& plan)
     : out_(out), plan_(plan), module_(*plan.module), is_3_(plan.module->generation == 3) {
+  BIP_ASSERT(plan_.services.size() == module_.services.size() && plan_.tasks.size() == module_.tasks.size() &&
+                 plan_.poster_types.size() == module_.posters.size(),
+             "the plan of `{}` has {} services, {} tasks, {} posters", module_.name.text, plan_.services.size(),
+             plan_.tasks.size(), plan_.poster_types.size());
   for (const std::string& own : {plan_.control, plan_.ids, plan_.lock, plan_.poster_timer}) scope_.claim(own, "");
   for (const ServiceInstance& activity : plan_.activities) scope_.claim(activity.component, "");
   for (const TaskPlan& t : plan_.tasks) scope_.claim(t.component, "");
@@ -93,6 +98,8 @@ void ModuleWriter::add_locks(std::vector<std::string>& ports, const std::vector<
       }
     }
     const auto place = std::find(lock.threads.begin(), lock.threads.end(), thread) - lock.threads.begin();
+    BIP_ASSERT(!used || static_cast<std::size_t>(place) < lock.threads.size(),
+               "thread {} uses `{}`, and its lock is for {} others", thread, lock.data, lock.threads.size());
     if (used) ports.push_back(fmt::format("{}.{}_{}_{}", lock.component, written ? "write" : "read", what, place + 1));
   }
 }
@@ -160,6 +167,7 @@ std::string ModuleWriter::accepted(const Service& s, std::size_t activity) const
 
 // The k-th of so many reports; the last one stands for whatever else a codel returns.
 std::string ModuleWriter::answered(const std::string& answer, std::size_t k, std::size_t reports) const {
+  BIP_ASSERT(k < reports, "report {} of {}", k, reports);
   if (!plan_.calls) return {};
   if (k + 1 < reports) return fmt::format("{} == {}", answer, k + 1);
   std::string guard = answer + " != 0";
@@ -367,6 +375,8 @@ void ModuleWriter::interruptions(const Service& s, const ServicePlan& p) {
 }
 
 void ModuleWriter::finals(const Service& s, const ServicePlan& p) {
+  BIP_ASSERT(s.kind == ServiceKind::Control && p.activities.size() == 1, "`{}` has {} activities", s.name.text,
+             p.activities.size());
   const std::size_t activity = p.activities[0];
   std::vector<std::string> fin{control("final"), of_activity(activity, "fin")};
   add_locks(fin, bodies(s), 0, "give");

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "compiler/genom/module_writer.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::genom {
 
@@ -88,6 +89,7 @@ void ModuleWriter::task(std::size_t i) {
 void ModuleWriter::pass_over(std::size_t i) {
   const TaskPlan& p = plan_.tasks[i];
   const std::string pass = "pass_" + p.component;
+  BIP_ASSERT(!p.activities.empty(), "task `{}` passes over no activities", p.component);
   std::vector<std::string> ports{of_task(i, "pass")};
   for (const std::size_t activity : p.activities) ports.push_back(of_activity(activity, "free"));
   wire({.name = pass, .ports = ports});

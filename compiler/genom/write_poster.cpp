@@ -7,6 +7,7 @@
 #include "compiler/genom/level_condition.hpp"
 #include "compiler/genom/names.hpp"
 #include "compiler/genom/plan.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::genom {
 namespace {
@@ -16,12 +17,15 @@ const char* type_of(const ValueRow& value, bool calls) {
 }
 
 std::string text_of(const ValueRow& value, std::size_t k, bool calls) {
+  BIP_ASSERT(k < value.values.size(), "value {} of {} of `{}`", k, value.values.size(), value.name);
   return value.type == ValueType::Float && !calls ? ten_thousandths(value.values[k]) : value.values[k];
 }
 
 }  // namespace
 
 void write_poster(std::string& out, const Plan& plan, std::size_t poster) {
+  BIP_ASSERT(poster < plan.poster_types.size() && !plan.poster_types[poster].values.empty(),
+             "poster {} of {} holds no values", poster, plan.poster_types.size());
   const PosterPlan& p = plan.poster_types[poster];
   std::string variables, names, data;
   std::size_t choices = 1;

@@ -5,6 +5,7 @@
 #include "compiler/genom/names.hpp"
 #include "compiler/genom/plan.hpp"
 #include "compiler/genom/wires.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::genom {
 namespace {
@@ -13,6 +14,7 @@ void port(std::string& out, const std::string& name) { out += fmt::format("    e
 
 // Whose turn it can be: "permanent" (GenoM 3), then the activities.
 std::vector<std::string> turns_of(const Plan& plan, std::size_t task) {
+  BIP_ASSERT(task < plan.tasks.size(), "task {} of {}", task, plan.tasks.size());
   std::vector<std::string> turns;
   if (!plan.module->tasks[task].activity.states.empty()) turns.emplace_back("permanent");
   for (const std::size_t activity : plan.tasks[task].activities) turns.push_back(plan.activities[activity].component);
@@ -22,6 +24,8 @@ std::vector<std::string> turns_of(const Plan& plan, std::size_t task) {
 // Of the activity whose turn it is.
 const ActivityPlan& activity_of(const Plan& plan, std::size_t task, std::size_t turn) {
   const bool has_permanent = !plan.module->tasks[task].activity.states.empty();
+  BIP_ASSERT(turn < plan.tasks[task].activities.size() + (has_permanent ? 1 : 0), "turn {} of a task of {} activities",
+             turn, plan.tasks[task].activities.size());
   if (has_permanent && turn == 0) return plan.tasks[task].permanent;
   return plan.services[plan.activities[plan.tasks[task].activities[turn - (has_permanent ? 1 : 0)]].service].activity;
 }
@@ -127,6 +131,7 @@ void write_scheduler(std::string& out, const Plan& plan, std::size_t task) {
 }
 
 void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64_t tick_us) {
+  BIP_ASSERT(tick_us > 0 && task < plan.tasks.size(), "task {} with ticks of {} us", task, tick_us);
   const Task& t = plan.module->tasks[task];
   const TaskPlan& p = plan.tasks[task];
   const std::vector<std::string> turns = turns_of(plan, task);
@@ -238,6 +243,8 @@ void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64
 }
 
 void write_service(std::string& out, const Plan& plan, std::size_t service, std::int64_t tick_us) {
+  BIP_ASSERT(service < plan.services.size() && plan.module->services[service].kind == ServiceKind::Execution,
+             "service {} of {} is no execution service", service, plan.services.size());
   const Service& s = plan.module->services[service];
   const ServicePlan& p = plan.services[service];
   const ActivityPlan& a = p.activity;

@@ -14,6 +14,7 @@
 #include "compiler/genom/names.hpp"
 #include "compiler/genom/plan.hpp"
 #include "compiler/genom/wires.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::genom {
 namespace {
@@ -27,11 +28,14 @@ std::string budget_text(std::int64_t us) {
 
 // A tick more than it takes, for its turn falls between two.
 std::int64_t budget_ticks(std::int64_t us, std::int64_t tick_us) {
+  BIP_ASSERT(us >= 0 && tick_us > 0, "a budget of {} us in ticks of {} us", us, tick_us);
   return us == 0 ? -1 : (us + tick_us - 1) / tick_us + 1;
 }
 
 // Has it a codel that holds no lock while it is away?
 bool returns_plainly(const ActivityPlan& a) {
+  BIP_ASSERT(a.async.size() == a.places.size() && a.holds.size() == a.places.size(), "{} places, {} may be async",
+             a.places.size(), a.async.size());
   for (std::size_t i = 0; i < a.places.size(); ++i) {
     if (a.async[i] && !a.holds[i]) return true;
   }
@@ -117,6 +121,8 @@ void write_turns(std::string& out, const ActivityPlan& a, const std::string& com
 }
 
 void write_threaded_permanent(std::string& out, const Plan& plan, std::size_t task) {
+  BIP_ASSERT(task < plan.tasks.size() && !plan.tasks[task].permanent_type.empty(),
+             "task {} has no permanent codel in a thread", task);
   const Codel& codel = plan.module->tasks[task].permanent;
   out += fmt::format(
       "\n  // The permanent codel of task {}, in a thread.\n  atom type {}()\n    data int answer = 0\n"
@@ -130,6 +136,8 @@ void write_threaded_permanent(std::string& out, const Plan& plan, std::size_t ta
 }
 
 void write_work_wires(std::string& out, const Plan& plan, std::size_t service, std::int64_t tick_us) {
+  BIP_ASSERT(service < plan.services.size() && plan.services[service].activity.has_async,
+             "service {} of {} has no codels beside its task", service, plan.services.size());
   const Service& s = plan.module->services[service];
   const ActivityPlan& a = plan.services[service].activity;
   for (std::size_t i = 0; i < a.places.size(); ++i) {
