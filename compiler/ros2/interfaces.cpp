@@ -12,6 +12,7 @@
 #include "compiler/base/json_text.hpp"
 #include "compiler/genom/c_codels.hpp"
 #include "compiler/ros2/message_text.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::ros2 {
 namespace {
@@ -265,8 +266,7 @@ class Maker {
       if (std::string wrong = c_field(m, inner, part, depth + 1); !wrong.empty()) return wrong;
       names.add(std::move(part), inner.name);
     }
-    add_own(std::move(message));
-    return {};
+    return add_struct(std::move(message));
   }
 
   // Empty, or why there is no such field.
@@ -329,8 +329,7 @@ class Maker {
       if (std::string wrong = field_of(c, member.type, inner); !wrong.empty()) return wrong;
       names.add(std::move(inner), member.name);
     }
-    add_own(std::move(message));
-    return {};
+    return add_struct(std::move(message));
   }
 
   // `a_b` and `aB` would be one message.
@@ -342,7 +341,14 @@ class Maker {
   void left_out(const genom::Name& name, const char* kind, const std::string& why) {
     diags_.report(Diag::kB6130, name.range, kind, name.text, why);
   }
+  // A struct inside of it may have taken its name.
+  std::string add_struct(Message message) {
+    if (out_.messages.has(message.name)) return kTaken;
+    add_own(std::move(message));
+    return {};
+  }
   void add_own(Message message) {
+    BIP_ASSERT(!out_.messages.has(message.name), "message `{}` is there already", message.name);
     out_.own.push_back(message.name);
     out_.messages.add(std::move(message));
   }
@@ -383,6 +389,8 @@ std::vector<std::pair<std::string, std::string>> package_files(const Interfaces&
   for (const std::string& name : interfaces.own) {
     const std::string file = fmt::format("msg/{}.msg", name.substr(name.rfind('/') + 1));
     list += fmt::format("  \"{}\"\n", file);
+    BIP_ASSERT(interfaces.messages.has(name) && name.starts_with(package + "/"), "message `{}` is not of package `{}`",
+               name, package);
     files.emplace_back(file, fields_text(interfaces.messages.at(name).fields, package, Dialect::Ros2));
   }
   for (const Action& action : interfaces.actions) {

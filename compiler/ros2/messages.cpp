@@ -8,6 +8,7 @@
 
 #include "bip/assert.hpp"
 #include "compiler/ros2/sha256.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::ros2 {
 namespace {
@@ -90,6 +91,8 @@ class MessageEncoder {
   void number(std::uint64_t value, std::size_t size) {
     BIP_ASSERT(std::has_single_bit(size) && size <= 8, "a number of {} bytes", size);
     while (encoding_ == Encoding::Cdr && (out_.size() - kHead) % size != 0) out_.push_back(0);
+    BIP_ASSERT(size == 8 || value >> (8 * size) == 0 || ~value >> (8 * size - 1) == 0, "{} does not fit {} bytes",
+               value, size);
     for (std::size_t k = 0; k < size; ++k) out_.push_back(static_cast<std::uint8_t>(value >> (8 * k)));
   }
   void message(const std::string& name, const Json& value, const std::string& where) {
@@ -288,6 +291,7 @@ class MessageDecoder {
     std::size_t length = number(4);
     if (at_ > bytes_.size() || length > bytes_.size() - at_) fail("a text is longer than the message");
     if (!wrong_.empty()) return "";
+    BIP_ASSERT(at_ + length <= bytes_.size(), "a text of {} bytes at {} of {}", length, at_, bytes_.size());
     const char* const begin = reinterpret_cast<const char*>(bytes_.data()) + at_;
     at_ += length;
     if (length > 0 && begin[length - 1] == '\0') --length;
