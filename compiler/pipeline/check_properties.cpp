@@ -8,6 +8,7 @@
 
 #include "compiler/system/system.hpp"
 #include "compiler/verify/property/formula.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::pipeline {
 
@@ -38,14 +39,17 @@ void check_properties(const System& system, Diagnostics& diags) {
   for (const StatedProperty& stated : system.properties) {
     const Result<verify::ParsedProperty> parsed = reader.read(stated.text);
     if (parsed) continue;
+    BIP_ASSERT(stated.source.size() == stated.text.size() + 1, "{} places of {} signs", stated.source.size(),
+               stated.text.size());
     const Problem problem = split_column(parsed.error());
     const std::size_t begin = std::min(problem.offset, stated.text.size());
     const std::uint32_t at = stated.source[begin];
-    const std::uint32_t end =
-        std::max(at + 1, stated.source[std::min(stated.text.find(' ', begin), stated.text.size()) - 1] + 1);
+    // Of the word that begins there; an empty text has none.
+    const std::size_t word_end = std::min(stated.text.find(' ', begin), stated.text.size());
+    const std::uint32_t end = std::max(at + 1, word_end == 0 ? at : stated.source[word_end - 1] + 1);
     if (!told.emplace(stated.file.value, at).second) continue;
     auto diagnostic = diags.report(Diag::kB4030, SourceRange{stated.file, at, end}, stated.name, problem.what);
-    diagnostic.note("of the whole model this is `" + stated.text + "`");
+    if (!stated.text.empty()) diagnostic.note("of the whole model this is `" + stated.text + "`");
   }
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "compiler/pipeline/load_packages.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::pipeline {
 namespace {
@@ -93,6 +94,7 @@ class SoundPart {
     return true;
   }
   void drop(std::size_t k) {
+    BIP_ASSERT(k < decls_.size() && !dropped_[k], "declaration {} of {} is dropped again", k, decls_.size());
     dropped_[k] = true;
     if (!decls_[k]->name.text.empty()) poison(decls_[k]->name.text);
     for (const syntax::DataDecl& data : decls_[k]->data)

@@ -11,6 +11,7 @@
 #include "compiler/model/exclusive_guards.hpp"
 #include "compiler/system/system.hpp"
 #include "runtime/core/graph_algorithms.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::pipeline {
 
@@ -86,6 +87,7 @@ class AtomErrors {
   [[nodiscard]] bool divides_soundly(const Expr& divisor) const {
     return divisor.op == Op::LoadSelf && is_constant_[divisor.index] &&
            std::all_of(atoms_.begin(), atoms_.end(), [&](const Atom* atom) {
+             BIP_ASSERT(divisor.index < atom->args.size(), "parameter {} of {}", divisor.index, atom->args.size());
              const std::int32_t value = atom->args[divisor.index].int_value;
              return value != 0 && value != -1;
            });
