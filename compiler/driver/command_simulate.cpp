@@ -28,6 +28,7 @@
 #include "runtime/engine/interrupt.hpp"
 #include "runtime/engine/scheduler.hpp"
 #include "runtime/engine/simulate.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::driver {
 namespace {
@@ -48,13 +49,18 @@ struct Histogram {
 // Of equal widths from the least to the greatest value; one bin if they are equal.
 Histogram histogram_of(const std::vector<double>& values, const Estimate& of) {
   Histogram made{of.least, (of.greatest - of.least) / kBins, {}};
+  // An infinite value, or a range beyond all numbers: bins would have no bounds.
+  if (!std::isfinite(made.width)) made.width = 0;
   if (of.count == 0) return made;
   made.counts.assign(made.width > 0 ? kBins : 1, 0);
   for (const double value : values) {
     if (std::isnan(value)) continue;
     const double bin = made.width > 0 ? std::floor((value - made.first) / made.width) : 0;
+    BIP_ASSERT(bin >= 0 && bin <= kBins, "{} from {} on is in bin {}", value, made.first, bin);
     ++made.counts[std::min(static_cast<std::size_t>(bin), made.counts.size() - 1)];
   }
+  BIP_ASSERT(std::accumulate(made.counts.begin(), made.counts.end(), std::uint64_t{0}) == of.count,
+             "{} bins do not hold all of {} values", made.counts.size(), of.count);
   return made;
 }
 
@@ -127,6 +133,8 @@ Json json_of(const rt::SimulateReport& report, const rt::SimulateOptions& option
             {"seed", options.seed},
             {"steps", total_of(report.steps)}};
   const EndCounts ends = ends_of(report);
+  BIP_ASSERT(report.values.size() >= options.observers.size(), "values of {} observers of {}", report.values.size(),
+             options.observers.size());
   std::uint64_t runs = 0;
   for (std::size_t k = 0; k < ends.size(); ++k) {
     json["ends"][name_of(static_cast<rt::SimulatedEnd>(k))] = ends[k];
@@ -164,6 +172,9 @@ std::string csv_field(const std::string& text) {
 }
 
 std::string csv_of(const rt::SimulateReport& report, const rt::SimulateOptions& options) {
+  BIP_ASSERT(
+      report.steps.size() == report.ends.size() && (report.times.empty() || report.times.size() == report.ends.size()),
+      "{} ends of runs, {} lengths, {} instants", report.ends.size(), report.steps.size(), report.times.size());
   std::string text = "seed,end,steps";
   if (!report.times.empty()) text += ",time";
   for (const rt::Observer& o : options.observers) text += "," + csv_field(o.text);
@@ -244,6 +255,8 @@ namespace {
 int simulate_all(const SimulateArguments& arguments, Compilation& c, rt::SimulateOptions options, std::size_t observers,
                  const std::vector<library::Query>& queries, QueryReport& answers, std::string& text, Json& json) {
   const bool has_runs = queries.empty() || !options.observers.empty() || !options.queries.empty();
+  BIP_ASSERT(observers <= options.observers.size(), "{} of {} observers are options", observers,
+             options.observers.size());
   if (has_runs) {
     RunsProgressLine progress(options.runs);
     options.on_progress = [&](std::uint64_t done) { progress.tell(done); };
