@@ -70,6 +70,7 @@ class ChainBuilder {
       weights[k] = core_.weights().weight(core_.position(k));
     double total = 0;
     for (const double weight : weights) total += weight;
+    BIP_ASSERT(count == 0 || total > 0, "{} candidates of state {} weigh {} together", count, state, total);
     std::map<std::uint32_t, double> steps;
     if (count == 0) steps[state] = 1;
     for (std::uint64_t k = 0; k < count; ++k) {
@@ -109,6 +110,8 @@ StateSet can_reach(const MarkovChain& chain, const StateSet& target, const State
   for (std::uint32_t s = 0; s < n; ++s) {
     for (std::uint64_t e = chain.first[s]; e < chain.first[s + 1]; ++e) from[next[chain.to[e]]++] = s;
   }
+  BIP_ASSERT(target.size() == n && through.size() == n && next.back() == chain.to.size(), "{} and {} of {} states",
+             target.size(), through.size(), n);
   StateSet reached = target;
   std::vector<std::uint32_t> todo;
   for (std::uint32_t s = 0; s < n; ++s) {
@@ -128,12 +131,14 @@ StateSet can_reach(const MarkovChain& chain, const StateSet& target, const State
 
 // What a state's value is, given those of the others: its steps to itself are solved for.
 double relaxed(const MarkovChain& chain, std::uint32_t s, const std::vector<double>& value, double added) {
-  double sum = added, stay = 0;
+  // Not 1 less the share that stays: a rare step out is lost in that, and then the quotient is one by 0.
+  double sum = added, leaves = 0;
   for (std::uint64_t e = chain.first[s]; e < chain.first[s + 1]; ++e) {
-    if (chain.to[e] == s) stay = chain.share[e];
-    else sum += chain.share[e] * value[chain.to[e]];
+    if (chain.to[e] == s) continue;
+    leaves += chain.share[e];
+    sum += chain.share[e] * value[chain.to[e]];
   }
-  return sum / (1 - stay);
+  return sum / leaves;
 }
 
 }  // namespace
@@ -185,10 +190,12 @@ Interval reach_probability(const MarkovChain& chain, const StateSet& stays, cons
       high[s] = std::min(high[s], relaxed(chain, s, high, 0));
     }
   }
+  BIP_ASSERT(low[0] <= high[0] + kPrecision, "a probability from {} to {}", low[0], high[0]);
   return {low[0], high[0]};
 }
 
 double expected_steps(const MarkovChain& chain, const StateSet& goal) {
+  BIP_ASSERT(goal.size() == chain.states(), "{} of {} states", goal.size(), chain.states());
   const std::uint32_t n = chain.states();
   StateSet through(n), never(n);
   for (std::uint32_t s = 0; s < n; ++s) through[s] = goal[s] != 0 ? 0 : 1;
