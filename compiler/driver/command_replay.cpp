@@ -28,6 +28,7 @@
 #include "runtime/engine/event_file.hpp"
 #include "runtime/engine/replay_record.hpp"
 #include "runtime/trace/trace.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::driver {
 namespace {
@@ -275,6 +276,8 @@ class Replay {
   // The port of the event that the state chooses takes it, at this instant.
   bool take_event(const TraceState& state) {
     const rt::u32 row = events_.find(state.chosen);
+    BIP_ASSERT(row < core_.events().ports().size(), "`{}` is event {} of {}", state.chosen, row,
+               core_.events().ports().size());
     if (core_.events().waiting(row) == 0 && !deliver(state, state.chosen)) return false;
     const Result<PublishedEvent> event = events_.read(without_intervals(state.chosen));
     without_values_ += event && (*event).shows_values ? 0 : 1;
@@ -283,6 +286,7 @@ class Replay {
     for (std::uint64_t k = 0; k < core_.candidate_count(); ++k) {
       if (core_.candidate(k).connector != rt::kNone) continue;
       core_.participants(core_.candidate(k), participants);
+      BIP_ASSERT(participants.size() == 1, "an internal port with {} participants", participants.size());
       if (participants.front().atom != port.atom || participants.front().port != port.port) continue;
       return core_.time().take(core_.position(k)) || fault(&state == &trace_->states.back() ? nullptr : &state);
     }

@@ -49,6 +49,8 @@ class ContradictionChecker {
       query.goal = verify::goal_of(questions[i]).state;
     }
     const rt::SimulateReport report = rt::simulate(c.lowered->image, options);
+    BIP_ASSERT(report.answers.size() <= properties.size(), "answers to {} of {} questions", report.answers.size(),
+               properties.size());
     for (std::size_t i = 0; i < report.answers.size(); ++i) {
       for (const rt::Answer answer : report.answers[i]) violated[i] = violated[i] || answer == rt::Answer::Yes;
     }
@@ -173,6 +175,8 @@ void report_contradictions(Compilation& c, const rules::RuleFile& file, const st
     properties.push_back(fmt::format("never m{}.s{}{}.active", s.module, s.service, is_control ? "" : ".controller"));
   }
   const std::vector<bool> is_accepted = checker.violated_in_runs(properties);
+  BIP_ASSERT(is_accepted.size() == rows.size() && reduced.names.size() == checked.constraints.rows.size(),
+             "{} answers for {} rows", is_accepted.size(), rows.size());
   std::vector<BadStateAbstraction> found;
   for (std::size_t k = 0; k < rows.size() && !checker.is_over(); ++k) {
     const std::size_t i = rows[k];

@@ -10,6 +10,7 @@
 #include "bip/assert.hpp"
 #include "compiler/driver/genom_files.hpp"
 #include "compiler/driver/rule_files.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::driver {
 
@@ -52,6 +53,7 @@ void add_reads(graph::ModuleGraph& graph, const std::vector<genom::Module>& modu
 // Where in ports read before anybody asks for `connect_port`. Of several out ports the last one, as in the C++ of
 // codels.
 void add_connections(graph::ModuleGraph& graph, const std::vector<genom::Module>& modules) {
+  BIP_ASSERT(graph.modules.size() == modules.size(), "{} modules of {}", graph.modules.size(), modules.size());
   for (std::size_t m = 0; m < modules.size(); ++m) {
     std::size_t row = 0;
     for (const genom::Port& in : modules[m].ports) {

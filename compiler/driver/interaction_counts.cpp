@@ -11,6 +11,7 @@
 #include "runtime/core/profile.hpp"
 #include "runtime/engine/replay_record.hpp"
 #include "runtime/trace/recorded.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::driver {
 
@@ -57,6 +58,7 @@ Result<std::vector<std::uint64_t>> counts_of_profile(const rt::Tables& tables, c
   std::vector<std::uint64_t> counts;
   for (const rt::InteractionId interaction : tables.interactions.ids()) {
     const std::string& name = profile.interactions()[profile.row_of(interaction)].name;
+    BIP_ASSERT(instances[name] > 0, "`{}` has no instances", name);
     const auto found = steps.find(name);
     counts.push_back(found == steps.end() ? 0 : found->second * kShares / instances[name]);
   }
@@ -66,6 +68,8 @@ Result<std::vector<std::uint64_t>> counts_of_profile(const rt::Tables& tables, c
 }  // namespace
 
 std::string interaction_name(const rt::Tables& tables, rt::InteractionId interaction) {
+  BIP_ASSERT(tables.interactions.contains(interaction), "interaction {} of {}", interaction,
+             tables.interactions.size());
   const rt::Image& image = *tables.image;
   if (tables.is_of_connector(interaction)) return image.connectors[tables.connector_of(interaction)].path();
   const std::uint32_t port = tables.interactions[interaction].row;

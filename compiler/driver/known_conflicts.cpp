@@ -12,6 +12,7 @@
 
 #include "compiler/system/uses_time.hpp"
 #include "runtime/core/fire/partial.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::driver {
 
@@ -53,6 +54,8 @@ std::vector<PlaceConflicts> conflicts_of_places(const rt::Tables& tables, const 
   std::map<std::pair<uint32_t, uint32_t>, std::map<std::pair<uint32_t, uint32_t>, std::set<rt::InteractionId>>>
       situations;
   for (const rt::NextMove& move : known.moves) {
+    BIP_ASSERT(move.atom < tables.image->atoms.size && move.place < tables.atom_type(move.atom).places.size,
+               "a move of atom {} at place {}", move.atom, move.place);
     std::set<rt::InteractionId>& there = situations[{move.atom, move.place}][{move.history, move.mode}];
     if (move.connector != rt::kNone) {
       there.insert(tables.interaction_of(move.connector));
@@ -76,6 +79,7 @@ std::vector<PlaceConflicts> conflicts_of_places(const rt::Tables& tables, const 
     Pairs left;
     for (const auto& [mode, interactions] : modes) add_pairs(interactions, left);
     PlaceConflicts row{atom, place, all.size() * (all.size() - 1) / 2, left.size(), false};
+    BIP_ASSERT(row.left <= row.by_places, "{} conflicts by modes, {} by places", row.left, row.by_places);
     row.by_invariants = std::any_of(known.excluded.begin(), known.excluded.end(),
                                     [&](const auto& move) { return move.atom == row.atom && move.place == row.place; });
     if (row.left < row.by_places) rows.push_back(row);

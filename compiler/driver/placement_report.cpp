@@ -14,6 +14,7 @@
 #include "compiler/driver/interaction_counts.hpp"
 #include "runtime/core/fire/partial.hpp"
 #include "runtime/distributed/split_sets.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::driver {
 
@@ -24,6 +25,8 @@ using PlacementJson = nlohmann::ordered_json;
 constexpr std::size_t kMostConnectors = 3;  // of a reason, in the text
 
 TextPlace text_place(const rt::Image& image, const rt::SourceLine& loc) {
+  BIP_ASSERT(loc.line == 0 || loc.file < image.files.size, "line {} of file {} of {}", loc.line, loc.file,
+             image.files.size);
   if (loc.line == 0) return {};
   return {image.files[loc.file], loc.line, loc.column};
 }
@@ -105,6 +108,8 @@ std::vector<WholeSets> find_whole(const LinkedModel& linked, const rt::Distribut
     WholeSets& sets = found[why];
     sets.why = whole_text(why);
     ++sets.count;
+    BIP_ASSERT(set < distribution.sets.count && distribution.sets.interactions[set].size > split_above,
+               "set {} has one coordinator as it is not larger than {}", set, split_above);
     sets.largest = std::max<std::size_t>(sets.largest, distribution.sets.interactions[set].size);
   }
   std::vector<WholeSets> rows;
@@ -113,6 +118,8 @@ std::vector<WholeSets> find_whole(const LinkedModel& linked, const rt::Distribut
 }
 
 ReportedSet reported(const rt::Distribution& distribution, std::uint32_t set) {
+  BIP_ASSERT(set < distribution.sets.count && distribution.is_split.size() == distribution.sets.count,
+             "set {} of {}, of which {} may be split", set, distribution.sets.count, distribution.is_split.size());
   const rt::ConflictSets& sets = distribution.sets;
   const std::vector<std::string>& names = distribution.placement.nodes;
   ReportedSet to;
@@ -130,6 +137,7 @@ ReportedSet reported(const rt::Distribution& distribution, std::uint32_t set) {
   }
   std::sort(locked.begin(), locked.end());
   to.locked = static_cast<std::size_t>(std::unique(locked.begin(), locked.end()) - locked.begin());
+  BIP_ASSERT(to.locked <= to.components, "{} of {} components are locked", to.locked, to.components);
   for (std::size_t node = 0; node < names.size(); ++node) {
     if (coordinates[node] != 0) to.coordinates.emplace_back(names[node], coordinates[node]);
   }
@@ -158,6 +166,8 @@ void add_border(PlacementReport& report, const LinkedModel& linked, const rt::Di
                 std::size_t most_listed) {
   const rt::Placement& placement = distribution.placement;
   const std::vector<std::uint64_t>& counts = placement.counts;
+  BIP_ASSERT(counts.empty() || counts.size() == linked.tables.interactions.size(), "{} counts of {} interactions",
+             counts.size(), linked.tables.interactions.size());
   double taken = 0, taken_between = 0, sent = 0;
   std::vector<std::uint32_t> atoms, nodes;
   for (const rt::InteractionId interaction : linked.tables.interactions.ids()) {
@@ -178,10 +188,14 @@ void add_border(PlacementReport& report, const LinkedModel& linked, const rt::Di
     for (const std::uint32_t node : nodes) to.nodes.push_back(placement.nodes[node]);
     if (!counts.empty()) to.count = counts[interaction.value];
   }
+  BIP_ASSERT(taken_between <= taken && report.border_count <= linked.tables.interactions.size(),
+             "{} of {} steps are of several nodes", taken_between, taken);
   if (taken > 0) report.counted = {taken_between / taken, sent / taken};
 }
 
 std::string set_text(const ReportedSet& set, std::size_t interactions) {
+  BIP_ASSERT(set.interactions >= 1 && set.interactions <= interactions, "a set of {} of {} interactions",
+             set.interactions, interactions);
   std::string text = fmt::format("the largest has {} interactions ({} %), {}\n", set.interactions,
                                  set.interactions * 100 / interactions,
                                  set.coordinator.empty() ? "split" : "coordinated by " + set.coordinator);
@@ -309,6 +323,10 @@ std::optional<PlacementReport> report_placement(Compilation& c, const std::strin
   const std::vector<std::string>& names = distribution.placement.nodes;
   for (std::size_t node = 0; node < names.size(); ++node)
     report.nodes.push_back({names[node], distribution.placement.addresses[node], 0, 0});
+  BIP_ASSERT(distribution.placement.home.size() == linked.tables.image->atoms.size &&
+                 distribution.coordinator_of.size() == linked.tables.interactions.size(),
+             "{} components are at home, {} interactions have a coordinator", distribution.placement.home.size(),
+             distribution.coordinator_of.size());
   for (const std::uint32_t home : distribution.placement.home) ++report.nodes[home].components;
   for (const std::uint32_t node : distribution.coordinator_of) ++report.nodes[node].coordinates;
   report.interactions = distribution.coordinator_of.size();

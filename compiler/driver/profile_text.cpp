@@ -11,6 +11,7 @@
 
 #include "compiler/base/json_text.hpp"
 #include "runtime/core/text.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::driver {
 namespace {
@@ -32,6 +33,8 @@ class Tables {
     std::uint64_t steps = 0;
     for (const rt::InteractionProfile& row : profile.interactions()) {
       const double seconds = profile.seconds_of(row);
+      BIP_ASSERT(seconds >= 0 && row.instances >= 1, "`{}` took {} s in {} instances", row.name, seconds,
+                 row.instances);
       in_steps += seconds;
       steps += row.steps;
       const bool is_port = row.connector_type == rt::kNone;
@@ -62,6 +65,7 @@ class Tables {
   }
 
   void name_row(std::uint32_t row, std::string text) {
+    BIP_ASSERT(row == rt::kNone || row < words_.size(), "code {} of {}", row, words_.size());
     if (row != rt::kNone) words_[row] = std::move(text);
   }
   void describe() {
@@ -109,6 +113,7 @@ class Tables {
     for (std::size_t k = 0; k < lowered_.units.size(); ++k) {
       const lower::CodeUnit& unit = lowered_.units[k];
       const rt::CodeProfile& count = profile_.code(k);
+      BIP_ASSERT(count.holds <= count.calls, "`{}` was true in {} of {} calls", unit.name, count.holds, count.calls);
       const bool is_rule = unit.owner == lower::CodeOwner::Priority;
       const char* type = unit.owner == lower::CodeOwner::Atom ? image_.atom_types[unit.owner_row].name
                          : is_rule                            ? "priorities"

@@ -9,6 +9,7 @@
 
 #include "compiler/base/ascii.hpp"
 #include "runtime/engine/event_file.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::driver {
 namespace {
@@ -175,6 +176,7 @@ class PublishedTraceReader {
   // What the end is about: "the invariant i of component ROOT.a has been violated!", "invariant ROOT.a.i violated!",
   // "Petri net not 1-safe in ROOT.a!", "time-lock at 5s!".
   void note_names(std::string_view line) {
+    BIP_ASSERT(trace_.end != TraceEnd::None, "names without an end in line {}", number_);
     if (trace_.end == TraceEnd::TimeLock) trace_.end_lock = word_after(line, " at ");
     if (trace_.end == TraceEnd::TwoTransitions || trace_.end == TraceEnd::NotOneSafe)
       trace_.end_component = word_after(line, " in ");

@@ -12,6 +12,7 @@
 #include "compiler/driver/distributed_runs.hpp"
 #include "compiler/driver/interaction_counts.hpp"
 #include "runtime/distributed/place_free_atoms.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::driver {
 
@@ -195,6 +196,9 @@ class PlacementReader {
       placement_.counts = std::move(*counts);
     }
     if (is_any) rt::place_free_atoms(tables, rt::link_priorities(tables), placement_.counts, placement_);
+    BIP_ASSERT(std::all_of(placement_.home.begin(), placement_.home.end(),
+                           [&](std::uint32_t home) { return home < placement_.nodes.size(); }),
+               "an atom has none of the {} nodes for its home", placement_.nodes.size());
     return true;
   }
 
@@ -238,6 +242,8 @@ class PlacementReader {
 }  // namespace
 
 std::string print_placement(const rt::Image& image, const rt::Placement& placement) {
+  BIP_ASSERT(placement.addresses.size() == placement.nodes.size() && placement.home.size() == image.atoms.size,
+             "{} homes of {} components", placement.home.size(), image.atoms.size);
   std::string text;
   for (std::size_t node = 0; node < placement.nodes.size(); ++node) {
     const std::string& address = placement.addresses[node];

@@ -13,6 +13,7 @@
 #include "compiler/pipeline/ffi_build.hpp"
 #include "compiler/system/uses_time.hpp"
 #include "runtime/engine/splitting.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::driver {
 namespace {
@@ -55,6 +56,8 @@ void note_verdict(QueryVerdict verdict, QueryReport& out) {
 }
 
 void report_answer(const Query& query, const QueryAnswer& answer, double confidence, QueryReport& out) {
+  BIP_ASSERT(answer.successes + answer.open <= answer.runs, "{} successes and {} runs without an answer of {}",
+             answer.successes, answer.open, answer.runs);
   const std::string value =
       answer.open == 0 ? digits(answer.low()) : fmt::format("{} to {}", digits(answer.low()), digits(answer.high()));
   out.text += fmt::format("{}: {}, {}% interval {}, {} of {} runs", query.text, value, 100 * confidence,
@@ -73,6 +76,7 @@ void report_answer(const Query& query, const QueryAnswer& answer, double confide
 
 // A test is about a share that the interval has on one side, or not.
 QueryVerdict verdict_of(const Query& query, const Interval& value) {
+  BIP_ASSERT(is_test(query), "a verdict on {}", query.text);
   if (value.low >= query.share && value.high <= query.share) return QueryVerdict::Holds;
   if (value.low >= query.share) return query.kind == QueryKind::AtLeast ? QueryVerdict::Holds : QueryVerdict::Violated;
   if (value.high <= query.share) return query.kind == QueryKind::AtMost ? QueryVerdict::Holds : QueryVerdict::Violated;
@@ -116,6 +120,7 @@ void report_estimates(const std::vector<Query>& queries, const rt::SimulateRepor
   std::size_t path = 0;
   std::size_t observer = found.values.size();
   for (const Query& query : queries) observer -= query.kind == QueryKind::Expectation ? 1 : 0;
+  BIP_ASSERT(observer <= found.values.size(), "{} observers for {} queries", found.values.size(), queries.size());
   for (const Query& query : queries) {
     if (query.kind == QueryKind::Probability)
       report_answer(query, library::answer_from(found, path++, confidence), confidence, out);
@@ -179,6 +184,8 @@ bool report_exact(const std::vector<Query>& queries, const Compilation& c, rt::M
   Result<library::MarkovChain> chain =
       library::build_chain(c.lowered->image, progress, kMostChainStates, conditions, sets);
   if (!chain) return refuse_query(queries[0].text, "no Markov chain of this model: " + chain.error());
+  BIP_ASSERT(sets.size() == conditions.size() && sets.size() == 2 * queries.size(), "{} sets of {} conditions",
+             sets.size(), conditions.size());
   for (std::size_t k = 0; k < queries.size(); ++k) {
     const Query& query = queries[k];
     Interval value;
