@@ -10,6 +10,8 @@ namespace bip::library {
 QueryAnswer answer_from(const rt::SimulateReport& report, std::size_t k, double confidence) {
   BIP_ASSERT(k < report.answers.size(), "query {} of {}", k, report.answers.size());
   QueryAnswer out;
+  BIP_ASSERT(report.answers[k].size() == report.ends.size(), "{} answers of {} runs", report.answers[k].size(),
+             report.ends.size());
   for (std::size_t run = 0; run < report.ends.size(); ++run) {
     if (report.ends[run] == rt::SimulatedEnd::NotRun) continue;
     ++out.runs;
@@ -52,6 +54,8 @@ TestRun test_query(const Query& query, const rt::Image& image, rt::SimulateOptio
   }
   out.answer.interval = {clopper_pearson(out.answer.successes, out.answer.runs, kConfidence).low,
                          clopper_pearson(out.answer.successes + out.answer.open, out.answer.runs, kConfidence).high};
+  BIP_ASSERT(out.answer.runs <= most && out.answer.successes + out.answer.open <= out.answer.runs,
+             "{} of {} runs, {} successes", out.answer.runs, most, out.answer.successes);
   const bool is_wanted = (verdict == SequentialTest::Verdict::Yes) == (query.kind == QueryKind::AtLeast);
   out.answer.verdict = verdict == SequentialTest::Verdict::Open ? QueryVerdict::Unknown
                        : is_wanted                              ? QueryVerdict::Holds

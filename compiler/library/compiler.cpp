@@ -26,6 +26,7 @@
 #include "runtime/explore/counterexample.hpp"
 #include "runtime/explore/follow_path.hpp"
 #include "runtime/trace/trace.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::compiler {
 
@@ -303,6 +304,8 @@ Simulation Model::simulate(const SimulateOptions& options) {
   wanted.threads = pipeline::uses_ffi(c) ? 1 : threads;
   rt::SimulateReport found = rt::simulate(c.lowered->image, wanted);
   out.is_answered = true;
+  BIP_ASSERT(found.values.size() == wanted.observers.size(), "values of {} observers of {}", found.values.size(),
+             wanted.observers.size());
   out.is_complete = found.is_complete;
   for (const rt::SimulatedEnd end : found.ends) out.ends.emplace_back(rt::name_of(end));
   for (std::size_t k = 0; k < wanted.observers.size(); ++k)

@@ -254,6 +254,8 @@ Verdict decide(const VerifyRequest& request, Compilation& c, const verify::Quest
   said.left_out = left_out;
   if (is_replayable) {
     said.decided = verify::deciding_step(c.lowered->image, verify::goal_of(question), broken_by->choices, token);
+    BIP_ASSERT(!said.decided || said.decided->way_out.empty() || said.decided->step < broken_by->choices.size(),
+               "step {} of {} decided", said.decided->step, broken_by->choices.size());
     said.text += relevance_text(said, broken_by->choices.size());
   }
   said.text += note;

@@ -22,6 +22,7 @@
 #include "compiler/verify/net/unread_data.hpp"
 #include "runtime/explore/counterexample.hpp"
 #include "runtime/trace/trace.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::library {
 
@@ -38,6 +39,7 @@ std::string last_state_text(const rt::Image& image, const verify::BranchingFormu
 
 // "  no run from there reaches `robot@HOME`; 4 states can be reached from there"
 std::string claim_text(const verify::ClaimOfBranches& claim, std::size_t steps) {
+  BIP_ASSERT(claim.position <= steps, "a claim of the state after step {} of {}", claim.position, steps);
   const std::string where = claim.position == 0       ? "the initial state"
                             : claim.position == steps ? "there"
                                                       : fmt::format("the state after #{}", claim.position - 1);

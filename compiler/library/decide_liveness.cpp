@@ -21,6 +21,7 @@
 #include "compiler/verify/net/unread_data.hpp"
 #include "runtime/explore/counterexample.hpp"
 #include "runtime/trace/trace.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::library {
 
@@ -68,6 +69,8 @@ std::string last_state_text(const rt::Image& image, const verify::Question& ques
 std::string violated_text(const rt::Image& image, const verify::Question& question, const VerifyRequest& request,
                           const verify::LivenessResult& found) {
   const bool has_ended = found.cycle == found.choices.size() && (!found.is_prefix || found.has_ended);
+  BIP_ASSERT(found.cycle <= found.choices.size(), "the cycle begins with step {} of {}", found.cycle,
+             found.choices.size());
   std::string text = steps_text(image, {found.choices, found.cycle, has_ended}, kStepsShown);
   if (found.is_prefix)
     return text +

@@ -122,6 +122,10 @@ Verdict decide_response(const VerifyRequest& request, Compilation& c, const veri
     const rt::CounterexampleEnd end =
         found.is_match_end ? rt::CounterexampleEnd::TimeLock : rt::CounterexampleEnd::State;
     const rt::MissedResponse missed = rt::follow_response(image, options, found.match, response);
+    BIP_ASSERT(missed.requested <= found.match.end, "asked for at {}, after the end at {}", missed.requested,
+               found.match.end);
+    BIP_ASSERT(!found.match_cycle || *found.match_cycle <= found.match.steps.size(), "step {} of {} begins the cycle",
+               *found.match_cycle, found.match.steps.size());
     const rt::CounterexampleText described =
         rt::describe_counterexample(image, rt::MaximalProgress::On, end, found.match, kStepsShown);
     text = described.steps + described.error + missed_text(formula, found, missed);

@@ -97,6 +97,8 @@ std::string SizeDecider::sizes_text() const {
 }
 
 bool SizeDecider::decide_one(Compilation& c, std::int64_t size) {
+  BIP_ASSERT(size == next_ && certificates_.size() == static_cast<std::size_t>(next_ - first_),
+             "size {} after {}, {} of which have certificates", size, next_ - 1, certificates_.size());
   VerifyRequest request = request_;
   request.property.clear();
   request.reuses = false;
@@ -213,6 +215,7 @@ SizeVerdict SizeDecider::decide() {
     if (can_fault_) text += kErrorsNotAskedOfSizes;
     answer(kOk, "deadlock-free", std::move(text));
     if (request_.wants_certificate) {
+      BIP_ASSERT(least_of_all_ <= next_, "all sizes from {} on, and one by one to {}", least_of_all_, next_ - 1);
       for (std::int64_t size = first_; size < least_of_all_; ++size)
         out_.verdict.certificate += certificates_[static_cast<std::size_t>(size - first_)];
       out_.verdict.certificate += certificate_of_all_;

@@ -14,6 +14,7 @@ constexpr int kHalvings = 200;
 /// The x from low to high where the rising function `of` reaches `wanted`.
 template <class Function>
 double inverse(double low, double high, double wanted, Function&& of) {
+  BIP_ASSERT(low <= high, "between {} and {}", low, high);
   for (int k = 0; k < kHalvings && low < high; ++k) {
     const double middle = low + (high - low) / 2;
     (of(middle) < wanted ? low : high) = middle;
@@ -99,6 +100,8 @@ Estimate estimate(const std::vector<double>& values, const std::vector<double>& 
   std::sort(defined.begin(), defined.end());
   out.least = defined.front();
   out.greatest = defined.back();
+  BIP_ASSERT(out.count <= values.size() && !(out.deviation < 0) && out.least <= out.greatest,
+             "{} of {} values from {} to {}", out.count, values.size(), out.least, out.greatest);
   for (std::size_t k = 0; k < shares.size(); ++k) {
     const double rank = std::ceil(shares[k] * number);
     out.quantiles[k] = defined[static_cast<std::size_t>(std::clamp(rank, 1.0, number)) - 1];

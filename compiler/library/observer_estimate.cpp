@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "runtime/include/bip/assert.hpp"
+
 namespace bip::library {
 
 ObserverEstimate estimate_of(const rt::Observer& observer, const std::vector<double>& values, double confidence) {
@@ -12,6 +14,7 @@ ObserverEstimate estimate_of(const rt::Observer& observer, const std::vector<dou
   if (observer.kind == rt::ObserverKind::Reaches) {
     const auto trials = static_cast<double>(made.values.count);
     const auto successes = static_cast<std::uint64_t>(std::llround(made.values.mean * trials));
+    BIP_ASSERT(successes <= made.values.count, "{} of {} runs reach it", successes, made.values.count);
     made.interval = clopper_pearson(successes, made.values.count, confidence);
   }
   return made;

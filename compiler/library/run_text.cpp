@@ -5,6 +5,7 @@
 
 #include "runtime/core/core.hpp"
 #include "runtime/trace/trace.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::library {
 
@@ -23,6 +24,7 @@ std::string steps_text(const rt::Image& image, const ShownRun& run, std::size_t 
   rt::StepWriter writer;
   bool is_sound = core.initialize();
   const std::size_t size = run.choices.size();
+  BIP_ASSERT(run.cycle <= size, "step {} of {} begins the cycle", run.cycle, size);
   std::size_t hidden = 0;
   for (std::size_t at = 0; at < size && is_sound; ++at) {
     // Of a long stem the first steps, of a long cycle, too.

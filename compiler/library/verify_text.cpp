@@ -161,6 +161,7 @@ VerdictText verdict_text(const Compilation& c, const verify::Question& question,
       v = {kOk, name_of(question.what, Finding::Holds), free_text(c, question, d, portfolio, explanation)};
       break;
     case verify::Outcome::Violated:
+      BIP_ASSERT(d.counterexample() != nullptr, "a question of kind {} is violated without a run", question.what);
       v = {kViolated, name_of(question.what, Finding::Violated),
            verify::counterexample_text(c.lowered->image, question, *d.counterexample(), kStepsShown)};
       break;
