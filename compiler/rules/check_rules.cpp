@@ -131,6 +131,7 @@ class Checker {
 
   // Asks for a service when its condition has become true; about no request and no activity.
   void when(const Rule& r) {
+    BIP_ASSERT(recovery_.has_value(), "the rule at byte {} asks for nothing", r.range.begin);
     Constraint c;
     c.kind = ConstraintKind::When;
     if (names_.condition(r.condition, std::nullopt, NameScope::Moment::Run, c.condition))
@@ -198,6 +199,8 @@ class Checker {
   static std::optional<Condition> some_active(const std::vector<ServiceRef>& services, std::size_t from,
                                               std::size_t count, std::size_t& leaves) {
     constexpr std::size_t kMostLeaves = 2000;
+    BIP_ASSERT(count >= 1 && from + count <= services.size(), "{} of the services from {} of {} on", count, from,
+               services.size());
     if (++leaves > kMostLeaves) return std::nullopt;
     Condition first = leaf(ConditionKind::Active, services[from]);
     if (count > 1) {
@@ -308,6 +311,7 @@ class Checker {
   // Whose requests are rejected while the other runs may have been accepted before, and still wait for something else
   // when the other, which waits only for what runs, begins.
   void late(const Rule& r, ServiceRef accepted, ServiceRef other, Policy policy, Policy of_other) {
+    BIP_ASSERT(accepted != other, "service {} of module {} overlaps itself", accepted.service, accepted.module);
     if (policy != Policy::Reject || of_other != Policy::Wait || is_control(accepted) || is_control(other)) return;
     Constraint c;
     c.kind = ConstraintKind::Wait;

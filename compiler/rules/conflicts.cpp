@@ -67,6 +67,10 @@ class ViolationFacts {
   }
 
   void assume(const Condition& c, bool value) {
+    BIP_ASSERT(c.operands.size() == (c.kind == ConditionKind::Operator ? 2u
+                                     : c.kind == ConditionKind::Not    ? 1u
+                                                                       : 0u),
+               "a condition of kind {} has {} operands", c.kind, c.operands.size());
     facts_.emplace_back(&c, value);
     if (c.kind == ConditionKind::Not) assume(c.operands[0], !value);
     if (c.kind != ConditionKind::Operator || c.text != (value ? "&&" : "||")) return;
@@ -84,6 +88,8 @@ std::string text_of(std::int64_t us) {
 
 // The period of the task that writes the poster, of several the shortest; 0: there is none, or one without a period.
 std::int64_t writer_period(const Module& m, const genom::Poster& p) {
+  BIP_ASSERT(m.generation != 2 || p.task_index < m.tasks.size(), "poster `{}` is of task {} of {}", p.name.text,
+             p.task_index, m.tasks.size());
   if (m.generation == 2) return m.tasks[p.task_index].period_us;
   const std::string port = "port_" + p.name.text;
   const auto writes = [&](const genom::Activity& a) {
@@ -113,6 +119,8 @@ class ConflictFinder {
         tick_us_(tick_us),
         diags_(diags) {
     BIP_ASSERT(rows_.size() == rule_.size(), "{} constraints of {} rules", rows_.size(), rule_.size());
+    BIP_ASSERT(rule_.empty() || rule_.back() < file_.rules.size(), "rule {} of {}", rule_.back(), file_.rules.size());
+    BIP_ASSERT(tick_us_ > 0, "ticks of {} us", tick_us_);
   }
 
   void run() {
@@ -177,6 +185,8 @@ class ConflictFinder {
     else if (!perhaps.empty()) refusal(Diag::kB6113, row, perhaps, "this rule does not allow it always");
   }
   void refusal(Diag code, std::size_t row, const std::set<std::size_t>& rules, const char* label) {
+    BIP_ASSERT(!rules.empty() && *rules.rbegin() < file_.rules.size() && rows_[row].recovery.has_value(),
+               "the recovery of row {} is refused by {} rules", row, rules.size());
     auto d = diags_.report(code, range(row), text(*rows_[row].recovery));
     for (const std::size_t rule : rules) d.label(file_.rules[rule].range, label);
   }

@@ -65,6 +65,8 @@ bool interrupts(const Service& s, std::size_t other) {
 
 // Why a rule about `named` is likely to be meant for `other`, too; empty: it is not.
 std::string reason(const Module& m, std::size_t named, std::size_t other) {
+  BIP_ASSERT(named != other && named < m.services.size() && other < m.services.size(), "services {} and {} of {}",
+             named, other, m.services.size());
   const Service& a = m.services[named];
   const Service& b = m.services[other];
   const std::string name = m.name.text + "." + a.name.text;
@@ -87,6 +89,7 @@ std::vector<std::string> find_left_out(const std::vector<Module>& modules, const
   std::map<std::size_t, Named> rules;
   for (std::size_t k = 0; k < checked.constraints.rows.size(); ++k) {
     const genom::Constraint& row = checked.constraints.rows[k];
+    BIP_ASSERT(k < checked.rule.size(), "constraint {} is of no rule", k);
     Named& named = rules[checked.rule[k]];
     if (named.rule.empty()) named.rule = row.name;
     // What `when` asks for is a remedy, for which another one is no substitute.

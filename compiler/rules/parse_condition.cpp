@@ -9,6 +9,7 @@
 //             TASK.missed | past(SERVICE [() | (?P) with condition]) | running(SERVICE) | '[' SERVICE < SERVICE ']' |
 //             ?PARAMETER
 #include "compiler/rules/parser.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::rules {
 namespace {
@@ -201,6 +202,7 @@ class ConditionParser {
     }
     into.range.end = parts.back().range.end;
     const auto path = [&](std::size_t count) {
+      BIP_ASSERT(count >= 1 && count <= parts.size(), "{} of {} names", count, parts.size());
       into.path.name = parts[count - 1];
       if (count > 1) into.path.module = parts[count - 2];
     };

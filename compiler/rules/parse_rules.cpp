@@ -21,6 +21,7 @@
 #include <utility>
 
 #include "compiler/rules/parser.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::rules {
 namespace {
@@ -110,6 +111,7 @@ class RulesParser {
     const ServiceGroup* const g = is_of_service ? group_of(e.path) : nullptr;
     if (g == nullptr) return;
     Expr any = e;
+    BIP_ASSERT(!g->services.empty(), "group `{}` has no services", g->name.text);
     any.path = g->services.front();
     for (std::size_t k = 1; k < g->services.size(); ++k) {
       Expr next = e;

@@ -129,6 +129,8 @@ class Reducer {
 
   // It may take more than its period, whatever else the module does.
   void task(genom::TaskRef& t) {
+    BIP_ASSERT(t.module < old_.size() && t.task < old_[t.module].tasks.size(), "task {} of module {}", t.task,
+               t.module);
     Module& m = module(t.module);
     t.task = m.tasks.size();
     genom::Task watched = m.tasks[0];
@@ -137,6 +139,8 @@ class Reducer {
   }
 
   void poster(genom::PosterRef& p) {
+    BIP_ASSERT(p.module < old_.size() && p.poster < old_[p.module].posters.size(), "poster {} of module {}", p.poster,
+               p.module);
     const auto was = std::pair(p.module, p.poster);
     if (const auto known = posters_.find(was); known != posters_.end()) {
       p = known->second;

@@ -147,6 +147,7 @@ void NameScope::value(const ValueDecl& decl) {
   std::size_t choices = decl.values.size();
   for (const genom::ValueRow& v : constraints_.values) {
     if (v.poster != *p) continue;
+    BIP_ASSERT(!v.values.empty() && choices > 0, "value `{}` has {} values", v.name, v.values.size());
     if (v.name == decl.name.text) {
       diags_.report(Diag::kB6013, decl.name.range, "value", decl.name.text);
       return;
@@ -222,6 +223,7 @@ Type NameScope::parameter_of(const Expr& e, std::optional<genom::ServiceRef> s, 
   for (std::size_t i = 0; i < constraints_.parameters.size(); ++i) {
     const genom::ParameterRow& p = constraints_.parameters[i];
     if (p.service != *s || p.name != e.name.text) continue;
+    BIP_ASSERT(!p.values.empty(), "parameter `{}` has no values", p.name);
     into.kind = moment == Moment::Request ? ConditionKind::Asked : ConditionKind::Value;
     into.row = i;
     return type_of(p.type);
