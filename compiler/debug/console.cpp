@@ -15,6 +15,7 @@
 #include "runtime/explore/counterexample.hpp"
 #include "runtime/trace/future.hpp"
 #include "runtime/trace/trace.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::debug {
 
@@ -147,6 +148,7 @@ void Console::tell(rt::Halt halt, Lines lines) {
   switch (halt) {
     case rt::Halt::Breakpoint:
       for (const rt::u32 row : session_.reached()) {
+        BIP_ASSERT(row < session_.breakpoints().size(), "breakpoint {} of {}", row, session_.breakpoints().size());
         const rt::Breakpoint& b = session_.breakpoints()[row];
         output_.print(b.is_temporary ? fmt::format("reached {}\n", b.text)
                                      : fmt::format("breakpoint {}: {}\n", b.number, b.text));
@@ -215,6 +217,9 @@ void Console::choose(std::string_view rest) {
 }
 
 void Console::add_temporary(rt::Breakpoint breakpoint) {
+  BIP_ASSERT(std::none_of(session_.breakpoints().begin(), session_.breakpoints().end(),
+                          [](const rt::Breakpoint& b) { return b.is_temporary; }),
+             "a temporary breakpoint was left, of {}", session_.breakpoints().size());
   breakpoint.is_temporary = true;
   session_.breakpoints().push_back(std::move(breakpoint));
 }
@@ -286,6 +291,7 @@ void Console::assign(std::string_view rest) {
   if (!named || named->kind != Named::Kind::Data)
     return refuse(fmt::format("`{}` is no data: COMPONENT.DATA", rest.substr(0, end)));
   const rt::AtomType& type = session_.core().tables().atom_type(named->owner);
+  BIP_ASSERT(named->row < type.variables.size, "variable {} of {}", named->row, type.variables.size);
   const Result<rt::Cell> value =
       model_.parse_value(std::string(without_blanks(rest.substr(end))), type.variables[named->row].type);
   if (!value) return refuse(value.error());
@@ -359,6 +365,8 @@ void Console::print_changes(std::string_view) {
     std::string line = fmt::format("  {}", rt::relative(path.c_str()));
     if (!change.places.empty()) line += fmt::format("  `{}` -> `{}`", change.places, rt::places_of(core, change.atom));
     const rt::AtomType& type = core.tables().atom_type(change.atom);
+    BIP_ASSERT(change.variables.size() == change.values.size(), "{} values of {} variables", change.values.size(),
+               change.variables.size());
     for (std::size_t k = 0; k < change.variables.size(); ++k) {
       const rt::u32 row = change.variables[k];
       std::string now;

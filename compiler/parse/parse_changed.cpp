@@ -284,6 +284,7 @@ class ChangedParser {
     PieceReader reader(parser, stream, converter);
     ++kept_.parsed;
     try {
+      BIP_ASSERT(made.decls.empty() && made.head == nullptr, "piece {} is parsed again", i);
       if (i == 0) made.head = TreeArena(*made.arena, &made.made).make(reader.read_head());
       reader.read_decls(end, made.decls);
       made.ends_package = reader.read_end(end);
@@ -328,6 +329,8 @@ class ChangedParser {
     BIP_ASSERT(std::is_sorted(decls.begin(), decls.end(),
                               [](const auto* a, const auto* b) { return a->range.begin < b->range.begin; }),
                "{} declarations are not in the order of the text", decls.size());
+    BIP_ASSERT(now.front().head != nullptr && now.size() == pieces_.size(), "{} of {} pieces are kept", now.size(),
+               pieces_.size());
     syntax::Package package = *now.front().head;
     package.decls = syntax.arena->list(decls);
     package.range = {file_, 0, static_cast<std::uint32_t>(text_.size())};

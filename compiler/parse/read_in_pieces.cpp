@@ -49,6 +49,7 @@ void PieceReader::read_decls(std::size_t end, std::vector<const Decl*>& to) {
 
 bool PieceReader::read_end(std::size_t end) {
   if (stream_.index() >= end || next() != BipParser::END) return false;
+  BIP_ASSERT(end <= stream_.size(), "token {} of {}", end, stream_.size());
   take(BipParser::END);
   return true;
 }

@@ -30,6 +30,7 @@ void append_utf8(std::uint32_t code, std::string& out) {
 /// Reads digits of `base` from `at`, at most `most`; returns how many.
 std::size_t read_digits(std::string_view body, std::size_t at, std::size_t most, int base, std::uint32_t& value) {
   std::size_t n = 0;
+  BIP_ASSERT(most <= 8 && at <= body.size(), "{} digits at {} of {} bytes", most, at, body.size());
   value = 0;
   while (n < most && at + n < body.size() && digit(body[at + n], base) >= 0) {
     value = value * static_cast<std::uint32_t>(base) + static_cast<std::uint32_t>(digit(body[at + n], base));
