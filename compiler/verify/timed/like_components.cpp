@@ -46,6 +46,9 @@ class LikenessCheck {
     for (u32 atom = 0; atom < system_.atoms.size(); ++atom) {
       if (!is_like(atom)) like_.outside.push_back(atom);
     }
+    BIP_ASSERT(is_like(atom_) && like_.atoms.size() + like_.outside.size() == system_.atoms.size(),
+               "{} components are alike and {} are outside, of {}", like_.atoms.size(), like_.outside.size(),
+               system_.atoms.size());
     if (!type_of(atom_).is_automaton()) return fail("`" + type_of(atom_).name + "` may be at several places at once");
     return true;
   }
@@ -143,6 +146,8 @@ class LikenessCheck {
   // No code of the components reads a number, but to copy it; connectors compare them and hand them out; atoms outside
   // compare them with constants that are none.
   bool numbers_are_only_compared() {
+    BIP_ASSERT(like_.numbers.size() == like_.atoms.size(), "{} numbers of {} components", like_.numbers.size(),
+               like_.atoms.size());
     const AtomType& type = type_of(like_.atoms.front());
     const auto of_component = [&](const Expr& e) {
       return e.op == Op::LoadSelf && like_.is_number[e.index] != 0 ? NumberUse::OfComponent : NumberUse::None;
@@ -339,6 +344,7 @@ std::optional<LikeComponents> find_like_components(const System& system, const N
 
 std::vector<OutsideStep> outside_steps(const LikeComponents& like, const Neighbours& neighbours, u32 atom) {
   std::vector<OutsideStep> steps;
+  BIP_ASSERT(std::binary_search(like.atoms.begin(), like.atoms.end(), atom), "atom {} is outside", atom);
   for (u32 row : neighbours.tops_of(atom)) {
     const Neighbours::Top& top = neighbours.tops()[row];
     OutsideStep step{.leaves = {}, .port = kNoRow, .top = row};

@@ -75,6 +75,8 @@ class Localizer {
     }
     BIP_ASSERT(local_.is_whole.size() == to.connectors.size(), "{} marks of {} connectors", local_.is_whole.size(),
                to.connectors.size());
+    BIP_ASSERT(to.atoms.size() == local_.members.size() && to.connector_types.size() <= to.connectors.size(),
+               "{} atoms of {} members", to.atoms.size(), local_.members.size());
     BIP_LOG(Time, 2, "localized to {} components, {} connectors", local_.members.size(), to.connectors.size());
     return std::move(local_);
   }
@@ -128,6 +130,8 @@ class Localizer {
   }
 
   PortRef translated(PortRef ref) {
+    BIP_ASSERT(ref.kind != PortRef::Kind::Connector || new_connector_.contains(ref.connector.value),
+               "connector {} is bound before it is copied", ref.connector);
     if (ref.kind == PortRef::Kind::Atom) ref.atom = new_atom_.at(ref.atom.value);
     else if (ref.kind == PortRef::Kind::Connector) ref.connector = new_connector_.at(ref.connector.value);
     else ref.choice = choice(ref.choice);
@@ -290,8 +294,10 @@ void add_rendezvous(System& to, const std::string& name, const std::vector<Neigh
 
 Property localize(Property property, const std::vector<u32>& members) {
   for (PropertyNode& node : property.nodes) {
-    if (node.kind == PropertyKind::At || node.kind == PropertyKind::Data)
-      node.owner = static_cast<u32>(std::lower_bound(members.begin(), members.end(), node.owner) - members.begin());
+    if (node.kind != PropertyKind::At && node.kind != PropertyKind::Data) continue;
+    BIP_ASSERT(std::binary_search(members.begin(), members.end(), node.owner), "atom {} is none of {} members",
+               node.owner, members.size());
+    node.owner = static_cast<u32>(std::lower_bound(members.begin(), members.end(), node.owner) - members.begin());
   }
   return property;
 }

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "compiler/system/system.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 
@@ -27,6 +28,9 @@ struct Source {
   u32 atom = 0, port = 0, row = 0, variable = 0;  // row: of the port's variables
 };
 std::optional<Source> source_of(const System& system, const Connector& connector, u32 bind) {
+  BIP_ASSERT(std::all_of(connector.ports.begin(), connector.ports.end(),
+                         [](const PortRef& ref) { return ref.kind == PortRef::Kind::Atom; }),
+             "`{}` is no rendezvous of atoms", connector.path);
   const ConnectorType& type = system.connector_types[connector.type];
   for (std::size_t p = type.params.size(); p-- > 0;) {
     if (bind < type.params[p].first_bind) continue;
@@ -128,6 +132,7 @@ class GuardWeakener {
 
 LocalizedGuard localize_guard(const System& system, const Neighbours::Top& top, CodeTable& code,
                               const VariableFacts& constant, const std::vector<Neighbours::Leaf>& inside) {
+  BIP_ASSERT(std::is_sorted(inside.begin(), inside.end()), "{} ports are not in their order", inside.size());
   LocalizedGuard result;
   const Clause* clause = clause_of(system, top);
   if (clause == nullptr) return result;

@@ -69,6 +69,8 @@ class PairProver {
     const auto third = std::find_if(like_->atoms.begin(), like_->atoms.end(), [&](u32 atom) {
       return std::find(pair_.begin(), pair_.end(), atom) == pair_.end();
     });
+    BIP_ASSERT(pair_.size() == 2 && third != like_->atoms.end(), "{} of {} components are the pair", pair_.size(),
+               like_->atoms.size());
     third_ = *third;
     for (const DataRef& data : data_of(property_)) {
       const bool is_of_pair = std::find(pair_.begin(), pair_.end(), data.atom.value) != pair_.end();
@@ -85,6 +87,8 @@ class PairProver {
     return true;
   }
   [[nodiscard]] u32 local(u32 atom) const {
+    BIP_ASSERT(std::binary_search(members_.begin(), members_.end(), atom), "atom {} is none of {} members", atom,
+               members_.size());
     return static_cast<u32>(std::lower_bound(members_.begin(), members_.end(), atom) - members_.begin());
   }
 
@@ -103,6 +107,8 @@ class PairProver {
       const std::string& path = simple_.atoms[AtomId(std::size_t{members_[row]})].path;
       base_.atoms[AtomId(std::size_t{row})].path = path;
     }
+    BIP_ASSERT(part.is_whole.size() == base_.connectors.size(), "{} marks of {} connectors", part.is_whole.size(),
+               base_.connectors.size());
     IndexVector<ConnectorId, Connector> kept;
     for (std::size_t k = 0; k < base_.connectors.size(); ++k) {
       Connector& connector = base_.connectors[ConnectorId(k)];
@@ -159,6 +165,7 @@ class PairProver {
   [[nodiscard]] std::set<u32> sources(u32 port) const {
     std::set<u32> places;
     for (const Transition& t : type_of(third_).transitions) {
+      BIP_ASSERT(t.from.size() == 1, "a transition of an automaton from {} places", t.from.size());
       if (t.port == port) places.insert(t.from.front());
     }
     return places;
@@ -240,6 +247,8 @@ class PairProver {
       System system = base_;
       std::vector<std::uint8_t> is_whole = is_whole_;
       if (!add_steps(system, is_whole)) return false;
+      BIP_ASSERT(is_whole.size() == system.connectors.size(), "{} marks of {} connectors", is_whole.size(),
+                 system.connectors.size());
       const std::size_t before = together_.size();
       rt::PartQuestion question{.atom = local(pair_[0]), .is_whole = is_whole, .is_impossible = {}, .is_asked = {}};
       question.asks_places = true;

@@ -128,6 +128,8 @@ class TimeProver {
   [[nodiscard]] std::vector<u32> modes_of(u32 atom, const LocalState& state) const {
     const ModeClass& row = net_.class_at(atom);
     const AtomType& type = divergent_limit_.atom_types[row.type];
+    BIP_ASSERT(state.values.size() <= row.followed.size(), "{} values of {} variables", state.values.size(),
+               row.followed.size());
     std::vector<u32> modes;
     for (u32 mode = 0; mode < row.modes.size(); ++mode) {
       const Mode& of = row.modes[mode];
@@ -166,6 +168,8 @@ class TimeProver {
   // impossible. `target`: its row in the local system.
   const rt::PartReport& explore(const LocalizedSystem& part, u32 target, const Query& query) {
     const LocalState* only = query.only;
+    BIP_ASSERT(target < part.members.size() || query.property != nullptr, "member {} of {} is asked about", target,
+               part.members.size());
     std::string key = system::print(part.system) + std::to_string(target);
     if (only != nullptr) {
       for (const u32 place : only->places) key += ' ' + std::to_string(place);
@@ -235,6 +239,7 @@ class TimeProver {
       ++proof_.explored;
       proof_.zones += found.zones;
       if (!found.is_open) return found.is_complete;
+      BIP_ASSERT(done.count(open) == 0, "a local state of atom {} is open again", target);
       if (!prove_by_refinement({.target = target, .only = &open}, {target})) return false;
       done.insert(std::move(open));
     }
@@ -329,6 +334,8 @@ class TimeProver {
         }
       }
     }
+    BIP_ASSERT(std::is_sorted(part.members.begin(), part.members.end()) && part.members.size() == joined.size(),
+               "{} of {} components have joined", part.members.size(), joined.size());
     if (choices.empty()) return false;
     BIP_ASSERT(choices.begin()->back() < neighbours_.tops().size(), "connector {} of {}", choices.begin()->back(),
                neighbours_.tops().size());

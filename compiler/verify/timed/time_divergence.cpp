@@ -8,6 +8,7 @@
 
 #include "compiler/system/system.hpp"
 #include "runtime/core/time/clock_constraints.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 
@@ -58,6 +59,8 @@ std::optional<double> value_of(const CodeTable& code, ExprId id, const std::vect
 std::optional<std::int64_t> limit_of(const System& system, const AtomType& type, const std::vector<Value>& args,
                                      const TimeGuard& when, const Bound& bound) {
   if (bound.variable == Bound::kNone) return bound.ticks;
+  BIP_ASSERT(bound.clock < type.clocks.size() && bound.variable < type.variables.size(),
+             "a bound of clock {} of {} by variable {}", bound.clock, type.clocks.size(), bound.variable);
   std::optional<double> value;
   for (StmtId id = when.measure; id.is_valid(); id = system.code.stmts[id].next) {
     const Stmt& s = system.code.stmts[id];
@@ -176,6 +179,7 @@ System time_divergent_limit(const System& system) {
 }
 
 std::vector<u32> bounded_modes(const Net& net, u32 atom) {
+  BIP_ASSERT(atom < net.class_of.size(), "atom {} of {}", atom, net.class_of.size());
   const System& system = *net.system;
   const ModeClass& row = net.class_at(atom);
   const AtomType& type = system.atom_types[row.type];
