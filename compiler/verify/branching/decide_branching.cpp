@@ -9,6 +9,7 @@
 #include "compiler/verify/branching/label_states.hpp"
 #include "compiler/verify/liveness/graph_rounds.hpp"
 #include "compiler/verify/property/expression.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 
@@ -68,6 +69,8 @@ class BranchingDecision {
 
   BranchingResult decided(Outcome outcome, const std::vector<StateSet>& labels) {
     const ExplainingRun run = explain(formula_, graph_, labels, outcome == Outcome::Holds);
+    BIP_ASSERT(run.cycle <= run.steps.size() && labels.size() == formula_.nodes.size(),
+               "step {} of {} begins the cycle", run.cycle, run.steps.size());
     if (!follow(run)) return unknown("a run that was found could not be confirmed");
     report(run, outcome);
     // A certificate lists all states, though the first ones have decided.

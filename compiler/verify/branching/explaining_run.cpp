@@ -26,6 +26,8 @@ class Explanation {
 
  private:
   [[nodiscard]] bool is_shown(std::uint32_t node, std::uint32_t state) const {
+    BIP_ASSERT(node < labels_.size() && state < graph_.states(), "node {} of {} in state {} of {}", node,
+               labels_.size(), state, graph_.states());
     return labels_[node].has(state) == holds_;
   }
   // Is one run enough to show the node's value?
@@ -44,6 +46,8 @@ class Explanation {
   }
   // Of operands of which one is enough: a condition before a word.
   [[nodiscard]] std::uint32_t operand_to_show(const BranchingNode& node, std::uint32_t state) const {
+    BIP_ASSERT(is_shown(node.a, state) || is_shown(node.b, state),
+               "neither operand of a node has its value in state {}", state);
     if (!is_shown(node.a, state)) return node.b;
     if (!is_shown(node.b, state)) return node.a;
     const BranchingKind kind = formula_.nodes[node.b].kind;
@@ -155,6 +159,7 @@ class Explanation {
     }
     if (!found) return std::nullopt;
     const auto first = static_cast<std::ptrdiff_t>(run_.steps.size());
+    BIP_ASSERT(ways[*found].step != kNoStep, "state {} is found without a step", *found);
     std::uint32_t state = *found;
     do {
       run_.steps.push_back({graph_.label(ways[state].step), state});

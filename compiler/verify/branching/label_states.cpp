@@ -8,6 +8,7 @@ namespace bip::verify {
 Predecessors::Predecessors(const rt::StateGraph& graph) : first_(std::size_t{graph.states()} + 1, 0) {
   for (std::uint64_t step = 0; step < graph.steps(); ++step) ++first_[std::size_t{graph.target(step)} + 1];
   for (std::size_t state = 1; state < first_.size(); ++state) first_[state] += first_[state - 1];
+  BIP_ASSERT(first_.back() == graph.steps(), "{} of {} steps have a target", first_.back(), graph.steps());
   sources_.resize(graph.steps());
   std::vector<std::uint64_t> next(first_.begin(), first_.end() - 1);
   for (std::uint32_t state = 0; state < graph.expanded(); ++state) {
@@ -31,6 +32,9 @@ class Labelling {
   std::optional<std::vector<StateSet>> run() {
     for (const BranchingNode& node : formula_.nodes) {
       sets_.push_back(label(node));
+      BIP_ASSERT((!is_quantified(node.kind) && node.kind != BranchingKind::And && node.kind != BranchingKind::Or) ||
+                     (node.a < sets_.size() - 1 && node.b < sets_.size() - 1),
+                 "node {} stands before its operands {} and {}", sets_.size() - 1, node.a, node.b);
       if (is_over_) return std::nullopt;
     }
     return std::move(sets_);
@@ -121,6 +125,8 @@ class Labelling {
       const std::uint32_t state = todo_.back();
       todo_.pop_back();
       for (const std::uint32_t* source = predecessors_.begin(state); source != predecessors_.end(state); ++source) {
+        BIP_ASSERT(quantifier != Quantifier::All || outside[*source] > 0,
+                   "state {} has more steps into the set than steps", *source);
         const bool is_left = quantifier == Quantifier::All && --outside[*source] != 0;
         if (is_left || made.has(*source) || !through(*source)) continue;
         made.add(*source);

@@ -10,6 +10,7 @@
 #include "compiler/verify/invariants/state_machine_components.hpp"
 #include "compiler/verify/invariants/traps.hpp"
 #include "compiler/verify/net/net_encoding.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 
@@ -35,11 +36,14 @@ std::vector<AtomRows> atoms_of_connectors(const System& system) {
 std::set<HistoryMove> unlikely_moves(const System& system, const SharedPorts& shared,
                                      const std::vector<SplitAtom>& split) {
   const std::vector<AtomRows> atoms = atoms_of_connectors(system);
+  BIP_ASSERT(split.size() == system.atoms.size() && shared.connectors.size() == system.atoms.size(),
+             "{} of {} atoms may be split", split.size(), system.atoms.size());
   std::set<HistoryMove> moves;
   for (u32 atom = 0; atom < split.size(); ++atom) {
     const AtomType& type = system.atom_types[system.atoms[AtomId(std::size_t{atom})].type];
     for (const SplitAtom::Place& at : split[atom].places) {
       if (at.history == HistoryMove::kNoHistory) continue;
+      BIP_ASSERT(at.history < atoms.size(), "connector {} of {} brought atom {} there", at.history, atoms.size(), atom);
       std::vector<std::pair<std::size_t, u32>> uses;  // how many atoms they have in common, and the connector
       std::size_t most = 0;
       for (const Transition& t : type.transitions) {
@@ -76,6 +80,8 @@ class NextMoveProof {
 
   // Can no state that satisfies the invariants have the atom there, and what else the connector needs at its places?
   bool excludes(const HistoryMove& move) {
+    BIP_ASSERT(assumed_.empty() && move.connector < original_.connectors.size(),
+               "{} assumptions are left, and connector {} is asked about", assumed_.size(), move.connector);
     if (!add_condition(move.atom, [&](u32 place) {
           const SplitAtom::Place& at = split_.atoms[move.atom].places[place];
           return at.place == move.place && at.history == move.history;
@@ -126,6 +132,7 @@ class NextMoveProof {
   // The atom is at such a place (of the split system). False: it never is.
   template <class IsPlace>
   bool add_condition(u32 atom, IsPlace is_place) {
+    BIP_ASSERT(atom + 1 < net_.mode_base.size(), "atom {} of {}", atom, net_.mode_base.size() - 1);
     const Lit condition = encoding_.new_switch();
     std::vector<Lit> clause{-condition};
     for (u32 mode = net_.mode_base[atom]; mode < net_.mode_base[atom + 1]; ++mode) {
@@ -194,6 +201,8 @@ std::vector<NextMove> moves_of_atom(const System& original, const SplitSystem& s
       if (!reachable.is_on(base + move.from)) continue;
       const u32 place = net.class_at(atom).modes[move.from].places[0];
       const u32 port = leaf - first_leaf;
+      BIP_ASSERT(as.places.empty() || (place < as.places.size() && port < as.ports.size()),
+                 "place {} of {} and port {} of {} of a split atom", place, as.places.size(), port, as.ports.size());
       if (as.places.empty()) {
         moves.push_back({atom, place, rt::kNone, move.from, port, rt::kNone});
       } else {

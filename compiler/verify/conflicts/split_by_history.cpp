@@ -21,6 +21,9 @@ bool is_flat_rendezvous(const ConnectorType& type) {
 // Its places with the histories that they can have, breadth first. Nothing: too many.
 std::vector<SplitPlace> reachable_places(const AtomType& type,
                                          const std::vector<std::vector<std::uint32_t>>& connectors) {
+  BIP_ASSERT(type.initial.size() == 1 && connectors.size() == type.ports.size(),
+             "an automaton starts at {} places; {} ports of {}", type.initial.size(), connectors.size(),
+             type.ports.size());
   std::vector<SplitPlace> places{{type.initial[0], HistoryMove::kNoHistory}};
   std::set<SplitPlace> seen(places.begin(), places.end());
   std::size_t transitions = 0;
@@ -98,6 +101,10 @@ void split_atom(SplitSystem& to, const SharedPorts& shared, const std::set<Histo
       }
     }
   }
+  BIP_ASSERT(made.places.size() == split.places.size() && made.ports.size() == split.ports.size() &&
+                 place_rows.size() == split.places.size(),
+             "{} places and {} ports of an atom that is split into {} and {}", made.places.size(), made.ports.size(),
+             split.places.size(), split.ports.size());
   system.atoms[AtomId(std::size_t{atom})].type = system.atom_types.push(std::move(made));
   for (std::uint32_t port = 0; port < type.ports.size(); ++port) {
     for (const std::uint32_t connector : connectors[port]) {

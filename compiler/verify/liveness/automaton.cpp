@@ -53,6 +53,7 @@ class NormalForms {
   [[nodiscard]] std::size_t size() const { return nodes_.size(); }
 
   FormulaRow of(const Formula& formula, bool is_negated) {
+    BIP_ASSERT(formula.root < formula.nodes.size(), "node {} of {} is the root", formula.root, formula.nodes.size());
     made_.assign(2 * formula.nodes.size(), kNone);
     bit_of_past_ = bits_of_past(formula);
     return make(formula, formula.root, is_negated);
@@ -234,6 +235,10 @@ class Tableau {
     for (const Branch& branch : found)
       edges.push_back({branch.required, branch.forbidden, state_of(branch.next), made_.marks & ~branch.postponed});
     std::sort(edges.begin(), edges.end());
+    BIP_ASSERT(
+        std::all_of(edges.begin(), edges.end(),
+                    [&](const AutomatonEdge& e) { return (e.required & e.forbidden) == 0 && e.to < states_.size(); }),
+        "an edge of state {} requires what it forbids", from);
     made_.edges[from] = std::move(edges);
   }
   // Takes formulas apart until none is left; alternatives go to `open`. False: a contradiction.
@@ -309,6 +314,8 @@ class AutomatonComponents {
     StrongComponents<std::size_t> search;
     search.begin(automaton.edges.size());
     for (FormulaRow state = 0; state < automaton.edges.size(); ++state) search.visit(state, *this);
+    BIP_ASSERT(std::find(component_.begin(), component_.end(), kNoSuccessor) == component_.end(),
+               "a state of {} is in none of {} components", component_.size(), may_accept_.size());
   }
   [[nodiscard]] FormulaRow of(FormulaRow state) const { return component_[state]; }
   /// Does a cycle of the component have all marks?
@@ -324,6 +331,8 @@ class AutomatonComponents {
   static void reach(FormulaRow, FormulaRow) {}
   void close(const FormulaRow* states, std::size_t count) {
     const FormulaRow row = static_cast<FormulaRow>(may_accept_.size());
+    BIP_ASSERT(std::all_of(states, states + count, [&](FormulaRow s) { return component_[s] == kNoSuccessor; }),
+               "a state of component {} is in one that was complete", row);
     for (std::size_t k = 0; k < count; ++k) component_[states[k]] = row;
     std::uint32_t marks = 0;
     bool has_cycle = false, reaches_useful = false;
@@ -395,6 +404,7 @@ void join_equal_states(Automaton& automaton) {
       refined[state] =
           rows.try_emplace({class_of[state], std::move(edges)}, static_cast<FormulaRow>(rows.size())).first->second;
     }
+    BIP_ASSERT(rows.size() >= classes, "{} classes of states became {}", classes, rows.size());
     class_of = std::move(refined);
     if (rows.size() == classes) break;
     classes = rows.size();
@@ -467,6 +477,9 @@ class PastMonitor {
     (void)state_of({0, 0});
     for (FormulaRow at = 0; at < states_.size(); ++at) {
       const State from = states_[at];
+      BIP_ASSERT(from.automaton < automaton_.edges.size() && made_.edges.size() == states_.size(),
+                 "state {} of the automaton, {} of {} states have edges", from.automaton, made_.edges.size(),
+                 states_.size());
       std::vector<AutomatonEdge> edges;
       for (const AutomatonEdge& edge : automaton_.edges[from.automaton]) follow(from, edge, edges);
       std::sort(edges.begin(), edges.end());

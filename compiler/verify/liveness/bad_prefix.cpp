@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "runtime/include/bip/assert.hpp"
+
 namespace bip::verify {
 
 namespace {
@@ -51,6 +53,7 @@ class PrefixSearch {
 
  private:
   void add_steps(Product::Node node, BadPrefix& found) const {
+    BIP_ASSERT(node < parent_.size() && parent_[node] != kNoParent, "node {} was not reached", node);
     std::vector<LassoStep>& steps = found.steps;
     for (; node != 0; node = parent_[node]) {
       Product::Cursor cursor = product_.first_edge(parent_[node]);

@@ -8,6 +8,7 @@
 #include "compiler/system/system.hpp"
 #include "compiler/verify/liveness/finite_moves.hpp"
 #include "runtime/core/link/tables.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 
@@ -52,6 +53,7 @@ class RunsPortfolio {
       const bool is_last = !is_graph && !is_split && !may_visit_;
       const double fraction = may_split_ ? turn.fraction : turn.fraction_alone;
       const double seconds = is_last ? left : std::min(left * fraction, turn.at_most);
+      BIP_ASSERT(seconds <= std::max(left, 0.0), "{} s of {} s for a turn", seconds, left);
       if (is_graph) visit(seconds);
       else prove(seconds, turn.engine);
       if (decision_.outcome != Outcome::Unknown) return std::move(decision_);

@@ -35,6 +35,7 @@ class LassoReplay {
       if (!take(step)) return false;
     }
     cycle_ = choices_.size();
+    BIP_ASSERT(cycle_ == lasso.stem.size(), "{} of {} steps of the stem were taken", cycle_, lasso.stem.size());
     for (const LassoStep& step : lasso.cycle) {
       note_possible();
       if (!take(step)) return false;
@@ -62,6 +63,8 @@ class LassoReplay {
   }
   [[nodiscard]] bool violates() const { return !holds_on_lasso(formula_, states_, steps_, cycle_); }
   [[nodiscard]] bool is_fair(const Fairness& fairness) const {
+    BIP_ASSERT(labels_.size() == choices_.size() && cycle_ <= choices_.size(),
+               "{} labels of {} steps, the cycle from {}", labels_.size(), choices_.size(), cycle_);
     if (fairness.kind == FairnessKind::None) return true;
     const FairUnits units(graph_.labels(), fairness.unit);
     std::set<std::uint32_t> taken;

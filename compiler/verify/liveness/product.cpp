@@ -27,6 +27,8 @@ Product::Product(const rt::StateGraph& graph, const Automaton& automaton, const 
   }
   for (std::uint32_t state = 0; state < width_; ++state)
     is_decided_.push_back(automaton.accepts_whatever_follows(state) ? 1 : 0);
+  BIP_ASSERT(slices_.size() == std::size_t{graph.valuations()} * width_, "{} slices of {} valuations", slices_.size(),
+             graph.valuations());
   const rt::StepLabels& labels = graph.labels();
   for (std::uint32_t label = 0; label < labels.size(); ++label)
     happens_.push_back(happens(formula, labels, label) << conditions);

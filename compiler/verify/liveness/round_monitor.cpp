@@ -64,6 +64,7 @@ RoundMonitor::RoundMonitor(const TransitionSystem& system, const rt::Image& imag
 }
 
 void RoundMonitor::find_conditions(const Formula& formula, const rt::Image& image, const Part& part) {
+  BIP_ASSERT(conditions_.empty(), "{} conditions before they are found", conditions_.size());
   states_ = formula.states.size();
   for (const Property& condition : formula.states)
     conditions_.push_back(broken_signal(as_condition(condition), machine_, image));
@@ -184,6 +185,9 @@ void RoundMonitor::cut(const Part& part, const StateClauses& clauses) {
   machine_.in_range.clear();
   std::vector<std::vector<std::uint32_t>> groups;
   for (const std::vector<std::uint32_t>& group : machine_.exactly_one) {
+    BIP_ASSERT(std::all_of(group.begin(), group.end(),
+                           [&](std::uint32_t bit) { return (row[bit] != kNoRow) == (row[group[0]] != kNoRow); }),
+               "a group of {} bits is of atoms that are kept and others", group.size());
     if (row[group[0]] != kNoRow) {
       groups.emplace_back();
       for (const std::uint32_t bit : group) groups.back().push_back(row[bit]);
@@ -295,6 +299,7 @@ void RoundMonitor::run_automaton(const Automaton& automaton) {
     machine_.bits.back().is_alone = true;
   }
   machine_.exactly_one.push_back(automaton_bits_);
+  BIP_ASSERT(automaton_bits_.size() == width + 1, "{} bits of {} states", automaton_bits_.size(), width);
   std::vector<Signal> marks(32, kFalse);
   std::vector<std::vector<Signal>> arrives(width);
   for (std::size_t state = 0; state < width; ++state) {
@@ -425,9 +430,13 @@ void RoundMonitor::find_violated(const Automaton& automaton) {
 // A bit for each mark and unit that says whether it was seen in this round.
 void RoundMonitor::add_rounds() {
   const Signal counts = aig_.make_and(aig_.make_and(inside_, happened_), started_);
+  BIP_ASSERT(!is_strong_ || never_.size() == expected_.size(), "{} guesses of {} units", never_.size(),
+             expected_.size());
   demands_ = marks_;
   for (std::size_t k = 0; k < expected_.size(); ++k) {
     const Unit& unit = units_[expected_[k]];
+    BIP_ASSERT(!unit.atoms.empty() && std::is_sorted(unit.atoms.begin(), unit.atoms.end()),
+               "unit {} depends on {} atoms", expected_[k], unit.atoms.size());
     const Signal excused = is_strong_ ? never_[k] : negated(unit.possible);
     demands_.push_back(aig_.make_or(unit.taken, excused));
   }

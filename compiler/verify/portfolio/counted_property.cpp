@@ -9,6 +9,7 @@
 
 #include "compiler/system/system.hpp"
 #include "runtime/explore/explore.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 
@@ -69,6 +70,7 @@ class CountedConditions {
 
   // Is each of them about one component of one array, and does it say of it what the first one says of its own?
   [[nodiscard]] bool are_of_one_array(const System& system) const {
+    BIP_ASSERT(!atoms_.empty(), "no conditions are counted");
     std::string array;
     std::uint32_t first = Property::kNoRow;
     for (std::size_t k = 0; k < atoms_.size(); ++k) {
@@ -89,6 +91,7 @@ class CountedConditions {
 
   // The first `count` of them together, as a property of its own.
   [[nodiscard]] Property first(std::uint32_t count) const {
+    BIP_ASSERT(count >= 1 && count <= rows_.size(), "{} of {} conditions", count, rows_.size());
     Property made;
     made.text = property_.text;
     made.is_never = true;

@@ -49,6 +49,7 @@ class Induction {
   EngineResult run(Effort effort, const LemmaSource* guesses = nullptr,
                    LemmaReduction reduction = LemmaReduction::None) {
     if (!is_usable()) return std::move(result_);
+    BIP_ASSERT((effort == Effort::Guesses) == (guesses != nullptr), "lemmas are proposed to effort {}", effort);
     problem_.bad = machine_.aig.make_or(bad_states(context_.question, machine_, image_), machine_.lost);
     if (!confirm_ranges()) return std::move(result_);
     if (effort == Effort::Localized) {
@@ -226,6 +227,8 @@ class Induction {
     switch (answer.end) {
       case Ic3End::Safe: {
         // What was assumed of cached lemmas is shown with the others.
+        BIP_ASSERT(problem_.invariants.size() >= cached.lemmas.size(), "{} of {} invariants are cached lemmas",
+                   cached.lemmas.size(), problem_.invariants.size());
         problem_.invariants.resize(problem_.invariants.size() - cached.lemmas.size());
         std::vector<Cube> lemmas = std::move(cached.lemmas);
         lemmas.insert(lemmas.end(), answer.lemmas.begin(), answer.lemmas.end());
@@ -247,6 +250,7 @@ class Induction {
                          : "a way to such a state exists if the right numbers are drawn: it cannot be replayed");
     }
     const SearchGoal goal = goal_of(context_.question);
+    BIP_ASSERT(answer.end == Ic3End::Reached, "an answer that reaches nothing, after {} frames", answer.frames);
     const bool asks_errors = context_.question.what == QuestionKind::NoErrors;
     std::optional<std::vector<std::uint64_t>> choices = replay_steps(image_, machine_, answer.steps);
     if (choices && asks_errors && answer.bad_step != kNoRow && !reaches(image_, goal, *choices)) {

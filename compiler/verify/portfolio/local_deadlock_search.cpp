@@ -81,10 +81,13 @@ class Graph {
   void close(const u32* states, std::size_t count) {
     const u32 row = static_cast<u32>(later_.size() / std::max<std::size_t>(words_, 1));
     later_.resize(later_.size() + words_, 0);
+    BIP_ASSERT(count > 0 && std::all_of(states, states + count, [&](u32 s) { return component_[s] == kNoRow; }),
+               "a state of {} is in two strong components", count);
     for (std::size_t k = 0; k < count; ++k) component_[states[k]] = row;
     for (std::size_t k = 0; k < count; ++k) {
       join(row, moves_, states[k]);
       for (u32 step = first_[states[k]]; step < first_[states[k] + 1]; ++step) {
+        BIP_ASSERT(component_[next_[step]] <= row, "component {} is complete before one that follows it", row);
         if (component_[next_[step]] != row) join(row, later_, component_[next_[step]]);
       }
     }
@@ -220,6 +223,8 @@ class Visit {
     const std::string wanted = key_at(row);
     std::vector<u32> path;
     for (u32 at = row; at != 0; at = visited_[at].parent) path.push_back(at);
+    BIP_ASSERT(std::is_sorted(path.rbegin(), path.rend()), "a state of {} on the way comes before the one it follows",
+               path.size());
     std::reverse(path.begin(), path.end());
     rt::Core core(image_);
     bool is_there = core.initialize();

@@ -8,6 +8,7 @@
 #include "compiler/verify/portfolio/induction_engines.hpp"
 #include "runtime/core/core.hpp"
 #include "runtime/include/bip/prng.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 
@@ -75,6 +76,8 @@ class SamplingRun {
       if (sample % 64 == 0) result_.values[row].push_back(value ? ~std::uint64_t{0} : 0);
       // What follows of the word repeats the first state until it is sampled.
       std::uint64_t& word = result_.values[row].back();
+      BIP_ASSERT(result_.values[row].size() == sample / 64 + 1, "sample {} is in word {}", sample,
+                 result_.values[row].size() - 1);
       const std::uint64_t mask = std::uint64_t{1} << (sample % 64);
       word = value ? word | mask : word & ~mask;
     }

@@ -118,6 +118,7 @@ class PortfolioRun {
       whole = *time_of_long_engines_;
     }
     const double fraction = context_.parts.is_searchable() ? share.fraction : share.fraction_without_search;
+    BIP_ASSERT(fraction > 0 && fraction <= 1 && share.at_most > 0, "the share {} of {} s", fraction, whole);
     return std::min(whole * fraction, share.at_most);
   }
   // True: decided.
@@ -135,6 +136,8 @@ class PortfolioRun {
       add_reason(found.reason);
       return false;
     }
+    BIP_ASSERT(decision_.outcome == Outcome::Unknown || decision_.outcome == found.outcome,
+               "outcome {}, and {} of a later engine", decision_.outcome, found.outcome);
     decision_.engine = engine.name;
     decision_.outcome = found.outcome;
     decision_.evidence = std::move(found.evidence);

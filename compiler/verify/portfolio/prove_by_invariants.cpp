@@ -21,6 +21,7 @@ void spread_from_initial(const Net& net, ModeReachability& reachable, Proof& pro
   for (u32 atom = 0; atom + 1 < net.mode_base.size(); ++atom) {
     for (u32 mode : net.class_at(atom).initial) reachable.turn_on(net.mode_base[atom] + mode);
   }
+  BIP_ASSERT(proof.reachable.empty(), "{} modes are reachable already", proof.reachable.size());
   reachable.run();
   for (u32 mode = 0; mode < net.mode_count(); ++mode) proof.reachable.push_back(reachable.is_on(mode) ? 1 : 0);
 }
@@ -113,6 +114,8 @@ void minimize_invariants(const Net& net, const CancellationToken& cancellation, 
     on.push_back(invariant.kind != InvariantKind::OneToken ? encoding.new_switch() : 0);
     (void)encoding.add(invariant, on.back());
   }
+  BIP_ASSERT(on.size() == proof.invariants.size() && again.reachable == proof.reachable,
+             "{} switches of {} invariants, or other modes", on.size(), proof.invariants.size());
   (void)encoding.minimize_invariants(proof.invariants, on, cancellation);
 }
 

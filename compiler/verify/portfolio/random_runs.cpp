@@ -2,6 +2,7 @@
 #include "compiler/verify/portfolio/random_runs.hpp"
 
 #include "runtime/include/bip/prng.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 
@@ -28,6 +29,8 @@ SearchResult run_at_random(const rt::Image& image, const SearchGoal& goal, const
     }
     if (!goes_on && result.fault.empty()) result.fault = core.fault().what;
     const bool is_found = goes_on ? is_goal_state(core, goal) : goal.faults;
+    BIP_ASSERT(result.choices.size() <= limits.steps, "run {} has {} steps of {}", run, result.choices.size(),
+               limits.steps);
     if (!is_found || !reaches(image, goal, result.choices)) continue;
     result.end = SearchEnd::Found;
     return result;

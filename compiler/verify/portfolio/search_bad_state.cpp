@@ -37,6 +37,7 @@ class Distances {
   }
   [[nodiscard]] bool is_known() const { return !table_of_.empty(); }
   [[nodiscard]] u32 at_place(u32 atom, u32 place) const {
+    BIP_ASSERT(atom < table_of_.size(), "atom {} of {} has no distance", atom, table_of_.size());
     const std::vector<u32>& by_place = tables_[table_of_[atom]];
     return place < by_place.size() ? by_place[place] : 0;
   }
@@ -204,6 +205,9 @@ class Search {
       if (!is_new) return false;
       bytes += size;
       if (limits_.visit) limits_.visit(state);
+      BIP_ASSERT(found->second == visited.size() && states.size() == visited.size() &&
+                     (visited.empty() || parent < visited.size()),
+                 "state {} of {} follows state {}", found->second, visited.size(), parent);
       visited.push_back({parent, choice});
       open.push({distance(state), found->second});
       states.push_back(std::move(state));

@@ -120,6 +120,7 @@ EngineResult search_all(ProofContext& context, const Budget& budget, const Cance
   note_permuted(all.groups, result);
   if (!asks_errors && all.has_error) result.fault = fault_of(image, all.error);
   const bool has_bad = asks_errors ? all.has_error : asks_state ? all.has_match : all.has_deadlock;
+  BIP_ASSERT(!has_bad || all.states > 0, "a bad state among {} states", all.states);
   if (has_bad && all.are_paths_known) {
     std::vector<std::uint64_t> choices = std::move(asks_errors ? all.error : asks_state ? all.match : all.deadlock);
     if (!reaches(image, goal_of(question), choices)) {

@@ -2,6 +2,7 @@
 #include "compiler/verify/portfolio/structural_engines.hpp"
 
 #include "compiler/verify/net/port_uses.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 
@@ -32,6 +33,8 @@ EngineResult prove_with_port_uses(ProofContext& context, const Budget& budget, c
     // No certificate has a form for this proof: the other engines may find one that has.
     if (!evidence.projection) return result;
   }
+  BIP_ASSERT(distinguishing.mode_base.size() == plain.mode_base.size(), "{} atoms with port uses, {} without",
+             distinguishing.mode_base.size() - 1, plain.mode_base.size() - 1);
   context.facts.proof = std::move(proof);
   evidence.distinguishing_net = std::move(distinguishing);
   result.outcome = Outcome::Holds;

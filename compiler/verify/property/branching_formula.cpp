@@ -81,6 +81,7 @@ class BranchingMaker {
   // Has the formula a word that no `possibly` before it makes one of some run?
   [[nodiscard]] bool has_bare_word(std::uint32_t row) const {
     if (is_temporal_[row] == 0) return false;
+    BIP_ASSERT(row < parsed_.nodes.size(), "node {} of {}", row, parsed_.nodes.size());
     const PropertyNode& node = parsed_.nodes[row];
     if (node.kind != PropertyKind::Operator) return node.temporal != TemporalOperator::Possibly;
     return has_bare_word(node.a) || (node.b != node.a && has_bare_word(node.b));
@@ -222,6 +223,7 @@ Result<BranchingFormula> make_branching(const Property& parsed, const std::vecto
 
 std::optional<std::string> certificate_text(const BranchingFormula& formula, const System& system) {
   constexpr std::size_t kMostBytes = 1'000'000;
+  BIP_ASSERT(formula.root < formula.nodes.size(), "node {} of {} is the root", formula.root, formula.nodes.size());
   std::vector<std::string> texts;  // by node
   for (const BranchingNode& node : formula.nodes) {
     const auto condition = [&] {

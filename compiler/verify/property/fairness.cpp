@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "runtime/include/bip/assert.hpp"
+
 namespace bip::verify {
 
 namespace {
@@ -51,6 +53,7 @@ FairUnits::FairUnits(const rt::StepLabels& labels, FairnessUnit unit) : units_(l
         if (std::find(own.begin(), own.end(), port.atom) == own.end()) own.push_back(port.atom);
       }
     }
+    BIP_ASSERT(!own.empty(), "step {} is of no unit of fairness", label);
     for (const std::uint32_t row : own) size_ = std::max(size_, row + 1);
   }
 }

@@ -134,6 +134,7 @@ Result<Formula> make_formula(const Property& parsed, const std::vector<std::uint
 }
 
 bool is_invariant_of_past(const Formula& formula) {
+  BIP_ASSERT(formula.root < formula.nodes.size(), "node {} of {} is the root", formula.root, formula.nodes.size());
   const FormulaNode& root = formula.nodes[formula.root];
   if (root.kind != FormulaKind::Release) return false;
   const FormulaNode& left = formula.nodes[root.a];
@@ -214,6 +215,7 @@ std::optional<std::string> certificate_text(const Formula& formula, const System
 bool holds_at_last(const Formula& formula, std::uint32_t row, const std::vector<std::uint64_t>& states,
                    const std::vector<std::uint64_t>& steps) {
   BIP_ASSERT(states.size() == steps.size() && !states.empty(), "{} states, {} steps", states.size(), steps.size());
+  BIP_ASSERT(row < formula.nodes.size(), "node {} of {}", row, formula.nodes.size());
   std::vector<std::uint8_t> before(row + 1, 0), value(row + 1, 0);
   for (std::size_t at = 0; at < states.size(); ++at) {
     before.swap(value);
@@ -257,6 +259,7 @@ bool holds_on_lasso(const Formula& formula, const std::vector<std::uint64_t>& st
     const FormulaNode& node = formula.nodes[row];
     std::vector<std::uint8_t>& value = holds[row];
     const std::vector<std::uint8_t>&a = holds[node.a], &b = holds[node.b];
+    BIP_ASSERT(node.a <= row && node.b <= row, "node {} stands before its operands {} and {}", row, node.a, node.b);
     if (looks_back(node.kind)) {
       for (std::size_t at = 0; at < size; ++at) {
         const bool is_since = b[at] != 0 || (a[at] != 0 && at != 0 && value[at - 1] != 0);

@@ -22,6 +22,7 @@ struct Number {
 };
 
 Number evaluate(const Property& property, std::uint32_t row, const rt::Core& core) {
+  BIP_ASSERT(row < property.nodes.size(), "node {} of {}", row, property.nodes.size());
   const PropertyNode& node = property.nodes[row];
   const auto of = [](std::int64_t i) { return Number{i, static_cast<double>(i)}; };
   switch (node.kind) {
@@ -167,6 +168,8 @@ std::uint32_t copy_part(const Property& from, std::uint32_t row, Property& to) {
     node.a = copy_part(from, node.a, to);
     node.b = is_unary ? node.a : copy_part(from, node.b, to);
   }
+  BIP_ASSERT(node.kind != PropertyKind::Operator || (node.a < to.nodes.size() && node.b < to.nodes.size()),
+             "a copy of node {} stands before its operands", row);
   to.nodes.push_back(node);
   return static_cast<std::uint32_t>(to.nodes.size() - 1);
 }

@@ -123,6 +123,9 @@ std::uint32_t PropertyRows::constant(Type of_type, std::int32_t value) {
 }
 
 void PropertyRows::forget_from(std::size_t row) {
+  BIP_ASSERT(row <= property_.nodes.size() && is_temporal_.size() == property_.nodes.size() &&
+                 extents_.size() == property_.nodes.size(),
+             "the rows from {} of {} on are forgotten", row, property_.nodes.size());
   property_.nodes.resize(row);
   is_temporal_.resize(row);
   is_of_past_.resize(row);

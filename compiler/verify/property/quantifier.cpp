@@ -2,10 +2,12 @@
 #include "compiler/verify/property/quantifier.hpp"
 
 #include "compiler/base/ascii.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 
 std::size_t end_of_body(std::string_view text, std::size_t begin, Reach reach) {
+  BIP_ASSERT(begin <= text.size(), "a text of {} bytes from {} on", text.size(), begin);
   const auto is_of_name = [&](std::size_t at) { return is_letter(text[at]) || is_digit(text[at]) || text[at] == '_'; };
   int open = 0;
   bool is_in_string = false;

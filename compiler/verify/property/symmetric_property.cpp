@@ -6,6 +6,8 @@
 #include <bit>
 #include <utility>
 
+#include "runtime/include/bip/assert.hpp"
+
 namespace bip::verify {
 
 namespace {
@@ -26,6 +28,7 @@ bool is_commutative(Op op) {
 PropertyImages::PropertyImages(const Property& property) : property_(property) {
   const std::vector<PropertyNode>& nodes = property.nodes;
   is_inner_.assign(nodes.size(), 1);
+  BIP_ASSERT(property.root < nodes.size(), "node {} of {} is the root", property.root, nodes.size());
   is_inner_[property.root] = 0;
   for (const PropertyNode& node : nodes) {
     if (node.kind != PropertyKind::Operator) continue;
@@ -47,6 +50,8 @@ uint32_t PropertyImages::class_of(const std::map<uint32_t, uint32_t>& exchange, 
   std::vector<uint32_t> classes(nodes.size(), 0);
   for (uint32_t row = 0; row < nodes.size(); ++row) {
     const PropertyNode& node = nodes[row];
+    BIP_ASSERT(node.kind != PropertyKind::Operator || (node.a < row && node.b < row),
+               "node {} stands before its operands", row);
     // The operator above takes the operands of this one.
     if (is_inner_[row] != 0) continue;
     Term term{static_cast<uint32_t>(node.kind), static_cast<uint32_t>(node.type)};

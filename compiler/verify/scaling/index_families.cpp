@@ -6,6 +6,7 @@
 #include <map>
 
 #include "compiler/system/system.hpp"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 
@@ -66,6 +67,7 @@ std::optional<Dimensions> find_dimensions(const IndexFamilies& large, const Syst
   std::map<std::size_t, u32> dimension_of_growth;
   for (std::size_t row = 0; row < large.rows.size(); ++row) {
     const std::size_t length = large.rows[row].atoms.size(), before = small.rows[(*small_of)[row]].atoms.size();
+    BIP_ASSERT(length > 0 && before > 0, "an array of {} components, and one of {}", length, before);
     if (length < before) return std::nullopt;
     u32 dimension = Dimensions::kFixed;
     if (length != before) {
@@ -101,6 +103,9 @@ std::optional<InstanceView> view_instance(const System& system, const IndexFamil
     known = of_large - length;
     view.lengths[dimension] = std::max(view.lengths[dimension], static_cast<u32>(length));
   }
+  BIP_ASSERT(view.family_of_large.size() == large.rows.size() && view.large_family_of.size() == large.rows.size(),
+             "{} arrays, {} and {} are known", large.rows.size(), view.family_of_large.size(),
+             view.large_family_of.size());
   view.families = std::move(*families);
   return view;
 }

@@ -68,6 +68,8 @@ LearnStep LemmaLearner::build_at(std::uint32_t size, const CancellationToken& ca
   TransitionSystem& machine = sized.machine;
   if (!machine.unsupported.empty() || machine.starts_with_fault || !ranges_hold(machine, cancellation))
     return LearnStep::Failed;
+  BIP_ASSERT(sized.view.lengths.size() == dimensions_->count, "{} lengths of {} dimensions", sized.view.lengths.size(),
+             dimensions_->count);
   sized.problem.system = &machine;
   sized.problem.bad = machine.aig.make_or(bad_states(*asked, machine, *instance->image), machine.lost);
   sized.problem.invariants = found_at_once(*instance->system, *instance->image, machine, cancellation);
@@ -139,6 +141,8 @@ void LemmaLearner::choose_size_above(std::uint32_t size, const CancellationToken
 // By unsat cores first; of what they leave, block by block: the greatest inductive subset grows with the candidates, so
 // a block of patterns without which the rest is enough can go as a whole.
 std::vector<LemmaPattern> LemmaLearner::needed(PatternChoice choice) const {
+  BIP_ASSERT(enough_at_ != nullptr && enough_at_->problem.system == &enough_at_->machine,
+             "{} patterns before they are enough", patterns_.size());
   std::vector<LemmaPattern> result(patterns_.begin(), patterns_.end());
   if (choice == PatternChoice::All) return result;
   std::stable_sort(result.begin(), result.end(), [&](const LemmaPattern& a, const LemmaPattern& b) {

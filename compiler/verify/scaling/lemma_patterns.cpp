@@ -16,6 +16,7 @@ namespace {
 constexpr std::size_t kMostPairs = 3;
 
 ElementLiteral element_literal(u32 cube_literal, const TransitionSystem& machine, const InstanceView& view) {
+  BIP_ASSERT(cube_bit(cube_literal) < machine.bits.size(), "bit {} of {}", cube_bit(cube_literal), machine.bits.size());
   const StateBit& bit = machine.bits[cube_bit(cube_literal)];
   return {.family = view.large_family_of[view.families.of_atom[bit.atom].family],
           .is_place = bit.is_place ? 1u : 0u,
@@ -132,6 +133,8 @@ class Instantiation {
   }
   // Block `k` of dimension `d` begins at `position`; `free` positions are left for `repeats` blocks.
   void block(std::size_t d, std::size_t k, u32 position, u32 free, std::size_t repeats) {
+    BIP_ASSERT(position + free <= view_.lengths[d] && repeats <= pattern_.words[d].size() - k,
+               "block {} at {} with {} free positions of {}", k, position, free, view_.lengths[d]);
     const std::vector<LetterBlock>& word = pattern_.words[d];
     if (k == word.size()) {
       if (free == 0) dimension(d + 1);
@@ -173,6 +176,8 @@ void add_patterns(const Cube& cube, const TransitionSystem& machine, const Insta
       fixed.push_back(literal);
       continue;
     }
+    BIP_ASSERT(dimension < words.size() && index < view.lengths[dimension], "element {} of dimension {}", index,
+               dimension);
     words[dimension].resize(view.lengths[dimension]);
     words[dimension][index].push_back(literal);
   }

@@ -36,6 +36,7 @@ class ScaledProperty {
 
  private:
   [[nodiscard]] std::optional<u32> atom(u32 row) const {
+    BIP_ASSERT(row < large_.of_atom.size(), "atom {} of {}", row, large_.of_atom.size());
     const Element element = large_.of_atom[row];
     const std::vector<u32>& atoms = small_.families.rows[small_.family_of_large[element.family]].atoms;
     const std::size_t length = large_.rows[element.family].atoms.size(), half = (atoms.size() + 1) / 2;
@@ -52,6 +53,9 @@ class ScaledProperty {
     return std::nullopt;
   }
   std::optional<u32> copy(PropertyNode node) {
+    BIP_ASSERT(node.kind != PropertyKind::Operator ||
+                   (node.a < rows_.size() && (operand_count(node.op) < 2 || node.b < rows_.size())),
+               "node {} stands before its operands", rows_.size());
     std::optional<u32> owner;
     switch (node.kind) {
       case PropertyKind::Constant:

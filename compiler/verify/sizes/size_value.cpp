@@ -4,6 +4,8 @@
 
 #include <cstdlib>
 
+#include "runtime/include/bip/assert.hpp"
+
 namespace bip::verify {
 
 namespace {
@@ -71,6 +73,7 @@ SizeValue comparison(Op op, const SizeValue& a, const SizeValue& b, const SizeRa
   if (difference.kind != SizeValue::Kind::Linear) return {};
   const std::optional<std::int64_t> least = least_value(difference, range);
   const std::optional<std::int64_t> greatest = greatest_value(difference, range);
+  BIP_ASSERT(!least || !greatest || *least <= *greatest, "a difference from {} to {}", *least, *greatest);
   const bool is_above = least && *least > 0, is_below = greatest && *greatest < 0;
   const bool is_at_least = least && *least >= 0, is_at_most = greatest && *greatest <= 0;
   const bool is_equal = is_at_least && is_at_most;

@@ -139,6 +139,8 @@ class SizeReader {
     for (std::int64_t p = 0; p < size && reason_.empty(); ++p) {
       const std::int64_t i = p - index.constant;
       if (i < range.low || i >= size - range.high) continue;
+      BIP_ASSERT(covered_[item.family].size() == static_cast<std::size_t>(size), "{} zones of {} positions",
+                 covered_[item.family].size(), size);
       ++covered_[item.family][static_cast<std::size_t>(p)];
       std::vector<SizeValue> own = self;
       SizeRange zone{0, 0, size};
@@ -216,6 +218,8 @@ class SizeReader {
       return std::nullopt;
     };
     if (path.is_connector) return refused("binds another connector");
+    BIP_ASSERT(path.element.family < out_.families.size(), "component {} of {}", path.element.family,
+               out_.families.size());
     const SizedFamily& family = out_.families[path.element.family];
     if (path.port >= model_.atom_types[family.type].ports.size())
       return refused("binds a port that others are merged to");

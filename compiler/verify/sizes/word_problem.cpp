@@ -37,6 +37,7 @@ BoundPorts bound_ports(const SizedCompound& sized, const SizedConnector& connect
       case ElementPlace::FromStart: ports.emplace_back(element_path(family, port.offset), port.port); break;
       case ElementPlace::FromEnd: ports.emplace_back(element_path(family, size - 1 - port.offset), port.port); break;
       case ElementPlace::AtLoop:
+        BIP_ASSERT(size > 0 && i + port.offset + size >= 0, "element {} at offset {} of {}", i, port.offset, size);
         ports.emplace_back(element_path(family, (i + port.offset + size) % size), port.port);
         break;
       case ElementPlace::Every:
@@ -284,6 +285,8 @@ std::string candidate_text(const SizedCompound& sized, const Net& net, const Wor
   std::vector<std::string> places;
   std::size_t single = 0, array = 0;
   const auto size = answer.letters.size();
+  BIP_ASSERT(answer.singles.size() == problem.singles.size() && size >= problem.zones.size(),
+             "a candidate of {} single components and {} letters", answer.singles.size(), size);
   for (const SizedFamily& family : sized.families) {
     if (family.kind != ArrayKind::Sized) {
       for (std::int64_t k = 0; k < family.count; ++k, ++single)

@@ -66,6 +66,7 @@ SetPromise kind_of(const RunBytes& bytes) { return static_cast<SetPromise>(bytes
 
 // Of one kind, no value of `a` is greater, and its flag is not less.
 bool is_at_least_as_good(const RunBytes& a, const RunBytes& b) {
+  BIP_ASSERT(a.size() == b.size(), "runs of {} and {} bytes", a.size(), b.size());
   if (a[kKindByte] != b[kKindByte] || byte(a, kFlagByte) < byte(b, kFlagByte)) return false;
   for (std::size_t k = kFirstByte; k < a.size(); ++k) {
     if (byte(a, k) > byte(b, k)) return false;
@@ -370,6 +371,8 @@ RunState WordProver::initial_state(const Signature& singles) const {
 
 // nullopt: an event is complete, or the run ends.
 std::optional<RunState> WordProver::read(const RunState& state, std::size_t zone, const Signature& letter) const {
+  BIP_ASSERT(state.size() == bytes_ && letter.size() == places_ && zone < zone_count(),
+             "a state of {} bytes, a letter of {}, zone {}", state.size(), letter.size(), zone);
   const SetPromise kind = kind_of(state);
   RunState next = state;
   if (kind == SetPromise::Trap) {
@@ -478,6 +481,7 @@ u32 WordProver::add_node(const Node& node) {
 // One for each letter after which no step is complete; after the middle zone comes itself again, or the next one.
 void WordProver::add_children(u32 at) {
   const Node node = nodes_[at];
+  BIP_ASSERT(node.zone < zone_count(), "node {} is at the end", at);
   const Letters& letters = zones_[node.zone];
   for (std::size_t l = 0; l < letters.all.size() && reason_.empty(); ++l) {
     const u32 dead = next(node.dead, node.zone, letters.no_step[l]);
@@ -503,6 +507,8 @@ WordAnswer WordProver::candidate(const Node& last) const {
   WordAnswer answer;
   answer.outcome = WordAnswer::Outcome::Candidate;
   answer.nodes = nodes_.size();
+  BIP_ASSERT(last.zone == zone_count() && last.single < singles_.all.size(), "a candidate that ends in zone {}",
+             last.zone);
   answer.singles = singles_.all[last.single];
   for (Node node = last; node.letter != 0; node = nodes_[node.parent])
     answer.letters.push_back(zones_[nodes_[node.parent].zone].all[node.letter - 1]);
