@@ -15,7 +15,6 @@
 #include "runtime/explore/counterexample.hpp"
 #include "runtime/trace/future.hpp"
 #include "runtime/trace/trace.hpp"
-#include "runtime/include/bip/assert.hpp"
 
 namespace bip::debug {
 

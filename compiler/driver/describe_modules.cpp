@@ -10,7 +10,6 @@
 #include "bip/assert.hpp"
 #include "compiler/driver/genom_files.hpp"
 #include "compiler/driver/rule_files.hpp"
-#include "runtime/include/bip/assert.hpp"
 
 namespace bip::driver {
 

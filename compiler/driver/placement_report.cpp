@@ -14,7 +14,6 @@
 #include "compiler/driver/interaction_counts.hpp"
 #include "runtime/core/fire/partial.hpp"
 #include "runtime/distributed/split_sets.hpp"
-#include "runtime/include/bip/assert.hpp"
 
 namespace bip::driver {
 

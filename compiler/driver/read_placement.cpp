@@ -12,7 +12,6 @@
 #include "compiler/driver/distributed_runs.hpp"
 #include "compiler/driver/interaction_counts.hpp"
 #include "runtime/distributed/place_free_atoms.hpp"
-#include "runtime/include/bip/assert.hpp"
 
 namespace bip::driver {
 

@@ -8,7 +8,6 @@
 
 #include "bip/assert.hpp"
 #include "compiler/ros2/sha256.hpp"
-#include "runtime/include/bip/assert.hpp"
 
 namespace bip::ros2 {
 namespace {
