@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "compiler/library/add_run.hpp"
 #include "compiler/library/decide.hpp"
 #include "compiler/library/point_of_run.hpp"
 #include "compiler/library/timed_verdict.hpp"
@@ -19,7 +18,6 @@
 #include "compiler/system/uses_time.hpp"
 #include "compiler/verify/evidence/certificate.hpp"
 #include "compiler/verify/evidence/reached_zones.hpp"
-#include "compiler/verify/net/unread_data.hpp"
 #include "compiler/verify/property/expression.hpp"
 #include "runtime/core/text.hpp"
 #include "runtime/explore/counterexample.hpp"
@@ -57,11 +55,7 @@ Verdict decide_response(const VerifyRequest& request, Compilation& c, const veri
                         const std::string& note, const verify::CancellationToken& token) {
   const verify::Formula& formula = question.formula;
   BIP_ASSERT(formula.response, "a property of no response");
-  // What can be done is no part of a location.
-  if (std::any_of(formula.states.begin(), formula.states.end(), verify::asks_offers))
-    return refuse(request, c, question,
-                  {"`can` in a property of runs of a model with time", "what can be done changes while time passes",
-                   "`happens` says that it is done, `component@PLACE` where it may be"});
+  if (std::optional<Verdict> refused = refuse_offers(request, c, question)) return std::move(*refused);
   if (!formula.has_limit()) {
     const Unsupported unsupported = without_an_answer(request);
     if (!unsupported.what.empty()) return refuse(request, c, question, unsupported);
@@ -78,10 +72,7 @@ Verdict decide_response(const VerifyRequest& request, Compilation& c, const veri
     };
   };
   const rt::TimedResponse response{at(asked.request), at(asked.response), asked.asks_once, asked.within};
-  rt::ExploreOptions options;
-  options.bytes = request.megabytes * kMega;
-  options.is_stopped = [&] { return cancellation.is_over(); };
-  options.unread_cells = verify::find_unread_cells(*c.system, image, data_of(question));
+  const rt::ExploreOptions options = zone_options(request, c, question, cancellation);
   std::optional<verify::ZoneCollector> zones;
   rt::ZoneReport found;
   if (request.wants_certificate) {
@@ -135,11 +126,9 @@ Verdict decide_response(const VerifyRequest& request, Compilation& c, const veri
     json["time"] = found.match.end;
     json["ends"] = found.is_match_end;
     if (found.match_cycle) json["cycle"] = *found.match_cycle;
-    if (request.wants_run) add_run(json, rt::counterexample_json(image, rt::MaximalProgress::On, end, found.match));
     exit_code = kViolated;
-    run = FoundRun{end, found.match, {}, found.match_cycle};
-    if (request.wants_trace)
-      run->trace = rt::trace_of_counterexample(image, rt::MaximalProgress::On, end, found.match, rt::TraceFormat::Json);
+    run = found_run(request, image, end, found.match, json);
+    run->cycle = found.match_cycle;
   } else if (is_complete && !found.has_match) {
     json["verdict"] = "holds";
     json["method"] = "exhaustive";

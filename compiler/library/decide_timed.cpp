@@ -129,6 +129,33 @@ std::string limit_text(const rt::ZoneReport& found, const verify::CancellationTo
   return "the limit of zones is reached";
 }
 
+std::optional<Verdict> refuse_offers(const VerifyRequest& request, Compilation& c, const verify::Question& question) {
+  const std::vector<verify::Property>& states = question.formula.states;
+  if (std::none_of(states.begin(), states.end(), verify::asks_offers)) return std::nullopt;
+  // What can be done is no part of a location.
+  return refuse(request, c, question,
+                {"`can` in a property of runs of a model with time", "what can be done changes while time passes",
+                 "`happens` says that it is done, `component@PLACE` where it may be"});
+}
+
+rt::ExploreOptions zone_options(const VerifyRequest& request, const Compilation& c, const verify::Question& question,
+                                const verify::CancellationToken& cancellation) {
+  rt::ExploreOptions options;
+  options.bytes = request.megabytes * kMega;
+  options.is_stopped = [&cancellation] { return cancellation.is_over(); };
+  options.unread_cells = verify::find_unread_cells(*c.system, c.lowered->image, data_of(question));
+  return options;
+}
+
+FoundRun found_run(const VerifyRequest& request, const rt::Image& image, rt::CounterexampleEnd end,
+                   const rt::TimedPath& path, nlohmann::ordered_json& json) {
+  FoundRun run{end, path, {}, std::nullopt};
+  if (request.wants_run) add_run(json, rt::counterexample_json(image, rt::MaximalProgress::On, end, path));
+  if (request.wants_trace)
+    run.trace = rt::trace_of_counterexample(image, rt::MaximalProgress::On, end, path, rt::TraceFormat::Json);
+  return run;
+}
+
 std::string time_text(std::int64_t ticks) {
   std::string text;
   rt::append_time(text, ticks);
@@ -315,14 +342,9 @@ Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify:
     json["verdict"] =
         first.end == rt::CounterexampleEnd::TimeLock ? "time lock" : name_of(question.what, Finding::Violated);
     json["steps"] = first.path->steps.size();
-    if (request.wants_run)
-      add_run(json, rt::counterexample_json(image, rt::MaximalProgress::On, first.end, *first.path));
     text = described.steps + described.error;
     exit_code = kViolated;
-    run = FoundRun{first.end, *first.path, {}};
-    if (request.wants_trace)
-      run->trace =
-          rt::trace_of_counterexample(image, rt::MaximalProgress::On, first.end, *first.path, rt::TraceFormat::Json);
+    run = found_run(request, image, first.end, *first.path, json);
   } else if (is_complete && !is_violated) {
     const std::string name = name_of(question.what, Finding::Holds);
     json["verdict"] = name;

@@ -1,13 +1,11 @@
 // Verdicts about invariants that look back (`always (happens start implies once happens calibrate)`) of models with
 // time: see decide.hpp. A monitor beside the zone graph decides (runtime/explore/zone_monitor.cpp).
-#include <algorithm>
 #include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "compiler/library/add_run.hpp"
 #include "compiler/library/decide.hpp"
 #include "compiler/library/point_of_run.hpp"
 #include "compiler/library/timed_verdict.hpp"
@@ -15,8 +13,6 @@
 #include "compiler/pipeline/exit_codes.hpp"
 #include "compiler/pipeline/limits.hpp"
 #include "compiler/system/uses_time.hpp"
-#include "compiler/verify/net/unread_data.hpp"
-#include "compiler/verify/property/expression.hpp"
 #include "runtime/core/text.hpp"
 #include "runtime/explore/counterexample.hpp"
 
@@ -25,10 +21,7 @@ namespace bip::library {
 Verdict decide_timed_past(const VerifyRequest& request, Compilation& c, const verify::Question& question,
                           const std::string& note, const verify::CancellationToken& token) {
   const verify::Formula& formula = question.formula;
-  if (std::any_of(formula.states.begin(), formula.states.end(), verify::asks_offers))
-    return refuse(request, c, question,
-                  {"`can` in a property of runs of a model with time", "what can be done changes while time passes",
-                   "`happens` says that it is done, `component@PLACE` where it may be"});
+  if (std::optional<Verdict> refused = refuse_offers(request, c, question)) return std::move(*refused);
   if (!can_monitor(formula))
     return refuse(request, c, question,
                   {"`previously` for a model with time", "time that passes is no point of its own",
@@ -42,11 +35,8 @@ Verdict decide_timed_past(const VerifyRequest& request, Compilation& c, const ve
   Executor executor(MachineCode::Fresh);
   if (!executor.prepare(c, request.backend, Optimisation::Auto)) return {};
   const rt::Image& image = c.lowered->image;
-  rt::ExploreOptions options;
-  options.bytes = request.megabytes * kMega;
-  options.is_stopped = [&] { return cancellation.is_over(); };
-  options.unread_cells = verify::find_unread_cells(*c.system, image, data_of(question));
-  const rt::ZoneReport found = rt::explore_monitor(image, options, monitor_of(formula));
+  const rt::ZoneReport found =
+      rt::explore_monitor(image, zone_options(request, c, question, cancellation), monitor_of(formula));
   const std::string size = rt::counted(found.zones, "zone") + " of " + rt::counted(found.locations, "location");
   nlohmann::ordered_json json{{"format", "bipc-verdict"}, {"version", 1}, {"verdict", "unknown"}};
   json["property"] = formula.text;
@@ -64,12 +54,8 @@ Verdict decide_timed_past(const VerifyRequest& request, Compilation& c, const ve
     json["verdict"] = "violated";
     json["steps"] = found.match.steps.size();
     json["time"] = found.match.end;
-    if (request.wants_run) add_run(json, rt::counterexample_json(image, rt::MaximalProgress::On, kEnd, found.match));
     exit_code = kViolated;
-    run = FoundRun{kEnd, found.match, {}, std::nullopt};
-    if (request.wants_trace)
-      run->trace =
-          rt::trace_of_counterexample(image, rt::MaximalProgress::On, kEnd, found.match, rt::TraceFormat::Json);
+    run = found_run(request, image, kEnd, found.match, json);
   } else if (found.end == rt::ExploreEnd::Complete && found.inexact.empty() && !found.has_match) {
     json["verdict"] = "holds";
     json["method"] = "exhaustive";

@@ -27,6 +27,17 @@ namespace bip::library {
 /// Why a certificate of a zone graph says less than it should: guards of connectors or priorities that can fault, for
 /// which of several faults, or of a fault and a false guard, comes first is not for a checker to know.
 [[nodiscard]] bool can_fault_in_guards(const System& system);
+/// The refusal of `can` in a property of runs of a model with time; nothing: it has none.
+[[nodiscard]] std::optional<Verdict> refuse_offers(const VerifyRequest& request, Compilation& c,
+                                                   const verify::Question& question);
+/// Options of a search of zones for the question, which `cancellation` ends; it must live as long as the search.
+[[nodiscard]] rt::ExploreOptions zone_options(const VerifyRequest& request, const Compilation& c,
+                                              const verify::Question& question,
+                                              const verify::CancellationToken& cancellation);
+/// Notes in the JSON of a verdict, and returns, the run along a path to what was found, with what the request wants of
+/// it. The image has its code.
+[[nodiscard]] FoundRun found_run(const VerifyRequest& request, const rt::Image& image, rt::CounterexampleEnd end,
+                                 const rt::TimedPath& path, nlohmann::ordered_json& json);
 /// Of a model with C++ or random numbers, which zones cannot follow.
 [[nodiscard]] Verdict unknown_because_of_values(const System& system);
 
