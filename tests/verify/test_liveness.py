@@ -99,6 +99,9 @@ def text_of(atoms, connectors, rule):
         for t in atom.transitions:
             out.append(f"    on p{t.port} from s{t.source} to s{t.target}" + (f" provided (v != {t.guard})" if t.guard is not None else "")
                        + (f" do {{ {CHANGES[t.change]} }}" if t.change else ""))
+        # A run that ends where each atom is final repeats its last state, as all do.
+        if atoms[0].first != 1:
+            out.append("    final " + ", ".join(f"s{k}" for k in range(atom.places)))
         out.append("  end")
     out.append("  compound type Root()")
     out += [f"    component A{row} a{row}()" for row in range(len(atoms))]
