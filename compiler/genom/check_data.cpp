@@ -36,7 +36,7 @@ class InitialValue {
       const bool has_elements = t != nullptr && (t->kind == Kind::Array || t->kind == Kind::Sequence);
       if (t != nullptr && !has_elements && t->kind != Kind::Struct && t->kind != Kind::Union)
         return mismatch(*t, value);
-      // A request takes the value as a whole: what an array lacks nobody would add.
+      // A request brings a value for the whole array, so missing elements would have no value.
       const std::size_t least = has_elements && t->kind == Kind::Array ? static_cast<std::size_t>(t->bound) : 0;
       if (has_elements && t->bound != 0 &&
           (value.parts.size() > static_cast<std::size_t>(t->bound) || value.parts.size() < least))

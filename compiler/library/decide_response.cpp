@@ -102,7 +102,6 @@ Verdict decide_response(const VerifyRequest& request, Compilation& c, const veri
     }
     certificate = *text;
   }
-  const std::string size = rt::counted(found.zones, "zone") + " of " + rt::counted(found.locations, "location");
   nlohmann::ordered_json json{{"format", "bipc-verdict"}, {"version", 1}, {"verdict", "unknown"}};
   json["property"] = formula.text;
   json["zones"] = found.zones;
@@ -132,16 +131,13 @@ Verdict decide_response(const VerifyRequest& request, Compilation& c, const veri
   } else if (is_complete && !found.has_match) {
     json["verdict"] = "holds";
     json["method"] = "exhaustive";
-    text = fmt::format("holds: `{}`: true of all runs through {}\n", formula.text, size);
+    text = fmt::format("holds: `{}`: true of all runs through {}\n", formula.text, size_text(found));
     text += error_note(image, found);
     if (found.has_standing_cycle)
       text += "note: steps can repeat for ever while time stands still (Zeno); such runs do not count\n";
     exit_code = kOk;
   } else {
-    const std::string reason =
-        found.has_match ? "the core could not take the way that was found" : limit_text(found, cancellation);
-    json["reason"] = reason;
-    text = "unknown: " + reason + ", after " + size + '\n';
+    text = unknown_text(found, found.has_match, cancellation, json);
   }
   text += note;
   json["text"] = text;

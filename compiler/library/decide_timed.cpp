@@ -129,6 +129,18 @@ std::string limit_text(const rt::ZoneReport& found, const verify::CancellationTo
   return "the limit of zones is reached";
 }
 
+std::string size_text(const rt::ZoneReport& found) {
+  return rt::counted(found.zones, "zone") + " of " + rt::counted(found.locations, "location");
+}
+
+std::string unknown_text(const rt::ZoneReport& found, bool has_run, const verify::CancellationToken& cancellation,
+                         nlohmann::ordered_json& json) {
+  const std::string reason =
+      has_run ? "the core could not take the way that was found" : limit_text(found, cancellation);
+  json["reason"] = reason;
+  return "unknown: " + reason + ", after " + size_text(found) + '\n';
+}
+
 std::optional<Verdict> refuse_offers(const VerifyRequest& request, Compilation& c, const verify::Question& question) {
   const std::vector<verify::Property>& states = question.formula.states;
   if (std::none_of(states.begin(), states.end(), verify::asks_offers)) return std::nullopt;
@@ -290,11 +302,7 @@ Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify:
   rt::ZoneReport found;
   std::string certificate, refused;
   {
-    rt::ExploreOptions options;
-    options.bytes = request.megabytes * kMega;
-    options.is_stopped = [&] { return cancellation.is_over(); };
-    options.unread_cells = verify::find_unread_cells(
-        *c.system, image, asks_state ? verify::data_of(question.property) : std::vector<DataRef>());
+    rt::ExploreOptions options = zone_options(request, c, question, cancellation);
     if (asks_state) ask(question.property, options);
     if (request.wants_certificate) {
       verify::ZoneCollector zones(*c.system, image, options.unread_cells, request.megabytes * (kMega / 2));
@@ -325,7 +333,6 @@ Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify:
       return {};
     }
   }
-  const std::string size = rt::counted(found.zones, "zone") + " of " + rt::counted(found.locations, "location");
   if (asks_errors) json["property"] = "errors";
   if (asks_partial) json["property"] = "partial";
   json["zones"] = found.zones;
@@ -352,15 +359,12 @@ Verdict decide_timed(const VerifyRequest& request, Compilation& c, const verify:
     const std::string what = asks_errors    ? "no error in "
                              : asks_partial ? "no component waits for ever in "
                                             : "no deadlock and no time lock in ";
-    text = asks_state ? fmt::format("holds: `{}`: true in {}\n", question.property.text, size)
-                      : name + ": " + what + size + '\n';
+    text = asks_state ? fmt::format("holds: `{}`: true in {}\n", question.property.text, size_text(found))
+                      : name + ": " + what + size_text(found) + '\n';
     text += error_note(image, found);
     exit_code = kOk;
   } else {
-    const std::string reason =
-        is_violated ? "the core could not take the way that was found" : limit_text(found, cancellation);
-    json["reason"] = reason;
-    text = "unknown: " + reason + ", after " + size + '\n';
+    text = unknown_text(found, is_violated, cancellation, json);
   }
   text += note;
   json["text"] = text;

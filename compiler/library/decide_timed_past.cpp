@@ -37,7 +37,6 @@ Verdict decide_timed_past(const VerifyRequest& request, Compilation& c, const ve
   const rt::Image& image = c.lowered->image;
   const rt::ZoneReport found =
       rt::explore_monitor(image, zone_options(request, c, question, cancellation), monitor_of(formula));
-  const std::string size = rt::counted(found.zones, "zone") + " of " + rt::counted(found.locations, "location");
   nlohmann::ordered_json json{{"format", "bipc-verdict"}, {"version", 1}, {"verdict", "unknown"}};
   json["property"] = formula.text;
   json["zones"] = found.zones;
@@ -59,14 +58,11 @@ Verdict decide_timed_past(const VerifyRequest& request, Compilation& c, const ve
   } else if (found.end == rt::ExploreEnd::Complete && found.inexact.empty() && !found.has_match) {
     json["verdict"] = "holds";
     json["method"] = "exhaustive";
-    text = fmt::format("holds: `{}`: true at each point of all runs through {}\n", formula.text, size);
+    text = fmt::format("holds: `{}`: true at each point of all runs through {}\n", formula.text, size_text(found));
     text += error_note(image, found);
     exit_code = kOk;
   } else {
-    const std::string reason =
-        found.has_match ? "the core could not take the way that was found" : limit_text(found, cancellation);
-    json["reason"] = reason;
-    text = "unknown: " + reason + ", after " + size + '\n';
+    text = unknown_text(found, found.has_match, cancellation, json);
   }
   text += note;
   json["text"] = text;

@@ -15,6 +15,12 @@ namespace bip::library {
 
 /// Why a search of zones has no answer.
 [[nodiscard]] std::string limit_text(const rt::ZoneReport& found, const verify::CancellationToken& cancellation);
+/// "5 zones of 4 locations".
+[[nodiscard]] std::string size_text(const rt::ZoneReport& found);
+/// Notes in the JSON of a verdict, and returns as text, why it is unknown: `has_run` says that the search has found a
+/// way that the core could not take.
+[[nodiscard]] std::string unknown_text(const rt::ZoneReport& found, bool has_run,
+                                       const verify::CancellationToken& cancellation, nlohmann::ordered_json& json);
 /// The note of a verdict that holds: with which error a run can end, if the search has met one; else empty. The image
 /// has its code.
 [[nodiscard]] std::string error_note(const rt::Image& image, const rt::ZoneReport& found);

@@ -17,7 +17,7 @@ class ToldState {
   /// All must outlive it.
   ToldState(const Core& core, const Distribution& distribution, const Codec& codec)
       : core_(core), distribution_(distribution), codec_(codec) {}
-  /// What the atoms are before anything is told.
+  /// The initial state, before any step is told.
   void start(const State& initial);
   /// The nodes tell all of it anew.
   void begin() { time_.beside.clear(); }
