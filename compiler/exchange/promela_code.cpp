@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "compiler/model/print_expr.hpp"
+#include "compiler/model/statements.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::exchange {
@@ -83,10 +84,10 @@ std::string PromelaCode::statements(StmtId body, const Names& names, const std::
   std::string out;
   for (StmtId row = body; row.is_valid(); row = code_.stmts[row].next) {
     const Stmt& s = code_.stmts[row];
-    switch (s.op) {
-      case StmtOp::StoreSelf: out += assignment(s, names.self, names, indent); break;
-      case StmtOp::StoreBind: out += assignment(s, names.bind, names, indent); break;
-      case StmtOp::If: {
+    switch (shape_of(s)) {
+      case StmtShape::StoresSelf: out += assignment(s, names.self, names, indent); break;
+      case StmtShape::StoresBind: out += assignment(s, names.bind, names, indent); break;
+      case StmtShape::Chooses: {
         const auto branch = [&](StmtId inner) {
           return inner.is_valid() ? statements(inner, names, indent + "  ") : indent + "  skip;\n";
         };
@@ -94,10 +95,16 @@ std::string PromelaCode::statements(StmtId body, const Names& names, const std::
                            branch(s.then_body), branch(s.else_body));
         break;
       }
-      case StmtOp::Call: refuse("a call of C++", s.loc); break;
+      case StmtShape::Evaluates: refuse_evaluation(s, names); break;
     }
   }
   return out;
+}
+
+// For the sake of what it does besides: a call refuses itself.
+void PromelaCode::refuse_evaluation(const Stmt& s, const Names& names) {
+  (void)text(s.value, names);
+  refuse(fmt::format("a statement `{}`", info_of(s.op).word), s.loc);
 }
 
 std::string PromelaCode::assignment(const Stmt& s, const NameOf& target, const Names& names,
@@ -113,11 +120,11 @@ void PromelaCode::substitute(StmtId body, const Names& names, std::map<u32, std:
   current.self = [&self](u32 k) { return self.at(k); };
   for (StmtId row = body; row.is_valid() && refusal_.empty(); row = code_.stmts[row].next) {
     const Stmt& s = code_.stmts[row];
-    switch (s.op) {
-      case StmtOp::StoreSelf:
+    switch (shape_of(s)) {
+      case StmtShape::StoresSelf:
         if (!decides_nothing(s)) self[s.index] = text(s.value, current);
         break;
-      case StmtOp::If: {
+      case StmtShape::Chooses: {
         const std::string condition = text(s.value, current);
         std::map<u32, std::string> yes = self, no = self;
         substitute(s.then_body, names, yes);
@@ -128,8 +135,8 @@ void PromelaCode::substitute(StmtId body, const Names& names, std::map<u32, std:
                       : fmt::format("({} -> {} : {})", condition, yes[variable], no[variable]);
         break;
       }
-      case StmtOp::StoreBind: BIP_UNREACHABLE("an `up` that stores into a port");
-      case StmtOp::Call: refuse("a call of C++", s.loc); break;
+      case StmtShape::StoresBind: BIP_UNREACHABLE("an `up` that stores into a port");
+      case StmtShape::Evaluates: refuse_evaluation(s, current); break;
     }
   }
 }

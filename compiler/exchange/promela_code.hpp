@@ -36,6 +36,7 @@ class PromelaCode {
   [[nodiscard]] bool decides_nothing(const Stmt& store);
   [[nodiscard]] std::string assignment(const Stmt& s, const NameOf& target, const Names& names,
                                        const std::string& indent);
+  void refuse_evaluation(const Stmt& s, const Names& names);
   [[nodiscard]] std::string division(const Expr& e, const std::string& a, const Names& names);
 
   const System& system_;

@@ -72,13 +72,16 @@ class CodeTextWriter {
     return (self && names_.self[*self].empty()) || (bind && names_.bind[*bind].empty());
   }
   void stmt(const Stmt& s) {
-    switch (s.op) {
-      case StmtOp::StoreSelf: out_ += names_.self[s.index] + " = " + expr(s.value).text + ';'; return;
-      case StmtOp::StoreBind: out_ += names_.bind[s.index] + " = " + expr(s.value).text + ';'; return;
-      case StmtOp::Call: out_ += expr(s.value).text + ';'; return;
-      case StmtOp::If: break;
+    const std::string value = expr(s.value).text;
+    switch (shape_of(s)) {
+      case StmtShape::StoresSelf: out_ += names_.self[s.index] + " = " + value + ';'; break;
+      case StmtShape::StoresBind: out_ += names_.bind[s.index] + " = " + value + ';'; break;
+      case StmtShape::Evaluates: out_ += info_of(s.op).before + value + ';'; break;
+      case StmtShape::Chooses: choice(s, value); break;
     }
-    out_ += "if (" + expr(s.value).text + ") then ";
+  }
+  void choice(const Stmt& s, const std::string& condition) {
+    out_ += info_of(s.op).before + ("(" + condition + ") then ");
     stmts(s.then_body);
     if (s.else_body.is_valid()) {
       out_ += " else ";

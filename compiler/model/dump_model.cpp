@@ -42,7 +42,7 @@ struct Dumper {
       const Stmt& s = m.code.stmts[id];
       if (!text.empty()) text += "; ";
       const StmtInfo& info = info_of(s.op);
-      const std::string value = (*info.text == '\0' ? "" : std::string(info.text) + ' ') + expr(s.value);
+      const std::string value = info.before + expr(s.value);
       switch (info.shape) {
         case StmtShape::StoresSelf: text += fmt::format("self{} = {}", s.index, value); break;
         case StmtShape::StoresBind: text += fmt::format("bind{} = {}", s.index, value); break;

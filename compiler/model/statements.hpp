@@ -20,13 +20,13 @@ enum class StmtShape : std::uint8_t {
 enum class StmtValue : std::uint8_t { OfVariable, Condition, Call };
 
 struct StmtInfo {
-  const char* word;  // in .bsys
-  const char* text;  // in --emit=model
+  const char* word;    // in .bsys
+  const char* before;  // before the value, in text
   StmtShape shape;
   StmtValue value;
 };
 inline constexpr std::array kStatements{
-#define BIP_STATEMENT_INFO(name, word, text, shape, value) StmtInfo{word, text, StmtShape::shape, StmtValue::value},
+#define BIP_STATEMENT_INFO(name, word, before, shape, value) StmtInfo{word, before, StmtShape::shape, StmtValue::value},
     BIP_STATEMENTS(BIP_STATEMENT_INFO)
 #undef BIP_STATEMENT_INFO
 };

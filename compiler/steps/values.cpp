@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "compiler/model/operators.hpp"
+#include "compiler/model/statements.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::steps {
@@ -153,11 +154,11 @@ void Values::run(StmtId body, u32 self, const u32* bind) {
   bind_ = bind;
   for (StmtId id = body; id.is_valid() && is_known_; id = code_.stmts[id].next) {
     const Stmt& s = code_.stmts[id];
-    switch (s.op) {
-      case StmtOp::StoreSelf: set(self + s.index, expr(s.value)); break;
-      case StmtOp::StoreBind: set(bind[s.index], expr(s.value)); break;
-      case StmtOp::If: branch(s); break;
-      case StmtOp::Call: is_known_ = false; break;
+    switch (shape_of(s)) {
+      case StmtShape::StoresSelf: set(self + s.index, expr(s.value)); break;
+      case StmtShape::StoresBind: set(bind[s.index], expr(s.value)); break;
+      case StmtShape::Chooses: branch(s); break;
+      case StmtShape::Evaluates: is_known_ = false; break;
     }
   }
 }

@@ -10,12 +10,7 @@ namespace bip::syntax {
 /// Returns the path that the statement itself assigns, or nullptr: branches, and what a call changes by reference, do
 /// not count.
 [[nodiscard]] inline const Path* assigned_path(const Stmt& s) {
-  switch (s.kind) {
-    case StmtKind::Assign: return &s.target;
-    case StmtKind::Call:
-    case StmtKind::If: break;
-  }
-  return nullptr;
+  return parts_of(s) == StmtParts::Target ? &s.target : nullptr;
 }
 
 /// Calls `see(const Path&)` for every path that the expression reads, in the order of the text; nullptr has none.

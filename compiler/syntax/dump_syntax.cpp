@@ -62,16 +62,13 @@ void Dumper::block(std::string_view word, const Block& b) {
 }
 
 void Dumper::stmt(const Stmt& s) {
-  switch (s.kind) {
-    case StmtKind::Assign:
-      return line("Assign", s.range, text(s.target) + (s.clock_speed ? "'" : "") + " = " + text(s.value));
-    case StmtKind::Call: return line("CallStmt", s.range, text(s.value));
-    case StmtKind::If: return if_stmt(s);
-  }
+  const std::string target =
+      parts_of(s) == StmtParts::Target ? text(s.target) + (s.clock_speed ? "'" : "") + " = " : "";
+  line(info_of(s.kind).node, s.range, target + text(s.value));
+  if (parts_of(s) == StmtParts::Bodies) bodies(s);
 }
 
-void Dumper::if_stmt(const Stmt& s) {
-  line("If", s.range, text(s.value));
+void Dumper::bodies(const Stmt& s) {
   ++indent_;
   for (const Stmt* inner : s.then_body) stmt(*inner);
   if (!s.else_body.empty()) {

@@ -19,7 +19,7 @@ class Dumper {
   void data(const DataDecl& d);
   void block(std::string_view word, const Block& b);
   void stmt(const Stmt& s);
-  void if_stmt(const Stmt& s);
+  void bodies(const Stmt& s);
   void decl(const Decl& d);
   void connector(const ConnectorBody& c);
   void atom(const Decl& d);

@@ -50,12 +50,12 @@ void SyntaxPrinter::stmt(const Stmt& s) {
 
 // Each `if` of the chain that had a `fi` of its own keeps it: the published tools know no other.
 void SyntaxPrinter::if_chain(const Stmt& s) {
-  BIP_ASSERT(s.kind == StmtKind::If, "no `if` at {}", s.range.begin);
+  BIP_ASSERT(parts_of(s) == StmtParts::Bodies, "no `if` at {}", s.range.begin);
   begin_line();
   const Stmt* at = &s;
   std::string ends = "fi";
   while (true) {
-    put("if (" + text(at->value, Parentheses::Dropped) + ") then");
+    put(std::string(info_of(at->kind).before) + "(" + text(at->value, Parentheses::Dropped) + ") then");
     header_line(at->value->range.end);
     stmts(at->then_body);
     --indent_;

@@ -138,24 +138,12 @@ std::string SyntaxPrinter::guard(const Expr* e) const {
 
 std::string SyntaxPrinter::simple(const Stmt& s) const {
   BIP_ASSERT(is_simple(s) && s.value != nullptr, "a statement of several lines at {}", s.range.begin);
-  switch (s.kind) {
-    case StmtKind::Assign:
-      return text(s.target) + (s.clock_speed ? "'" : "") + (notation_ == Notation::Paper ? " <- " : " = ") +
-             text(s.value);
-    case StmtKind::Call: return text(s.value);
-    case StmtKind::If: break;
-  }
-  BIP_UNREACHABLE("a statement of several lines");
+  const std::string value = std::string(info_of(s.kind).before) + text(s.value);
+  if (parts_of(s) == StmtParts::ValueAlone) return value;
+  return text(s.target) + (s.clock_speed ? "'" : "") + (notation_ == Notation::Paper ? " <- " : " = ") + value;
 }
 
-bool SyntaxPrinter::is_simple(const Stmt& s) {
-  switch (s.kind) {
-    case StmtKind::Assign:
-    case StmtKind::Call: return true;
-    case StmtKind::If: break;
-  }
-  return false;
-}
+bool SyntaxPrinter::is_simple(const Stmt& s) { return parts_of(s) != StmtParts::Bodies; }
 
 std::string SyntaxPrinter::text(const PortExpr& e, Level level) const {
   const std::string prime = e.trigger ? "'" : "";

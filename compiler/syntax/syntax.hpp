@@ -4,6 +4,8 @@
 // range. Text that could not be parsed has no node (and a diagnostic). No pointer is null unless the field says "may be
 // null".
 #pragma once
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -12,6 +14,8 @@
 #include "compiler/base/arena.hpp"
 #include "compiler/source/source.hpp"
 #include "compiler/syntax/ops.def"
+#include "compiler/syntax/stmt_kinds.def"
+#include "runtime/include/bip/assert.hpp"
 
 namespace bip::syntax {
 
@@ -54,7 +58,28 @@ struct Expr {
 };
 
 // ---- statements ------------------------------------------------------------------------------------------------
-enum class StmtKind : std::uint8_t { Assign, Call, If };
+enum class StmtKind : std::uint8_t {
+#define BIP_STMT_KIND(name, node, before, parts) name,
+  BIP_STMT_KINDS(BIP_STMT_KIND)
+#undef BIP_STMT_KIND
+};
+/// Which parts a statement has, besides its value.
+enum class StmtParts : std::uint8_t {
+  Target,  // target, clock_speed
+  ValueAlone,
+  Bodies  // then_body, else_body, shares_fi
+};
+struct StmtKindInfo {
+  std::string_view node;    // in --emit=syntax
+  std::string_view before;  // before the value in the source
+  StmtParts parts;
+};
+inline constexpr std::array kStmtKinds{
+#define BIP_STMT_KIND_INFO(name, node, before, parts) StmtKindInfo{node, before, StmtParts::parts},
+    BIP_STMT_KINDS(BIP_STMT_KIND_INFO)
+#undef BIP_STMT_KIND_INFO
+};
+
 struct Stmt {
   StmtKind kind = StmtKind::Call;
   SourceRange range{};
@@ -65,6 +90,12 @@ struct Stmt {
   std::span<const Stmt* const> else_body{};
   bool shares_fi = false;  // If after `else`: ended by the `fi` of the one before it
 };
+[[nodiscard]] constexpr const StmtKindInfo& info_of(StmtKind kind) {
+  BIP_ASSERT(static_cast<std::size_t>(kind) < kStmtKinds.size(), "statement {}", static_cast<std::size_t>(kind));
+  return kStmtKinds[static_cast<std::size_t>(kind)];
+}
+[[nodiscard]] constexpr StmtParts parts_of(const Stmt& s) { return info_of(s.kind).parts; }
+
 /// `{ … }`. present tells an empty block from none.
 struct Block {
   bool present = false;

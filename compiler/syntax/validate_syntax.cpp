@@ -91,7 +91,7 @@ class SyntaxValidator {
     path(s->target, s->range);
     expect((assigned_path(*s) != nullptr) != s->target.parts.empty(), "an assignment alone has a target", s->range);
     const bool is_leaf = s->then_body.empty() && s->else_body.empty();
-    expect(s->kind == StmtKind::If || is_leaf, "only `if` has bodies", s->range);
+    expect(parts_of(*s) == StmtParts::Bodies || is_leaf, "only `if` has bodies", s->range);
     statements(s->then_body, s->range);
     statements(s->else_body, s->range);
   }
