@@ -267,8 +267,9 @@ class Avoidance {
  public:
   enum class Answer : std::uint8_t { Possible, Impossible, Unknown };
 
-  Avoidance(const rt::Image& image, const SearchGoal& goal, RunAtoms& atoms, const CancellationToken& token)
-      : core_(image), goal_(goal), atoms_(atoms), token_(token) {}
+  // The core may be in any state, and is left in any.
+  Avoidance(rt::Core& core, const SearchGoal& goal, RunAtoms& atoms, const CancellationToken& token)
+      : core_(core), goal_(goal), atoms_(atoms), token_(token) {}
 
   // `way_out`: the first step of such a run that atoms of the run take part in, if there is one.
   Answer from(const rt::State& state, std::string& way_out) {
@@ -279,24 +280,33 @@ class Avoidance {
     if (!core_.restore(state) || is_goal_state(core_, goal_)) return Answer::Impossible;
     if (core_.candidate_count() == 0) return Answer::Possible;
     bool meets_errors = false;
-    push(Edge::OfOthers);
+    push(core_.snapshot(), Edge::OfOthers);
+    bool is_at_end = true;  // the core is in the state at the end of the path
     while (!path_.empty()) {
       Frame& frame = path_.back();
-      if (frame.next == frame.choices.size()) {
+      if (!is_at_end && !core_.restore(frame.state)) return Answer::Unknown;
+      is_at_end = false;
+      if (!choose_next(frame)) {
         if (leave()) return found(way_out);
         continue;
       }
       if (nodes_.size() > kAvoidingStates || nodes_.size() * bytes_ > kStoredBytes || token_.is_cancelled())
         return Answer::Unknown;
-      const Edge edge = frame.next < frame.touching ? Edge::Fair : frame.other_edges;
-      const std::uint64_t choice = frame.choices[frame.next++];
-      if (!core_.restore(frame.state)) return Answer::Unknown;
-      if (!core_.fire(choice)) {
+      const Edge edge = frame.is_touching || !frame.has_touching ? Edge::Fair : Edge::OfOthers;
+      if (!core_.fire(frame.choice)) {
         meets_errors = meets_errors || !goal_.faults;
         continue;
       }
       if (is_goal_state(core_, goal_)) continue;
-      if (core_.candidate_count() == 0 || closes_fair_cycle(edge)) return found(way_out);
+      if (core_.candidate_count() == 0) return found(way_out);
+      rt::State reached = core_.snapshot();
+      const auto known = rows_.find(state_key(reached));
+      if (known == rows_.end()) {
+        push(std::move(reached), edge);
+        is_at_end = true;
+      } else if (closes_fair_cycle(nodes_[known->second], edge)) {
+        return found(way_out);
+      }
     }
     return meets_errors ? Answer::Unknown : Answer::Impossible;
   }
@@ -311,43 +321,51 @@ class Avoidance {
   struct Frame {
     rt::State state;
     u32 node = 0;
-    Edge edge = Edge::OfOthers;          // that led here
-    std::size_t fair_before = 0;         // fair edges of the path up to here
-    std::vector<std::uint64_t> choices;  // those that touch atoms of the run first
-    std::size_t touching = 0, next = 0;
-    Edge other_edges = Edge::OfOthers;
+    Edge edge = Edge::OfOthers;         // that led here
+    std::size_t fair_before = 0;        // fair edges of the path up to here
+    std::uint64_t choice = 0;           // the step that is tried
+    bool is_touching = true;            // it touches atoms of the run; those that do are tried first
+    bool has_touching = false;          // some step does
+    std::uint64_t next = 0;             // of the candidates; then of `others`
+    std::vector<std::uint64_t> others;  // candidates that touch no atom of the run
   };
   static constexpr std::size_t kOffPath = ~std::size_t{0};
 
-  // To the core's state, by an edge from the end of the path. Returns whether a cycle with a fair edge is closed.
-  bool closes_fair_cycle(Edge edge) {
-    const auto known = rows_.find(state_key(core_.snapshot()));
-    if (known == rows_.end()) {
-      push(edge);
-      return false;
+  // The next step from the end of the path, in whose state the core is; false: all were tried.
+  bool choose_next(Frame& frame) {
+    for (; frame.is_touching && frame.next < core_.candidate_count(); ++frame.next) {
+      if (!atoms_.touches(core_, frame.next)) {
+        frame.others.push_back(frame.next);
+        continue;
+      }
+      frame.has_touching = true;
+      frame.choice = frame.next++;
+      return true;
     }
-    const Node& node = nodes_[known->second];
+    if (frame.is_touching) {
+      frame.is_touching = false;
+      frame.next = 0;
+    }
+    if (frame.next == frame.others.size()) return false;
+    frame.choice = frame.others[frame.next++];
+    return true;
+  }
+
+  // By an edge from the end of the path to a node that was there before.
+  bool closes_fair_cycle(const Node& node, Edge edge) {
     if (!node.is_open) return false;
     Frame& frame = path_.back();
     nodes_[frame.node].low = std::min(nodes_[frame.node].low, node.low);
     return edge == Edge::Fair || (node.depth != kOffPath && frame.fair_before > path_[node.depth].fair_before);
   }
 
-  void push(Edge edge) {
+  void push(rt::State state, Edge edge) {
     Frame frame;
-    frame.state = core_.snapshot();
     frame.node = static_cast<u32>(nodes_.size());
     frame.edge = edge;
     frame.fair_before = (path_.empty() ? 0 : path_.back().fair_before) + (edge == Edge::Fair ? 1 : 0);
-    for (std::uint64_t k = 0; k < core_.candidate_count(); ++k)
-      if (atoms_.touches(core_, k)) frame.choices.push_back(k);
-    frame.touching = frame.choices.size();
-    for (std::uint64_t k = 0, touching = 0; k < core_.candidate_count(); ++k) {
-      if (touching < frame.touching && frame.choices[touching] == k) ++touching;
-      else frame.choices.push_back(k);
-    }
-    if (frame.touching == 0) frame.other_edges = Edge::Fair;
-    std::string key = state_key(frame.state);
+    std::string key = state_key(state);
+    frame.state = std::move(state);
     bytes_ = key.size();
     rows_.emplace(std::move(key), frame.node);
     nodes_.push_back({.low = frame.node, .depth = path_.size()});
@@ -378,7 +396,7 @@ class Avoidance {
 
   Answer found(std::string& way_out);
 
-  rt::Core core_;
+  rt::Core& core_;
   const SearchGoal& goal_;
   RunAtoms& atoms_;
   const CancellationToken& token_;
@@ -398,10 +416,10 @@ std::string step_text(rt::Core& core, std::uint64_t choice) {
 }
 
 Avoidance::Answer Avoidance::found(std::string& way_out) {
-  const auto touching = std::find_if(path_.begin(), path_.end(), [](const Frame& f) { return f.next <= f.touching; });
+  const auto touching = std::find_if(path_.begin(), path_.end(), [](const Frame& f) { return f.is_touching; });
   const Frame& frame = touching != path_.end() ? *touching : path_.front();
   if (!core_.restore(frame.state)) return Answer::Unknown;
-  way_out = step_text(core_, frame.choices[frame.next - 1]);
+  way_out = step_text(core_, frame.choice);
   return Answer::Possible;
 }
 
@@ -457,7 +475,7 @@ std::optional<DecidingStep> deciding_step(const rt::Image& image, const SearchGo
   }
   BIP_ENSURE(states.size() == choices.size(), "the run ends after {} of {} steps", states.size(), choices.size());
   if (!has_choice) return std::nullopt;
-  Avoidance avoidance(image, goal, atoms, token);
+  Avoidance avoidance(core, goal, atoms, token);
   // Once the goal cannot be avoided it stays so: the last state where it can be is found by halving.
   std::size_t low = 0, high = states.size();  // states below `low` have a way out, those from `high` on have none
   DecidingStep found;

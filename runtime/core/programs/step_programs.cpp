@@ -145,8 +145,16 @@ bool StepPrograms::list_program(InteractionId interaction, Parts& parts) {
   return list_effects(parts);
 }
 
+// Building the programs of all interactions takes as long as about 16 steps an interaction without them. A replay of a
+// few steps does not pay for it, a run soon does. Steps need what code is bound to all the same.
+bool StepPrograms::build_if_worthwhile() {
+  if (asked_ == 0) core_.memory.binds.make(*core_.tables.image);
+  if (asked_++ < core_.tables.connector_interactions) return false;
+  build();
+  return true;
+}
+
 void StepPrograms::build() {
-  core_.memory.binds.make(*core_.tables.image);
   std::vector<u32> words;  // all programs, each after its interaction and length
   std::size_t longest = 1;
   Parts parts;

@@ -34,9 +34,9 @@ class StepPrograms {
  public:
   explicit StepPrograms(CoreParts& core) : core_(core) {}
 
-  /// Returns the interaction's program for run(), or a word kNone if it has none. Builds all programs the first time.
+  /// Returns the interaction's program for run(), or a word kNone if it has none (yet).
   [[nodiscard]] const u32* program_of(InteractionId interaction) {
-    if (rows_.empty()) build();
+    if (rows_.empty() && !build_if_worthwhile()) return &kNoProgram;
     return rows_.data() + std::size_t{interaction.value} * row_words_;
   }
   /// Takes the step of an interaction that has a candidate; the core is settled then. False: a fault.
@@ -72,6 +72,7 @@ class StepPrograms {
     std::vector<InteractionId> touched;
     std::vector<std::pair<u32, std::int32_t>> deltas;
   };
+  bool build_if_worthwhile();
   void build();
   void list_code(u32 connector, Code code, OwnData own, Codes& out);
   void list_port(u32 instance, Parts& parts);
@@ -81,7 +82,10 @@ class StepPrograms {
   bool run_codes(const u32* word, u32 count, InteractionId interaction, Half half);
   bool fail_program(std::int32_t status, InteractionId interaction, Half half, u32 index);
 
+  static constexpr u32 kNoProgram = kNone;
+
   CoreParts& core_;
+  std::size_t asked_ = 0;      // for programs, before they were built
   std::vector<u32> rows_;      // by interaction, row_words_ each: its program; kNone: it has none. Made when needed
   std::vector<u32> programs_;  // those longer than a row
   u32 row_words_ = 1;
