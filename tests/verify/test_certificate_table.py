@@ -28,7 +28,8 @@ AGREEMENT = "never proposer[0]@CHOSEN && proposer[1]@CHOSEN && proposer[0].value
 ROWS = {
     "deadlock-free, error-free, `never` and `always` of a state: by invariants or induction": [
         ("classic/philosophers_safe.bip", ["--root", "Table(5)"], "accepted", "method invariants"),
-        ("scaling/sliding_window.bip", ["--root", "Window(12)", "--property", LANE], "accepted", "method induction")],
+        ("scaling/sliding_window.bip", ["--root", "Window(12)", "--property", LANE], "accepted", "method induction"),
+        ("scaling/sliding_window.bip", ["--root", "Window(20)", "--property", "never sink.is_wrong"], "accepted", "method induction")],
     "the same, by a visit of all states": [
         ("sizes/semaphore.bip", ["--root", "Shared(3)", "--property", "errors"], "accepted", None),
         ("free_by_exhaustion.golden", [], "counted", "method exhaustive")],

@@ -61,19 +61,21 @@ std::vector<std::pair<u32, u32>> find_neighbours(const TransitionSystem& machine
 }  // namespace
 
 std::vector<Cube> find_local_candidates(const TransitionSystem& machine, const std::vector<u32>& atom_of_port,
-                                        const SampledStates& states, std::size_t most,
-                                        const CancellationToken& cancellation) {
+                                        const SampledStates& states, const std::vector<std::uint8_t>& is_possible,
+                                        std::size_t most, const CancellationToken& cancellation) {
   BIP_ASSERT(states.values.size() == machine.bits.size(), "{} rows of {} bits", states.values.size(),
+             machine.bits.size());
+  BIP_ASSERT(is_possible.size() == 2 * machine.bits.size(), "{} literals of {} bits", is_possible.size(),
              machine.bits.size());
   const Samples samples(states);
   std::vector<Cube> cubes;
-  // By atom: literals that some state has. One without any is a lemma by itself.
+  // By atom: literals that some state has, or may have. One without any is a lemma by itself.
   std::vector<std::vector<u32>> literals(machine.marks.size());
   for (u32 bit = 0; bit < machine.bits.size(); ++bit) {
     for (const bool value : {true, false}) {
       if (machine.bits[bit].is_place && !value) continue;
       const u32 literal = cube_literal_of(bit, value);
-      if (samples.refute(literal)) literals[machine.bits[bit].atom].push_back(literal);
+      if (is_possible[literal] != 0 || samples.refute(literal)) literals[machine.bits[bit].atom].push_back(literal);
       else cubes.push_back({literal});
     }
   }

@@ -4,8 +4,11 @@
 #include <algorithm>
 
 #include "compiler/base/log.hpp"
+#include "compiler/system/system.hpp"
+#include "compiler/verify/invariants/local_houdini.hpp"
 #include "compiler/verify/invariants/local_lemmas.hpp"
 #include "compiler/verify/portfolio/induction_engines.hpp"
+#include "compiler/verify/symbolic/mode_signals.hpp"
 #include "runtime/core/core.hpp"
 #include "runtime/include/bip/prng.hpp"
 #include "runtime/include/bip/assert.hpp"
@@ -14,8 +17,11 @@ namespace bip::verify {
 
 namespace {
 
-// Of 5,228 Houdini decided none in six seconds.
-constexpr std::size_t kMostCandidates = 4'000;
+// Their number is linear in the connectors: a sliding window of 480 cells has 67,000.
+constexpr std::size_t kMostCandidates = 100'000;
+// Of 5,228 that were not filtered Houdini decided none in six seconds.
+constexpr std::size_t kMostUnfiltered = 4'000;
+constexpr double kSecondsOfUnfiltered = 6;
 // So many words of 64 states are sampled; each interaction is fired about so often in all.
 constexpr std::size_t kSampledWords = 64;
 constexpr std::size_t kFirings = 16;
@@ -90,24 +96,96 @@ class SamplingRun {
   SampledStates result_;
 };
 
+// What place invariants with one token exclude.
+std::vector<Exclusion> find_exclusions(ProofContext& context) {
+  std::vector<Exclusion> exclusions;
+  if (!context.facts.proof) return exclusions;
+  const Net& net = context.parts.net();
+  const Proof& proof = *context.facts.proof;
+  const ModeSignals modes =
+      mode_signals(net, proof, context.parts.transition_system(context.limits.megabytes), context.parts.image());
+  for (const TokenInvariant& invariant : proof.invariants) {
+    bool is_one_token = invariant.kind != InvariantKind::Trap && invariant.total == 1;
+    for (std::size_t k = 0; k < invariant.modes.size(); ++k)
+      is_one_token = is_one_token && weight_of(invariant, k) == 1;
+    if (!is_one_token) continue;
+    Exclusion& exclusion = exclusions.emplace_back();
+    for (const u32 mode : invariant.modes) {
+      const u32 atom = net.atom_of_mode[mode];
+      if (modes.modes[mode] != kFalse)
+        exclusion.signals.push_back({atom, mode - net.mode_base[atom], modes.modes[mode]});
+    }
+  }
+  return exclusions;
+}
+
+LocalQuestions local_questions(ProofContext& context, const TransitionSystem& machine) {
+  LocalQuestions questions;
+  questions.system = &machine;
+  questions.atom_of_port = context.parts.net().graph.atom_of_port;
+  questions.exclusions = find_exclusions(context);
+  const System& system = context.parts.system();
+  for (const Atom& atom : system.atoms) questions.type_of_atom.push_back(atom.type.value);
+  const rt::Core core(context.parts.image());
+  for (const SystemStep& step : machine.steps) {
+    const bool is_connector = core.tables().is_of_connector(step.interaction);
+    questions.kind_of_step.push_back(
+        is_connector
+            ? system.connectors[ConnectorId(std::size_t{core.tables().connector_of(step.interaction)})].type.value
+            : kNoRow);
+  }
+  return questions;
+}
+
+// A literal of no sampled state is a candidate by itself. If it is refuted, others with it are candidates.
+std::vector<Cube> find_local_lemmas(ProofContext& context, const TransitionSystem& machine, const SampledStates& states,
+                                    const CancellationToken& cancellation) {
+  const LocalQuestions questions = local_questions(context, machine);
+  std::vector<std::uint8_t> is_possible(2 * machine.bits.size(), 0);
+  for (;;) {
+    const std::vector<Cube> cubes =
+        find_local_candidates(machine, questions.atom_of_port, states, is_possible, kMostCandidates, cancellation);
+    std::vector<Cube> kept = keep_locally_inductive(questions, cubes, cancellation);
+    if (cancellation.is_over()) return {};
+    bool is_new = false;
+    std::size_t at = 0;
+    for (const Cube& cube : cubes) {
+      const bool is_kept = at < kept.size() && kept[at] == cube;
+      if (is_kept) ++at;
+      if (is_kept || cube.size() != 1) continue;
+      is_possible[cube[0]] = 1;
+      is_new = true;
+    }
+    BIP_ASSERT(at == kept.size(), "{} of {} lemmas are candidates", at, kept.size());
+    if (!is_new) return kept;
+  }
+}
+
+// By small questions first, which few neighbours answer; then by all invariants, if the candidates are few.
 EngineResult prove_by_local_lemmas(ProofContext& context, const Budget& budget, const CancellationToken& cancellation) {
   EngineResult none;
   none.retry = Retry::Pointless;
   if (!context.parts.has_code()) return none;
   const CancellationToken share = cancellation.within(budget.seconds);
-  const LemmaSource candidates = [&](const TransitionSystem& machine) {
+  SampledStates states;
+  const LemmaSource filtered = [&](const TransitionSystem& machine) {
     // The samples of a bit are few bytes, but of all bits.
-    if (machine.bits.size() * kSampledWords * sizeof(std::uint64_t) >
+    if (machine.bits.size() * kSampledWords * sizeof(std::uint64_t) <=
         context.limits.megabytes * (std::size_t{1} << 20) / 8)
-      return std::vector<Cube>{};
-    const SampledStates states = SamplingRun(context.parts.image(), machine).run(share);
+      states = SamplingRun(context.parts.image(), machine).run(share);
     if (states.values.empty() || states.values[0].empty()) return std::vector<Cube>{};
-    std::vector<Cube> cubes =
-        find_local_candidates(machine, context.parts.net().graph.atom_of_port, states, kMostCandidates, share);
-    BIP_LOG(Houdini, 1, "{} local candidates", cubes.size());
-    return cubes;
+    return find_local_lemmas(context, machine, states, share);
   };
-  EngineResult found = try_lemmas(context, {share.seconds_left()}, cancellation, candidates, LemmaReduction::ByShape);
+  EngineResult found = try_lemmas(context, {share.seconds_left()}, cancellation, filtered, LemmaReduction::ByShape);
+  if (found.outcome != Outcome::Unknown) return found;
+  if (states.values.empty() || states.values[0].empty()) return none;
+  const LemmaSource unfiltered = [&](const TransitionSystem& machine) {
+    const std::vector<std::uint8_t> is_possible(2 * machine.bits.size(), 0);
+    return find_local_candidates(machine, context.parts.net().graph.atom_of_port, states, is_possible, kMostUnfiltered,
+                                 share);
+  };
+  found = try_lemmas(context, {std::min(share.seconds_left(), kSecondsOfUnfiltered)}, cancellation, unfiltered,
+                     LemmaReduction::ByShape);
   return found.outcome == Outcome::Unknown ? none : found;
 }
 

@@ -70,7 +70,7 @@ constexpr PortfolioRow kRows[] = {
     {&kAffineEngine, kThird},
     {&kExhaustiveEngine, kFirstTurn},
     {&kIc3Engine, kFirstTurn, WhenOver::Skip, takes_turns_with_search},
-    {&kLocalLemmaEngine, {ShareOf::TimeLeft, 1.0 / 3, 6}},
+    {&kLocalLemmaEngine, {ShareOf::TimeLeft, 1.0 / 2, 30}},
     {&kPairLemmaEngine, {ShareOf::TimeLeft, 1.0 / 3, 30}},
     {&kRandomRunsEngine, {ShareOf::TimeLeft, 1.0 / 8, 5}},
     {&kSmallInstanceEngine, {ShareOf::TimeLeft, 3.0 / 4}, WhenOver::Skip, is_not_symmetric},

@@ -54,8 +54,8 @@ struct Lamps {
   }
   [[nodiscard]] std::vector<Cube> candidates(const std::vector<std::string>& states, std::size_t most = 100) const {
     const Net net = build_net(*compiled.system);
-    std::vector<Cube> cubes =
-        find_local_candidates(machine, net.graph.atom_of_port, sampled(states), most, within_seconds(60));
+    std::vector<Cube> cubes = find_local_candidates(machine, net.graph.atom_of_port, sampled(states),
+                                                    std::vector<std::uint8_t>(12, 0), most, within_seconds(60));
     std::sort(cubes.begin(), cubes.end());
     return cubes;
   }
