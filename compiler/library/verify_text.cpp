@@ -90,6 +90,10 @@ std::string method_text(const Compilation& c, const verify::Question& question, 
             return visited() +
                    (has_failed ? "note: the certificate is their number, which only another search can check\n" : "");
           },
+          [&](const verify::CountingProof& evidence) {
+            return fmt::format(": proved by counting {} with {} {}\n", count_of(evidence.local_states, "local state"),
+                               count_of(evidence.sums.size(), "weighted sum"), size);
+          },
           [](const verify::Counterexample&) { return std::string(); },
           [](const std::monostate&) { return std::string(); },
       },
@@ -110,6 +114,14 @@ std::string free_text(const Compilation& c, const verify::Question& question, co
     add_lines(text, proof->lemmas, [&](const verify::Cube& lemma) {
       return "never " + verify::cube_text(*portfolio.transition_system(), *c.system, lemma);
     });
+  }
+  if (const auto* proof = std::get_if<verify::CountingProof>(&d.evidence)) {
+    for (const verify::CountingProof::Sum& sum : proof->sums) {
+      text +=
+          fmt::format("  a sum that no step raises: at first at most {}, where the property is violated at least {}\n",
+                      sum.initially, sum.in_bad_states);
+      add_lines(text, sum.weights, [](const std::string& line) { return "  " + line; });
+    }
   }
   return text;
 }
@@ -194,6 +206,11 @@ nlohmann::ordered_json verdict_json(const VerdictText& v, const verify::Question
                  },
                  [&](const verify::ReachedStates&) { json["method"] = "exhaustive"; },
                  [&](const verify::StateCount&) { json["method"] = "exhaustive"; },
+                 [&](const verify::CountingProof& evidence) {
+                   json["method"] = "counting";
+                   json["local_states"] = evidence.local_states;
+                   json["sums"] = evidence.sums.size();
+                 },
                  [](const verify::Counterexample&) {},
                  [](const std::monostate&) {},
              },

@@ -39,6 +39,16 @@ struct StateCount {
   enum class Listing : std::uint8_t { NotRequested, Impossible };
   Listing listing = Listing::NotRequested;  // why there are no ReachedStates
 };
+/// Holds: weights of local states whose sum over the components, interchangeable ones counted together, no step raises,
+/// and which each bad state exceeds. Checked in integers; there is no certificate of it.
+struct CountingProof {
+  struct Sum {
+    std::int64_t initially = 0, in_bad_states = 0;  // at most; at least
+    std::vector<std::string> weights;               // one line for each local state of weight > 0
+  };
+  std::vector<Sum> sums;  // one for each combination of bad local states; empty: none is reachable
+  std::size_t local_states = 0;
+};
 /// Violated: the numbers of the candidates taken from the initial state, which end in the bad state or in the fault.
 struct Counterexample {
   std::vector<std::uint64_t> choices;
@@ -47,7 +57,7 @@ struct Counterexample {
 
 /// monostate: no verdict.
 using Evidence =
-    std::variant<std::monostate, InvariantProof, InductiveProof, ReachedStates, StateCount, Counterexample>;
+    std::variant<std::monostate, InvariantProof, InductiveProof, ReachedStates, StateCount, CountingProof, Counterexample>;
 
 /// Makes one visitor of several lambdas, one per kind of evidence.
 template <class... Visitors>

@@ -1,6 +1,8 @@
 // See check_evidence.hpp.
 #include "compiler/verify/portfolio/check_evidence.hpp"
 
+#include <algorithm>
+
 #include "compiler/verify/invariants/token_invariant_checker.hpp"
 
 namespace bip::verify {
@@ -31,6 +33,11 @@ bool is_evidence_sound(const SystemParts& parts, const Question& question, const
                         [&](const InductiveProof&) { return holds() && has_true_invariants(); },
                         [&](const ReachedStates& evidence) { return holds() && evidence.rows.ends_with('\n'); },
                         [&](const StateCount&) { return holds(); },
+                        [&](const CountingProof& evidence) {
+                          return holds() &&
+                                 std::all_of(evidence.sums.begin(), evidence.sums.end(),
+                                             [](const auto& sum) { return sum.initially < sum.in_bad_states; });
+                        },
                         [&](const Counterexample& evidence) {
                           if (decision.outcome != Outcome::Violated) return false;
                           // Which atoms wait for ever is not to be seen in the last state alone.

@@ -6,6 +6,7 @@
 #include "compiler/system/system.hpp"
 #include "compiler/verify/portfolio/cached_proof_engine.hpp"
 #include "compiler/verify/portfolio/check_evidence.hpp"
+#include "compiler/verify/portfolio/counting_engine.hpp"
 #include "compiler/verify/portfolio/induction_engines.hpp"
 #include "compiler/verify/portfolio/local_lemma_engine.hpp"
 #include "compiler/verify/portfolio/search_engines.hpp"
@@ -66,6 +67,7 @@ constexpr PortfolioRow kRows[] = {
     {&kInvariantEngine, {}, WhenOver::Attempt},
     {&kFirstSearchEngine, {}, WhenOver::Attempt},
     {&kExhaustiveEngine, kFirstTurn, WhenOver::Skip, is_symmetric},
+    {&kCountingEngine, {ShareOf::TimeLeft, 1.0 / 3, 20}, WhenOver::Skip, is_symmetric},
     {&kLocalizedEngine, {ShareOf::TimeOfLongEngines, 1.0 / 3}},
     {&kAffineEngine, kThird},
     {&kExhaustiveEngine, kFirstTurn},
