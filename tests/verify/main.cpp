@@ -7,7 +7,8 @@
 // instances of it teach; a proof must agree with the visit.
 //
 // Of every fourth seed (--sort equal: of all) a system with equal components is asked, and answered by searches up to
-// symmetry: their verdicts must be those of the visit of all states.
+// symmetry: their verdicts must be those of the visit of all states. So must proofs by counting, of these systems and
+// of voters and candidates who count votes (tests/verify/quorum_net.hpp).
 //
 // Of every fifth seed the questions are asked again with kept proofs: as they were left, damaged, and forged under a
 // right hash. Answers must be the same; what forged proofs led to is given to certcheck, too.
@@ -27,6 +28,7 @@
 #include "compiler/interp/interp.hpp"
 #include "compiler/system/bsys.hpp"
 #include "compiler/verify/portfolio/counted_property.hpp"
+#include "compiler/verify/portfolio/counting_engine.hpp"
 #include "compiler/verify/property/formula.hpp"
 #include "compiler/verify/evidence/certificate.hpp"
 #include "compiler/verify/evidence/counterexample_text.hpp"
@@ -36,6 +38,7 @@
 #include "compiler/verify/portfolio/search_engines.hpp"
 #include "compiler/verify/portfolio/search_symmetry.hpp"
 #include "compiler/verify/portfolio/small_instance_engine.hpp"
+#include "tests/verify/quorum_net.hpp"
 #include "tests/verify/random_property.hpp"
 #include "tests/verify/relevance_oracle.hpp"
 #include "tests/verify/sized_net.hpp"
@@ -69,6 +72,8 @@ struct Totals {
   std::uint64_t permuted_stuck = 0;
   // Properties with quantifiers; those whose first conditions were asked; the violated ones of these.
   std::uint64_t counted = 0, counted_few = 0, counted_violated = 0;
+  // Questions about voters; those that hold; proofs of these by counting, and of other systems with equal components.
+  std::uint64_t votes = 0, votes_hold = 0, by_counting = 0, equal_by_counting = 0;
   std::uint64_t reused = 0, whole = 0, rows = 0, forged_rows = 0;
   verify::test::RelevanceCounts relevance;
 };
@@ -148,6 +153,39 @@ class Check {
     }
     for (const std::string& counted : net.counted) ask_first_conditions(c, counted);
     wait_up_to_symmetry(c);
+  }
+
+  // Voters and candidates: proofs by counting against a visit of all states.
+  void quorum(const std::string& name, std::uint64_t seed) {
+    name_ = name;
+    const verify::test::QuorumNet net = verify::test::quorum_net(seed);
+    const gen::Compiled c = gen::compile_texts({net.text});
+    if (!c.problem.empty()) {
+      fail("does not compile: " + c.problem);
+      return;
+    }
+    ++t_.systems;
+    const interp::Interpreter interpreter(*c.lowered);
+    for (const std::string& asked : net.properties) {
+      Result<verify::Property> parsed = verify::parse_property(asked, *c.system);
+      if (!parsed) {
+        fail("property `" + asked + "`: " + parsed.error());
+        return;
+      }
+      verify::Question question;
+      question.what = verify::QuestionKind::State;
+      question.property = std::move(*parsed);
+      const verify::SearchResult all = verify::search(verify::build_net(*c.system), c.lowered->image,
+                                                      verify::goal_of(question), {}, limits_of_visit());
+      if (all.end == verify::SearchEnd::Limit) {
+        ++t_.too_large;
+        continue;
+      }
+      const bool holds = all.end == verify::SearchEnd::Exhausted;
+      ++t_.votes;
+      t_.votes_hold += holds ? 1 : 0;
+      t_.by_counting += is_proved_by_counting(c, question, asked, holds) ? 1 : 0;
+    }
   }
 
   // A system whose array is longer than those that it is learnt from.
@@ -257,9 +295,26 @@ class Check {
     else if ((found.outcome == verify::Outcome::Violated) != is_violated)
       fail(asked + (is_violated ? ": holds up to symmetry, but a bad state is reachable"
                                 : ": violated up to symmetry, but all states are fine"));
+    if (question.what == verify::QuestionKind::State)
+      t_.equal_by_counting += is_proved_by_counting(c, question, asked, !is_violated) ? 1 : 0;
     const auto* const run = std::get_if<verify::Counterexample>(&found.evidence);
     if (run != nullptr && !verify::reaches(image, verify::goal_of(question), run->choices))
       fail(asked + ": the way cannot be taken");
+  }
+
+  // `holds`: in all states.
+  bool is_proved_by_counting(const gen::Compiled& c, const verify::Question& question, const std::string& asked,
+                             bool holds) {
+    verify::SystemParts parts(*c.system, c.lowered->image, verify::StateAccess::Searchable, [] { return true; });
+    verify::PortfolioLimits limits;
+    limits.cancellation = verify::within_seconds(20);
+    const verify::Report report = [](const char*, std::uint64_t, const char*) {};
+    verify::ProofContext context{parts, question, limits, report, nullptr, {}, {}};
+    if (!verify::kCountingEngine.applies_to(context)) return false;
+    const verify::EngineResult found = verify::kCountingEngine.attempt(context, {}, limits.cancellation);
+    const bool is_proved = found.outcome == verify::Outcome::Holds;
+    if (is_proved && !holds) fail(asked + ": proved by counting, but a bad state is reachable");
+    return is_proved;
   }
 
   // A property with a quantifier: if the first conditions stand for all, they have the answer of all.
@@ -462,7 +517,10 @@ int main(int argc, char** argv) {
     if (o.nets) check.system("values" + std::to_string(seed), {verify::test::value_net(seed)}, seed);
     if (o.nets && (seed % 2 == 0 || !o.print.empty()))
       check.system("counters" + std::to_string(seed), {verify::test::counter_net(seed)}, seed);
-    if (o.equal && o.print.empty() && (seed % 4 == 0 || !o.nets)) check.equal("equal" + std::to_string(seed), seed);
+    if (o.equal && o.print.empty() && (seed % 4 == 0 || !o.nets)) {
+      check.equal("equal" + std::to_string(seed), seed);
+      check.quorum("quorum" + std::to_string(seed), seed);
+    }
     if (o.sizes && o.print.empty() && (seed % 4 == 0 || !o.nets)) check.sized("sizes" + std::to_string(seed), seed);
     if (o.models) check.system("model" + std::to_string(seed), gen::print_packages(gen::generate(seed)), seed);
   }
@@ -496,6 +554,12 @@ int main(int argc, char** argv) {
                                       t.counted_violated == t.counted_few)) {
     ++t.failed;
     std::printf("FAILED: of %llu properties with quantifiers none of each kind\n", n(t.counted));
+  }
+  std::printf("counting: %llu properties of voters, %llu hold, %llu proved; %llu of other systems proved\n", n(t.votes),
+              n(t.votes_hold), n(t.by_counting), n(t.equal_by_counting));
+  if (t.votes >= kManySymmetric && (t.by_counting == 0 || t.by_counting > t.votes_hold || t.votes_hold == t.votes)) {
+    ++t.failed;
+    std::printf("FAILED: of %llu properties of voters none of each kind\n", n(t.votes));
   }
   // Of so many systems some have answers; a run without is no test.
   constexpr std::uint64_t kMany = 20;
