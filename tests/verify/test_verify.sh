@@ -38,7 +38,7 @@ for ((j = 0; j < jobs; j++)); do
         # 124: no time. 4: not checkable.
         if [[ $code -eq 1 ]]; then echo "FAILED certificate $(basename "$proof"): $(tail -1 "$work/told$j")"; fi
         echo "certificate $code"
-        for part in '^(lemma|trap|one-token) ' '^component '; do
+        for part in '^(lemma|trap|one-token) ' '^component ' '^bound '; do
           # `component NAME class N reachable`, and then none; a lemma, trap or set of nothing.
           awk -v part="$part" '$0 ~ part && !done { $0 = $1 == "component" ? $1 " " $2 " " $3 " " $4 " " $5 : $1; done = 1 } { print } END { exit !done }' \
             "$proof" >"$work/broken$j" || continue

@@ -299,11 +299,13 @@ struct Turn {
   std::size_t row = kNone;
   Rows ports;
 };
-/// One of the cases holds; or what they are, times their weights, adds up to the total, modulo 2^32.
+/// One of the cases holds; or what they are, times their weights, adds up to the total, modulo 2^32. A bound: to the
+/// total at most; its weights are not below 0, and all of them add up to less than kMostWeight.
 struct Fact {
   std::string line;
   std::vector<Case> cases;
   std::optional<int> total;
+  bool is_bound = false;
 };
 /// A clock (of an atom, by variable) less another one is at most the limit; kNone: 0.
 struct Bound {

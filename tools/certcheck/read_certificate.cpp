@@ -58,7 +58,8 @@ class CertificateReader {
         {"zone", {1, &CertificateReader::zone_row}},           {"fairness", {2, &CertificateReader::fairness_row}},
         {"rounds", {2, &CertificateReader::rounds_row}},       {"turn", {2, &CertificateReader::turn_row}},
         {"begin", {3, &CertificateReader::set_row}},           {"next", {4, &CertificateReader::set_row}},
-        {"later", {2, &CertificateReader::later_row}},         {"returns", {3, &CertificateReader::returns_row}}};
+        {"bound", {2, &CertificateReader::fact_row}},          {"later", {2, &CertificateReader::later_row}},
+        {"returns", {3, &CertificateReader::returns_row}}};
     const Text head = words_.empty() ? Text() : words_[0];
     if (line == "method exhaustive") throw NotCheckable("the evidence is a search of all states");
     if (head == "root" || head == "method") return;
@@ -161,9 +162,10 @@ class CertificateReader {
   // Cases, of sums with their weights: "ROOT.a:2" of sets, of others literals joined by `&`.
   void fact_row() {
     const Text head = words_[0];
-    const bool is_equation = head == "equation", is_sum = head == "sum" || is_equation,
-               is_set = !is_equation && head != "lemma";
-    Fact& fact = (is_set ? proof_.sets : proof_.facts).emplace_back(Fact{place(), {}, {}});
+    const bool is_bound = head == "bound", is_equation = head == "equation",
+               is_sum = head == "sum" || is_equation || is_bound, is_set = !is_equation && !is_bound && head != "lemma";
+    Fact& fact = (is_set ? proof_.sets : proof_.facts).emplace_back(Fact{place(), {}, {}, is_bound});
+    std::int64_t most = 0;
     if (is_sum) fact.total = number(words_[1]);
     else if (head == "one-token") fact.total = 1;
     for (std::size_t k = is_sum ? 2 : 1; k < words_.size(); ++k) {
@@ -171,6 +173,8 @@ class CertificateReader {
       const auto [text, weight] =
           is_sum ? split(words_[k], words_[k].rfind('*')) : std::pair<Text, Text>(words_[k], "1");
       row.weight = number(weight, -kMostWeight, kMostWeight);
+      most += row.weight;
+      need(!is_bound || (row.weight >= 0 && most < kMostWeight), "weights of a bound are not small", words_[k]);
       row.is_value = is_equation && text.find_first_of("@=:&!") == Text::npos;
       if (is_set) {
         const auto [path, number] = split(text, text.rfind(':'));

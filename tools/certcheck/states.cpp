@@ -90,8 +90,8 @@ class States {
       }
       const View from{now, &step.now}, after{now, &step.next};
       expr leaves = terms_.some(touched, [&](const auto& cases_of_fact) {
-        return no(proof_.facts[cases_of_fact.first].total ? stays(cases_of_fact.second, from, after)
-                                                          : says(proof_.facts[cases_of_fact.first], after));
+        const Fact& fact = proof_.facts[cases_of_fact.first];
+        return no(fact.total ? stays(fact, cases_of_fact.second, from, after) : says(fact, after));
       });
       if (can(both(goes_on, leaves))) throw Rejected("a step leads out of what the certificate allows");
     };
@@ -165,13 +165,16 @@ class States {
     if (!fact.total) return terms_.some(fact.cases, [&](const Case& row) { return holds(row, view); });
     expr sum = zero_;
     for (const Case& row : fact.cases) add(row, view, row.weight, sum);
-    return equals(sum.simplify(), *fact.total);
+    return fact.is_bound ? (sum <= terms_.constant("int", *fact.total)).simplify()
+                         : equals(sum.simplify(), *fact.total);
   }
-  // A sum does if these of its cases are all that a step may change.
-  [[nodiscard]] expr stays(const std::set<const Case*>& cases, const View& from, const View& after) const {
+  // A sum does, or one with a bound does not rise, if these of its cases are all that a step may change.
+  [[nodiscard]] expr stays(const Fact& fact, const std::set<const Case*>& cases, const View& from,
+                           const View& after) const {
     expr change = zero_;
     for (const Case* row : cases) add(*row, after, row->weight, change), add(*row, from, -row->weight, change);
-    return z3::eq(change, zero_) ? terms_.truth(true) : equals(change.simplify(), 0);
+    if (z3::eq(change, zero_)) return terms_.truth(true);
+    return fact.is_bound ? (change <= zero_).simplify() : equals(change.simplify(), 0);
   }
   void add(const Case& row, const View& view, int weight, expr& sum) const {
     if (row.is_value) sum = sum + terms_.constant("int", weight) * view.of(row.literals[0]);
@@ -204,6 +207,10 @@ class States {
     }
     if (!fact.total || most >= kMostWeight || std::abs(total) >= kMostWeight)
       return terms_.assume(says(fact, view), atom);
+    if (fact.is_bound) {
+      const expr is_within = all.empty() ? terms_.truth(true) : z3::pble(all, weights.data(), *fact.total);
+      return terms_.assume(is_within, atom);
+    }
     assume_sum(all, weights, static_cast<int>(total), atom);
   }
   // Their weights add up to the total.

@@ -190,7 +190,7 @@ std::string certificate(const Portfolio& portfolio, const Question& question, co
                    out += "method exhaustive\ncomponents " + std::to_string(system.atoms.size()) + "\nstates " +
                           std::to_string(decision.states) + '\n';
                  },
-                 [](const CountingProof&) { BIP_UNREACHABLE("the engine is not asked for certificates"); },
+                 [&](const CountingProof& evidence) { out += "method induction\n" + evidence.rows; },
                  [](const Counterexample&) { BIP_UNREACHABLE("a counterexample has no certificate"); },
                  [](const std::monostate&) { BIP_UNREACHABLE("no verdict has no certificate"); },
              },

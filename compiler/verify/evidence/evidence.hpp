@@ -40,7 +40,7 @@ struct StateCount {
   Listing listing = Listing::NotRequested;  // why there are no ReachedStates
 };
 /// Holds: weights of local states whose sum over the components, interchangeable ones counted together, no step raises,
-/// and which each bad state exceeds. Checked in integers; there is no certificate of it.
+/// and which each bad state exceeds. Checked in integers.
 struct CountingProof {
   struct Sum {
     std::int64_t initially = 0, in_bad_states = 0;  // at most; at least
@@ -48,6 +48,7 @@ struct CountingProof {
   };
   std::vector<Sum> sums;  // one for each combination of bad local states; empty: none is reachable
   std::size_t local_states = 0;
+  std::string rows;  // of the certificate, if one is wanted
 };
 /// Violated: the numbers of the candidates taken from the initial state, which end in the bad state or in the fault.
 struct Counterexample {

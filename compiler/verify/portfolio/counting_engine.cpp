@@ -4,7 +4,8 @@
 #include <algorithm>
 
 #include "compiler/base/log.hpp"
-#include "compiler/verify/counting/sub_invariant.hpp"
+#include "compiler/system/system.hpp"
+#include "compiler/verify/counting/counting_rows.hpp"
 #include "compiler/verify/net/unread_data.hpp"
 #include "compiler/verify/portfolio/search_symmetry.hpp"
 #include "runtime/core/text.hpp"
@@ -18,8 +19,7 @@ bool may_count(const ProofContext& context) {
   const rt::Image& image = context.parts.image();
   // What hides an interaction, and time, are not what its own atoms decide.
   return context.question.what == QuestionKind::State && context.limits.may_search && context.parts.is_searchable() &&
-         !context.limits.wants_certificate && image.priorities.size == 0 && image.ffi == nullptr &&
-         !rt::has_time(image);
+         image.priorities.size == 0 && image.ffi == nullptr && !rt::has_time(image);
 }
 
 // The members that may change places; without those that the property names, which stay where they are.
@@ -65,7 +65,9 @@ EngineResult prove_by_counting(ProofContext& context, const Budget& budget, cons
   const CancellationToken share = cancellation.within(budget.seconds);
   const InterchangeableGroups groups = groups_beside(atoms_of(property), image);
   if (groups.empty()) return result;
-  CountedNetBuilder builder(image, groups, find_unread_cells(context.parts.system(), image, data_of(property)));
+  const System& system = context.parts.system();
+  const std::vector<rt::VariableId> unread_cells = find_unread_cells(system, image, data_of(property));
+  CountedNetBuilder builder(image, groups, unread_cells);
   builder.build({.cancellation = share});
   if (!builder.net().problem.empty()) {
     BIP_LOG(Portfolio, 1, "counting: {}", builder.net().problem);
@@ -74,11 +76,18 @@ EngineResult prove_by_counting(ProofContext& context, const Budget& budget, cons
   const auto bad = find_bad_places(builder, property, goal_of(context.question).state);
   if (!bad) return result;
   CountingProof evidence;
+  std::vector<SubInvariant> proofs;
   evidence.local_states = builder.net().places.size();
   for (const BadPlaces& each : *bad) {
-    const std::optional<SubInvariant> proof = find_sub_invariant(builder.net(), each, share);
+    std::optional<SubInvariant> proof = find_sub_invariant(builder.net(), each, share);
     if (!proof) return result;
     evidence.sums.push_back(sum_of(builder, each, *proof));
+    proofs.push_back(std::move(*proof));
+  }
+  if (context.limits.wants_certificate) {
+    std::optional<std::string> rows = counting_rows(builder, proofs, system, unread_cells);
+    if (!rows) return result;
+    evidence.rows = std::move(*rows);
   }
   result.outcome = Outcome::Holds;
   result.evidence = std::move(evidence);

@@ -50,6 +50,10 @@ bool is_symmetric(ProofContext& context) {
   return *context.is_symmetric;
 }
 bool is_not_symmetric(ProofContext& context) { return !is_symmetric(context); }
+// With a certificate no search permutes components; a proof by counting may, and looks for them itself.
+bool may_have_like_components(ProofContext& context) {
+  return context.limits.wants_certificate || is_symmetric(context);
+}
 bool takes_turns_with_search(ProofContext& context) {
   return context.limits.may_search && context.parts.is_searchable();
 }
@@ -67,7 +71,7 @@ constexpr PortfolioRow kRows[] = {
     {&kInvariantEngine, {}, WhenOver::Attempt},
     {&kFirstSearchEngine, {}, WhenOver::Attempt},
     {&kExhaustiveEngine, kFirstTurn, WhenOver::Skip, is_symmetric},
-    {&kCountingEngine, {ShareOf::TimeLeft, 1.0 / 3, 20}, WhenOver::Skip, is_symmetric},
+    {&kCountingEngine, {ShareOf::TimeLeft, 1.0 / 3, 20}, WhenOver::Skip, may_have_like_components},
     {&kLocalizedEngine, {ShareOf::TimeOfLongEngines, 1.0 / 3}},
     {&kAffineEngine, kThird},
     {&kExhaustiveEngine, kFirstTurn},
