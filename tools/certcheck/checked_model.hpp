@@ -300,7 +300,8 @@ struct Turn {
   Rows ports;
 };
 /// One of the cases holds; or what they are, times their weights, adds up to the total, modulo 2^32. A bound: to the
-/// total at most; its weights are not below 0, and all of them add up to less than kMostWeight.
+/// total at most; its weights are not below 0, all of them add up to less than kMostWeight, and at most one case of a
+/// component holds.
 struct Fact {
   std::string line;
   std::vector<Case> cases;

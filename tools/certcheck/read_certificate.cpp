@@ -184,6 +184,31 @@ class CertificateReader {
       for (const auto part : std::views::split(text, '&'))
         row.literals.push_back(literal(Text(part.begin(), part.end()), row.is_value));
     }
+    if (is_bound) check_bound(fact);
+  }
+  // Each case is about one component, and at most one case about a component holds.
+  void check_bound(const Fact& fact) const {
+    std::map<std::size_t, std::vector<const Case*>> cases_of;
+    for (const Case& row : fact.cases) {
+      for (const Literal& l : row.literals) need(l.atom == row.literals[0].atom, "a case is about two components");
+      for (const Case* other : cases_of[row.literals[0].atom])
+        need(std::ranges::any_of(row.literals,
+                                 [&](const Literal& a) {
+                                   return std::ranges::any_of(other->literals, [&](const Literal& b) {
+                                     return is_exclusive(model_.type_of(a.atom), a, b);
+                                   });
+                                 }),
+             "two cases about a component do not exclude each other");
+      cases_of[row.literals[0].atom].push_back(&row);
+    }
+  }
+  [[nodiscard]] static bool is_exclusive(const AtomType& type, const Literal& a, const Literal& b) {
+    if (a.bit || b.bit || (a.is_negated && b.is_negated)) return false;
+    const bool are_places = a.variable < type.places && b.variable < type.places && type.is_automaton;
+    if (a.variable != b.variable) return are_places && !a.is_negated && !b.is_negated;
+    if (a.is_negated) return a.low <= b.low && b.high <= a.high;
+    if (b.is_negated) return b.low <= a.low && a.high <= b.high;
+    return a.high < b.low || b.high < a.low;
   }
 
   // One value; of an automaton, all of its places.

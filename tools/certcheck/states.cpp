@@ -4,6 +4,8 @@
 #include "tools/certcheck/rounds.hpp"
 #include "tools/certcheck/waits.hpp"
 
+#include <ranges>
+
 namespace certcheck {
 namespace {
 
@@ -163,23 +165,31 @@ class States {
   };
   [[nodiscard]] expr says(const Fact& fact, const View& view) const {
     if (!fact.total) return terms_.some(fact.cases, [&](const Case& row) { return holds(row, view); });
-    expr sum = zero_;
-    for (const Case& row : fact.cases) add(row, view, row.weight, sum);
-    return fact.is_bound ? (sum <= terms_.constant("int", *fact.total)).simplify()
-                         : equals(sum.simplify(), *fact.total);
+    const expr sum = sum_of(fact, fact.cases | std::views::transform([](const Case& row) { return &row; }), view);
+    return fact.is_bound ? (sum <= terms_.constant("int", *fact.total)).simplify() : equals(sum, *fact.total);
   }
   // A sum does, or one with a bound does not rise, if these of its cases are all that a step may change.
   [[nodiscard]] expr stays(const Fact& fact, const std::set<const Case*>& cases, const View& from,
                            const View& after) const {
-    expr change = zero_;
-    for (const Case* row : cases) add(*row, after, row->weight, change), add(*row, from, -row->weight, change);
-    if (z3::eq(change, zero_)) return terms_.truth(true);
-    return fact.is_bound ? (change <= zero_).simplify() : equals(change.simplify(), 0);
+    const expr now = sum_of(fact, cases, from), then = sum_of(fact, cases, after);
+    if (z3::eq(now, then)) return terms_.truth(true);
+    return fact.is_bound ? (then <= now).simplify() : equals((then - now).simplify(), 0);
   }
-  void add(const Case& row, const View& view, int weight, expr& sum) const {
-    if (row.is_value) sum = sum + terms_.constant("int", weight) * view.of(row.literals[0]);
-    else if (const expr is_so = holds(row, view); !is(is_so, false))
-      sum = sum + choose(is_so, terms_.constant("int", weight), zero_);
+  template <class Cases>
+  [[nodiscard]] expr sum_of(const Fact& fact, const Cases& cases, const View& view) const {
+    expr sum = zero_;
+    std::map<std::size_t, expr> of_atoms;  // of a bound: one case of each holds
+    for (const Case* row : cases) {
+      const expr weight = terms_.constant("int", row->weight);
+      if (row->is_value) sum = sum + weight * view.of(row->literals[0]);
+      else if (const expr is_so = holds(*row, view); !is(is_so, false) && fact.is_bound)
+        of_atoms.insert_or_assign(
+            row->literals[0].atom,
+            choose(is_so, weight, of_atoms.try_emplace(row->literals[0].atom, zero_).first->second));
+      else if (!is(is_so, false)) sum = sum + choose(is_so, weight, zero_);
+    }
+    for (const auto& [atom, value] : of_atoms) sum = sum + value;
+    return sum.simplify();
   }
   [[nodiscard]] expr holds(const Case& row, const View& view) const {
     return terms_.all(row.literals, [&](const Literal& l) {

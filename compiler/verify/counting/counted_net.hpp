@@ -48,7 +48,7 @@ struct CountedNet {
 
 struct CountedNetLimits {
   CancellationToken cancellation;
-  std::size_t places = 2'000, transitions = 200'000;
+  std::size_t places = 4'000, transitions = 200'000;
 };
 
 /// Makes the net, and evaluates conditions about local states of single components.

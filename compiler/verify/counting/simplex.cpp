@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kZero = 1e-9;         // what is smaller counts as 0
 constexpr double kEnlargement = 1e-7;  // of bounds, at least; at most twice as much
+constexpr int kRefinements = 2;
 constexpr std::uint64_t kPivotsBetweenLooks = 16;
 
 class Simplex {
@@ -46,6 +47,7 @@ class Simplex {
       pivot(entering, leaving);
     }
     result.end = SimplexEnd::Optimal;
+    for (int k = 0; k < kRefinements; ++k) refine_multipliers();
     result.multipliers = multipliers_;
     result.slack.assign(rows_, 0);
     for (std::size_t row = 0; row < rows_; ++row) {
@@ -76,6 +78,14 @@ class Simplex {
       gain_ = gain;
     }
     return best;
+  }
+  // Basic columns add nothing to the sum, but for rounding (iterative refinement with the inverse at hand).
+  void refine_multipliers() {
+    for (std::size_t row = 0; row < rows_; ++row) direction_[row] = reduced_gain(basis_[row]);
+    for (std::size_t row = 0; row < rows_; ++row) {
+      if (direction_[row] == 0) continue;
+      for (std::size_t k = 0; k < rows_; ++k) multipliers_[k] += direction_[row] * inverse_[row * rows_ + k];
+    }
   }
   // How basic columns change with one unit of the entering one: they lose so much.
   void find_direction(std::size_t entering) {

@@ -15,8 +15,8 @@ namespace bip::verify {
 namespace {
 
 constexpr std::size_t kMostTraps = 40;
-constexpr double kNearlyZero = 1e-4;  // tokens: bounds are enlarged by less
-constexpr double kNearlyInteger = 1e-6;
+constexpr double kNearlyZero = 1e-4;   // tokens: bounds are enlarged by less
+constexpr double kNearlyWhole = 1e-6;  // less than k by more: a proof, if rounded weights hold
 constexpr std::int64_t kMostScale = 1'000'000, kMostFactor = 10'000;
 // Sums of a weight for each component stay below 2^61.
 constexpr std::int64_t kMostWeight = std::int64_t{1} << 40, kMostTokens = std::int64_t{1} << 20;
@@ -97,7 +97,7 @@ class WeightSearch {
               net_.places.size(), changes_.size(), traps_.size(),
               result.end == SimplexEnd::Optimal ? largest : std::nan(""), wanted, result.pivots);
       if (result.end == SimplexEnd::Limit) return std::nullopt;
-      if (largest < wanted - kNearlyInteger) return rounded(result.multipliers);
+      if (largest < wanted - kNearlyWhole) return rounded(result.multipliers);
       if (!add_trap(result.slack)) return std::nullopt;
     }
   }
@@ -147,10 +147,20 @@ class WeightSearch {
     return true;
   }
 
-  // The multipliers as integers, by their least common denominator.
+  // The multipliers as integers. How far they are off by rounding is not known: what is nearer to an integer than a
+  // tolerance is one, and only those that hold count.
   [[nodiscard]] std::optional<SubInvariant> rounded(const std::vector<double>& multipliers) const {
+    for (const double tolerance : {1e-6, 1e-5, 1e-4, 1e-3}) {
+      std::optional<SubInvariant> proof = rounded(multipliers, tolerance);
+      if (proof && excludes(net_, bad_, *proof)) return proof;
+    }
+    BIP_LOG(Portfolio, 1, "marking equation: the weights do not hold in integers");
+    return std::nullopt;
+  }
+  // By their least common denominator.
+  [[nodiscard]] std::optional<SubInvariant> rounded(const std::vector<double>& multipliers, double tolerance) const {
     std::int64_t scale = 1;
-    const auto is_integer = [](double value) { return std::abs(value - std::round(value)) < kNearlyInteger; };
+    const auto is_integer = [&](double value) { return std::abs(value - std::round(value)) < tolerance; };
     for (const double multiplier : multipliers) {
       if (multiplier * static_cast<double>(kMostScale) > static_cast<double>(kMostWeight)) return std::nullopt;
       std::int64_t factor = 1;
@@ -217,12 +227,7 @@ bool excludes(const CountedNet& net, const BadPlaces& bad, const SubInvariant& p
 
 std::optional<SubInvariant> find_sub_invariant(const CountedNet& net, const BadPlaces& bad,
                                                const CancellationToken& cancellation) {
-  std::optional<SubInvariant> proof = WeightSearch(net, bad, cancellation).run();
-  if (proof && !excludes(net, bad, *proof)) {
-    BIP_LOG(Portfolio, 1, "marking equation: the weights do not hold in integers");
-    return std::nullopt;
-  }
-  return proof;
+  return WeightSearch(net, bad, cancellation).run();
 }
 
 }  // namespace bip::verify
