@@ -57,8 +57,8 @@ struct Counterexample {
 };
 
 /// monostate: no verdict.
-using Evidence =
-    std::variant<std::monostate, InvariantProof, InductiveProof, ReachedStates, StateCount, CountingProof, Counterexample>;
+using Evidence = std::variant<std::monostate, InvariantProof, InductiveProof, ReachedStates, StateCount, CountingProof,
+                              Counterexample>;
 
 /// Makes one visitor of several lambdas, one per kind of evidence.
 template <class... Visitors>
