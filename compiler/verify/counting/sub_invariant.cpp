@@ -89,16 +89,17 @@ class WeightSearch {
     changes_.erase(std::unique(changes_.begin(), changes_.end()), changes_.end());
   }
 
-  std::optional<SubInvariant> run() {
+  SubInvariantSearch run() {
+    const auto places = static_cast<std::ptrdiff_t>(net_.places.size());
     for (;;) {
       const SimplexResult result = maximise(program(), cancellation_);
       const double largest = initial_gain() + result.value, wanted = static_cast<double>(bad_.sets.size());
       BIP_LOG(Portfolio, 1, "marking equation: {} places, {} changes, {} traps: {} of {} after {} pivots",
               net_.places.size(), changes_.size(), traps_.size(),
               result.end == SimplexEnd::Optimal ? largest : std::nan(""), wanted, result.pivots);
-      if (result.end == SimplexEnd::Limit) return std::nullopt;
-      if (largest < wanted - kNearlyWhole) return rounded(result.multipliers);
-      if (!add_trap(result.slack)) return std::nullopt;
+      if (result.end == SimplexEnd::Limit) return {};
+      if (largest < wanted - kNearlyWhole) return {rounded(result.multipliers), {}};
+      if (!add_trap(result.slack)) return {std::nullopt, {result.slack.begin(), result.slack.begin() + places}};
     }
   }
 
@@ -225,8 +226,8 @@ bool excludes(const CountedNet& net, const BadPlaces& bad, const SubInvariant& p
   });
 }
 
-std::optional<SubInvariant> find_sub_invariant(const CountedNet& net, const BadPlaces& bad,
-                                               const CancellationToken& cancellation) {
+SubInvariantSearch find_sub_invariant(const CountedNet& net, const BadPlaces& bad,
+                                      const CancellationToken& cancellation) {
   return WeightSearch(net, bad, cancellation).run();
 }
 

@@ -33,9 +33,13 @@ struct SubInvariant {
   std::vector<WeightedTrap> traps;    // of factor > 0
 };
 
-/// Returns a proof that no marking of `bad` is reachable; nothing: there is none of this form, or the time is over.
-[[nodiscard]] std::optional<SubInvariant> find_sub_invariant(const CountedNet& net, const BadPlaces& bad,
-                                                             const CancellationToken& cancellation);
+struct SubInvariantSearch {
+  std::optional<SubInvariant> proof;  // absent: there is none of this form, or the time is over
+  std::vector<double> open;  // by place: tokens of a bad marking that satisfies the marking equation, in fractions
+};
+/// Searches a proof that no marking of `bad` is reachable.
+[[nodiscard]] SubInvariantSearch find_sub_invariant(const CountedNet& net, const BadPlaces& bad,
+                                                    const CancellationToken& cancellation);
 /// Do all inequalities hold, and is each trap one that has a token initially? In integers, from the net alone. Linear
 /// in the net and the traps.
 [[nodiscard]] bool excludes(const CountedNet& net, const BadPlaces& bad, const SubInvariant& proof);

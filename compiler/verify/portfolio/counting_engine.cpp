@@ -6,6 +6,7 @@
 #include "compiler/base/log.hpp"
 #include "compiler/system/system.hpp"
 #include "compiler/verify/counting/counting_rows.hpp"
+#include "compiler/verify/counting/exclude_all.hpp"
 #include "compiler/verify/net/unread_data.hpp"
 #include "compiler/verify/portfolio/search_symmetry.hpp"
 #include "runtime/core/text.hpp"
@@ -75,14 +76,14 @@ EngineResult prove_by_counting(ProofContext& context, const Budget& budget, cons
   }
   const auto bad = find_bad_places(builder, property, goal_of(context.question).state);
   if (!bad) return result;
+  const std::optional<std::vector<ExcludedPlaces>> excluded = exclude_all(builder, *bad, share);
+  if (!excluded) return result;
   CountingProof evidence;
   std::vector<SubInvariant> proofs;
   evidence.local_states = builder.net().places.size();
-  for (const BadPlaces& each : *bad) {
-    std::optional<SubInvariant> proof = find_sub_invariant(builder.net(), each, share);
-    if (!proof) return result;
-    evidence.sums.push_back(sum_of(builder, each, *proof));
-    proofs.push_back(std::move(*proof));
+  for (const ExcludedPlaces& each : *excluded) {
+    evidence.sums.push_back(sum_of(builder, each.places, each.proof));
+    proofs.push_back(each.proof);
   }
   if (context.limits.wants_certificate) {
     std::optional<std::string> rows = counting_rows(builder, proofs, system, unread_cells);

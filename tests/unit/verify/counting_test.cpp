@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "compiler/interp/interp.hpp"
+#include "compiler/verify/counting/exclude_all.hpp"
 #include "compiler/verify/counting/simplex.hpp"
-#include "compiler/verify/counting/sub_invariant.hpp"
 #include "runtime/explore/explore.hpp"
 #include "tools/gen/compiled.hpp"
 
@@ -108,15 +108,15 @@ TEST_CASE("simplex: what has no maximum, and what has no time, has a limit") {
 
 TEST_CASE("counting: two votes need two voters") {
   const BadPlaces two{{{5}}};
-  CHECK_FALSE(find_sub_invariant(votes(2, false), two, {}));
+  CHECK_FALSE(find_sub_invariant(votes(2, false), two, {}).proof);
   const CountedNet one = votes(1, false);
-  const std::optional<SubInvariant> proof = find_sub_invariant(one, two, {});
+  const std::optional<SubInvariant> proof = find_sub_invariant(one, two, {}).proof;
   REQUIRE(proof);
   CHECK(excludes(one, two, *proof));
   // With more voters, or one who votes again, the same weights prove nothing.
   CHECK_FALSE(excludes(votes(2, false), two, *proof));
   CHECK_FALSE(excludes(votes(1, true), two, *proof));
-  CHECK_FALSE(find_sub_invariant(votes(1, true), two, {}));
+  CHECK_FALSE(find_sub_invariant(votes(1, true), two, {}).proof);
   for (std::size_t place = 0; place < proof->weights.size(); ++place) {
     SubInvariant less = *proof;
     if (less.weights[place] == 0) continue;
@@ -135,7 +135,7 @@ TEST_CASE("counting: a trap that is not empty at first keeps a token") {
   net.transitions = {{{1, 2}, {1, 3}}};
   const BadPlaces bad{{{3}}};
   // The marking equation alone lets the step happen, as it takes nothing from 1.
-  const std::optional<SubInvariant> found = find_sub_invariant(net, bad, {});
+  const std::optional<SubInvariant> found = find_sub_invariant(net, bad, {}).proof;
   REQUIRE(found);
   CHECK_FALSE(found->traps.empty());
   CHECK(excludes(net, bad, *found));
@@ -148,7 +148,7 @@ TEST_CASE("counting: a trap that is not empty at first keeps a token") {
   // With a way for the key it is no proof any more.
   net.transitions.push_back({{0}, {1}});
   CHECK_FALSE(excludes(net, bad, *found));
-  CHECK_FALSE(find_sub_invariant(net, bad, {}));
+  CHECK_FALSE(find_sub_invariant(net, bad, {}).proof);
 }
 
 TEST_CASE("counting: two majorities, and two that are one vote short") {
@@ -157,13 +157,14 @@ TEST_CASE("counting: two majorities, and two that are one vote short") {
   CHECK(three.builder->net().places.size() == 10);
   CHECK(three.builder->net().tokens[three.builder->net().places_of_kind[0][0]] == 5);
   REQUIRE(three.bad.size() == 1);
-  const std::optional<SubInvariant> proof = find_sub_invariant(three.builder->net(), three.bad[0], {});
+  const std::optional<SubInvariant> proof = find_sub_invariant(three.builder->net(), three.bad[0], {}).proof;
   REQUIRE(proof);
   CHECK(excludes(three.builder->net(), three.bad[0], *proof));
 
   const Election two("2");
   REQUIRE(two.bad.size() == 1);
-  CHECK_FALSE(find_sub_invariant(two.builder->net(), two.bad[0], {}));
+  CHECK_FALSE(find_sub_invariant(two.builder->net(), two.bad[0], {}).proof);
+  CHECK_FALSE(exclude_all(*two.builder, two.bad, {}));
 }
 
 }  // namespace bip::verify
