@@ -121,7 +121,7 @@ class ThreeLayers {
       u64& newest = newest_[to][offered->atom];
       if (offered->n <= newest) return;
       newest = offered->n;
-      known_[to][offered->atom] = {offered->n, offered->offer.place, false};
+      known_[to][offered->atom] = {offered->n, offered->offer.place, kNone};
       look(to);
       return;
     }
@@ -132,10 +132,15 @@ class ThreeLayers {
       case Says::Granted: asked_[interaction] = 0; return fire(interaction);
       case Says::Refused:
         asked_[interaction] = 0;
-        for (const u32 port : ports_[interaction]) known_[to].at(tables_.port_atom[port]).is_asked = false;
+        // Newer offers may have come since it asked, and another interaction may have asked for these.
+        for (const u32 port : ports_[interaction]) {
+          const auto known = known_[to].find(tables_.port_atom[port]);
+          if (known != known_[to].end() && known->second.asked_by == interaction) known->second.asked_by = kNone;
+        }
         for (const Part& part : begin.parts) {
           const auto stale = known_[to].find(part.atom);
-          if (stale != known_[to].end() && stale->second.n <= part.n) known_[to].erase(stale);
+          if (stale != known_[to].end() && stale->second.n <= part.n && stale->second.asked_by == kNone)
+            known_[to].erase(stale);
         }
         return look(to);
       case Says::Notify:
@@ -166,7 +171,8 @@ class ThreeLayers {
   [[nodiscard]] bool has_offers(u32 node, u32 interaction) const {
     return std::all_of(ports_[interaction].begin(), ports_[interaction].end(), [&](u32 port) {
       const auto known = known_[node].find(tables_.port_atom[port]);
-      return known != known_[node].end() && !known->second.is_asked && taken(port, known->second.place) != nullptr;
+      return known != known_[node].end() && known->second.asked_by == kNone &&
+             taken(port, known->second.place) != nullptr;
     });
   }
   [[nodiscard]] bool conflicts(u32 node, u32 interaction) const {
@@ -196,7 +202,7 @@ class ThreeLayers {
       Begin asks{coded(Says::Reserve, chosen), {}};
       for (const u32 port : ports_[chosen]) {
         const u32 atom = tables_.port_atom[port];
-        known_[node].at(atom).is_asked = true;
+        known_[node].at(atom).asked_by = chosen;
         asks.parts.push_back({atom, known_[node].at(atom).n, kNone, 0, {}});
       }
       send(node, 0, std::move(asks));
@@ -234,7 +240,7 @@ class ThreeLayers {
   struct Known {
     u64 n;
     u32 place;
-    bool is_asked;  // for, and not yet answered: nothing else may take it
+    u32 asked_by;  // the interaction that waits for an answer, and alone may take it; kNone: none
   };
   Tables tables_;
   PriorityTables rules_;
