@@ -68,11 +68,13 @@ class Launcher {
   DistributedResult run() {
     const State initial = core_.snapshot();
     told_.start(initial);
+    const bool is_followed = can_follow_steps(core_, output_);
     const i64 began = wall_clock();
     if (!open(initial)) {
       if (result_.error.empty()) result_.end = End::Interrupted;
       return std::move(result_);
     }
+    if (is_followed) merge_.follow(initial);
     share_out();
     beat_at_ = began + kBeat;
     began_ = began;
@@ -626,6 +628,7 @@ class Launcher {
   // Asks nodes that rest how far they are, if steps of others wait for it.
   void write(i64 now) {
     if (!has_fault_ && cut_ == ~u64{0}) merge_.write_ready();
+    if (!merge_.is_sound()) halt();
     // Before more is written nothing more begins (unwritten_steps.hpp).
     if (merge_.written_bytes() - told_bytes_ >= written_to_tell(members_.size())) {
       told_bytes_ = merge_.written_bytes();
@@ -657,9 +660,10 @@ class Launcher {
     result_.checkpoint = checkpoints_.steps();
     result_.most_waiting_bytes = merge_.most_waiting_bytes();
     const State last = told_.finish();
+    if (writes_) merge_.write_until(has_fault_ ? fault_step_ : cut_);
+    if (!merge_.is_sound()) return end_with_nonsense("they told of a step that is none of the model", initial);
     if (has_fault_) {
       result_.end = End::Fault;
-      if (writes_) merge_.write_until(fault_step_);
       // The step with the fault is not counted.
       // What an instant brings is no step.
       const u64 faulty = instant_step_ != 0 && fault_step_ == instant_step_ ? 0 : 1;
@@ -668,7 +672,6 @@ class Launcher {
       core_.fail(fault_);
       return;
     }
-    if (writes_) merge_.write_until(cut_);
     result_.steps = writes_ ? merge_.written() : steps();
     const bool is_sound = core_.restore(last);
     if (has_lost_) return end_with_loss(is_sound, initial);

@@ -9,6 +9,7 @@
 #include "runtime/engine/collect_strings.hpp"
 #include "runtime/engine/fault_message.hpp"
 #include "runtime/engine/interrupt.hpp"
+#include "runtime/engine/step_follower.hpp"
 #include "runtime/engine/waker.hpp"
 
 namespace bip::rt {
@@ -58,8 +59,9 @@ NodeProcess::NodeProcess(const NodeSetup& setup, Fabric& fabric)
       launcher_(static_cast<u32>(setup.distribution.placement.nodes.size())),
       writes_(setup.output.writes_steps()),
       holds_(writes_ && setup.options.on_loss == OnLoss::GoOn),
-      records_only_(setup.output.records_only()),
       node_(setup.image, setup.core_options, setup.distribution, setup.self),
+      is_followed_(can_follow_steps(node_.core(), setup.output)),
+      says_interactions_(is_followed_ || setup.output.records_only()),
       codec_(node_.core().tables(), setup.distribution, setup.run),
       station_(fabric, codec_, setup.self, launcher_ + 1),
       scheduler_(setup.options.policy, setup.seed + setup.self),
@@ -360,14 +362,14 @@ bool NodeProcess::takes_many() const { return is_quick_ && credit_ != 0 && !draw
 // clock. If more is written about a step than its interaction, that needs the state before it: then there is no
 // compiled code for many.
 bool NodeProcess::has_taken_many() {
-  const bool writes_texts = writes_ && !records_only_;
+  const bool writes_texts = writes_ && !says_interactions_;
   const bool is_compiled = !writes_texts && scheduler_.is_uniform() && node_.has_compiled();
   const u64 most = steps_before_collection(node_.core(), std::min(credit_, writes_texts ? kMostTold : chunk_));
   const u64 step = step_at(station_.tick_clock(), setup_.self);
   const u64 done = is_compiled ? node_.take_compiled(scheduler_.prng(), most, drawn_) : take_whole_steps(step, most);
   BIP_ASSERT(done <= most, "{} steps of {}", done, most);
   if (done == 0) return false;
-  if (is_compiled && records_only_) {
+  if (is_compiled && says_interactions_) {
     std::vector<u64> numbers{step};
     numbers.reserve(done + 1);
     for (u64 k = done; k != 0; --k) numbers.push_back(node_.core().history().before_last(k - 1).value);
@@ -390,7 +392,7 @@ u64 NodeProcess::take_whole_steps(u64 step, u64 most) {
   i64 until = 0;
   const auto say_told = [&] {
     if (!writes_ || done == 0) return;
-    if (records_only_) return say_fired(std::move(numbers));
+    if (says_interactions_) return say_fired(std::move(numbers));
     unwritten_.add(step, record_bytes(told, done));
     say(Control::Kind::Took, std::move(numbers), {std::move(told.out), std::move(told.trace)});
   };
@@ -405,16 +407,16 @@ u64 NodeProcess::take_whole_steps(u64 step, u64 most) {
       drawn_ = at.interaction;
       break;
     }
-    if (writes_) describe(at);
+    describe(at);
     scheduler_.fired(at.interaction);
     if (!node_.take_whole(at, faulty)) {
       say_told();
-      if (writes_) say_whole(at.interaction, faulty);
+      if (writes_) say_whole(at, faulty);
       return done + 1;
     }
     ++done;
-    if (records_only_) numbers.push_back(at.interaction.value);
-    if (!writes_ || records_only_) continue;
+    if (says_interactions_) numbers.push_back(at.interaction.value);
+    if (!writes_ || says_interactions_) continue;
     const u64 out_number = cut_number(text_.out), trace_number = cut_number(text_.trace);
     numbers.insert(numbers.end(),
                    {at.interaction.value, out_number, trace_number, text_.out.size(), text_.trace.size()});
@@ -432,15 +434,17 @@ void NodeProcess::say_fired(std::vector<u64> numbers) {
 }
 
 // Of a step that was taken as a whole.
-void NodeProcess::say_whole(InteractionId interaction, u64 step) {
+void NodeProcess::say_whole(EnabledSet::Position at, u64 step) {
   atoms_.clear();
-  node_.note_landed(interaction, step, atoms_);
-  say_begun(interaction, step, false);
+  node_.note_landed(at.interaction, step, atoms_);
+  say_begun(at, step, false);
 }
 
 // Of the step that was described: where its parts are.
-void NodeProcess::say_begun(InteractionId interaction, u64 step, bool is_evaluated) {
-  std::vector<u64> numbers{step, interaction.value, cut_number(text_.out), cut_number(text_.trace)};
+void NodeProcess::say_begun(EnabledSet::Position at, u64 step, bool is_evaluated) {
+  std::vector<u64> numbers{step, at.interaction.value};
+  if (is_followed_) numbers.insert(numbers.end(), {at.rank, 0});
+  else numbers.insert(numbers.end(), {cut_number(text_.out), cut_number(text_.trace)});
   for (const u32 atom : atoms_) numbers.push_back(setup_.distribution.home(atom));
   if (is_evaluated) numbers.push_back(setup_.self);
   unwritten_.add(step, record_bytes(text_));
@@ -479,7 +483,7 @@ bool NodeProcess::has_begun() {
   wants_ = false;
   if (credit_ != ~u64{0}) --credit_;
   const u64 step = step_at(station_.tick_clock(), setup_.self);
-  if (writes_) describe(at);
+  describe(at);
   scheduler_.fired(at.interaction);
   time_.fired(at.interaction);
   atoms_.clear();
@@ -495,12 +499,14 @@ bool NodeProcess::has_begun() {
     border_steps_ += is_border ? 1 : 0;
   }
   ++steps_;
-  if (writes_) say_begun(at.interaction, step, is_evaluated);
+  if (writes_) say_begun(at, step, is_evaluated);
   if (!node_.outbox().empty()) post();
   return true;
 }
 
+// In the state before the step, unless what is written about it is made elsewhere.
 void NodeProcess::describe(EnabledSet::Position at) {
+  if (!writes_ || is_followed_) return;
   text_.out.clear();
   text_.trace.clear();
   setup_.output.describe(text_, node_.core(), at, kStepToCome, kNoChoice);

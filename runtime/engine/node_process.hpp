@@ -81,8 +81,8 @@ class NodeProcess {
   [[nodiscard]] bool has_taken_many();
   [[nodiscard]] u64 take_whole_steps(u64 step, u64 most);
   void say_fired(std::vector<u64> numbers);
-  void say_whole(InteractionId interaction, u64 step);
-  void say_begun(InteractionId interaction, u64 step, bool is_evaluated);
+  void say_whole(EnabledSet::Position at, u64 step);
+  void say_begun(EnabledSet::Position at, u64 step, bool is_evaluated);
   [[nodiscard]] bool has_chosen(EnabledSet::Position& at);
   void describe(EnabledSet::Position at);
   void post();
@@ -106,8 +106,10 @@ class NodeProcess {
   Fabric& fabric_;
   u32 launcher_;
   bool writes_, holds_;
-  bool records_only_;  // of steps, their interactions
   Node node_;
+  // Of steps: are they followed where they are written? Of those that are taken as a whole, is nothing said but their
+  // interactions?
+  bool is_followed_, says_interactions_;
   Codec codec_;
   Station station_;
   Scheduler scheduler_;

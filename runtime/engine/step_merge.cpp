@@ -2,6 +2,7 @@
 #include "runtime/engine/step_merge.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "bip/assert.hpp"
 #include "runtime/engine/node_process.hpp"
@@ -41,7 +42,11 @@ bool StepMerge::take_begun(u32 node, const Control& control) {
   const u64 number = numbers[0];
   if (node_of_step(number) != node || number <= bounds_[node] || numbers[1] >= core_.tables().interactions.size())
     return false;
-  const Step step{InteractionId(numbers[1]), numbers[2], numbers[3], control.texts[0].size(), control.texts[1].size()};
+  Step step{InteractionId(numbers[1]), 0, numbers[2], numbers[3], control.texts[0].size(), control.texts[1].size()};
+  if (follower_) {
+    if (numbers[2] >= kNone || numbers[3] != 0 || step.out_size + step.trace_size != 0) return false;
+    step.rank = static_cast<u32>(std::exchange(step.out_number, 0));
+  }
   if (!is_step(step)) return false;
   if (std::any_of(numbers.begin() + kHead, numbers.end(), [this](u64 home) { return home >= bounds_.size(); }))
     return false;
@@ -58,7 +63,7 @@ bool StepMerge::take_begun(u32 node, const Control& control) {
 u64 StepMerge::take_many(u32 node, const Control& control) {
   constexpr std::size_t kEach = 5;
   const std::vector<u64>& numbers = control.numbers;
-  if (numbers.size() <= kEach || numbers.size() % kEach != 1 || control.texts.size() != 2) return 0;
+  if (follower_ || numbers.size() <= kEach || numbers.size() % kEach != 1 || control.texts.size() != 2) return 0;
   const u64 number = numbers[0];
   if (!is_new(node, number)) return 0;
   Flight flight{true, {}, {control.texts[0], control.texts[1]}, {}, {}};
@@ -66,7 +71,7 @@ u64 StepMerge::take_many(u32 node, const Control& control) {
   u64 out = flight.text.out.size(), trace = flight.text.trace.size();
   for (std::size_t i = 1; i < numbers.size(); i += kEach) {
     if (numbers[i] >= core_.tables().interactions.size()) return 0;
-    const Step step{InteractionId(numbers[i]), numbers[i + 1], numbers[i + 2], numbers[i + 3], numbers[i + 4]};
+    const Step step{InteractionId(numbers[i]), 0, numbers[i + 1], numbers[i + 2], numbers[i + 3], numbers[i + 4]};
     if (step.out_size > out || step.trace_size > trace || !is_step(step)) return 0;
     out -= step.out_size;
     trace -= step.trace_size;
@@ -81,7 +86,7 @@ u64 StepMerge::take_many(u32 node, const Control& control) {
 }
 
 u64 StepMerge::take_fired(u32 node, const std::vector<u64>& numbers) {
-  if (!output_.records_only() || numbers.size() < 2 || !is_new(node, numbers[0])) return 0;
+  if (!(output_.records_only() || follower_) || numbers.size() < 2 || !is_new(node, numbers[0])) return 0;
   Flight flight{.is_told = true, .steps = {}, .text = {}, .open = {}, .fired = {}};
   flight.fired.reserve(numbers.size() - 1);
   for (std::size_t i = 1; i < numbers.size(); ++i) {
@@ -131,14 +136,26 @@ void StepMerge::write_first() {
   waiting_bytes_ -= bytes;
   written_bytes_ += bytes;
   last_written_ = first->first;
-  if (flight.fired.empty()) {
-    write_texts(flight, distribution_.placement.nodes[node_of_step(first->first)]);
+  const std::string& node = distribution_.placement.nodes[node_of_step(first->first)];
+  if (follower_) {
+    for (const Step& step : flight.steps) write_followed({step.interaction, step.rank}, node);
+    for (const InteractionId interaction : flight.fired) write_followed({interaction, 0}, node);
+  } else if (flight.fired.empty()) {
+    write_texts(flight, node);
   } else {
     for (const InteractionId interaction : flight.fired) core_.remember(interaction);
     output_.record(flight.fired);
     written_ += flight.fired.size();
   }
   flights_.erase(first);
+}
+
+void StepMerge::write_followed(EnabledSet::Position at, const std::string& node) {
+  is_sound_ = is_sound_ && follower_->take(at, written_, output_, text_);
+  if (!is_sound_) return;
+  core_.remember(at.interaction);
+  output_.put_of_node(text_, node);
+  ++written_;
 }
 
 void StepMerge::write_texts(const Flight& flight, const std::string& node) {

@@ -4,6 +4,7 @@
 // O(log steps that are not written) a step.
 #pragma once
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "runtime/distributed/distribution.hpp"
 #include "runtime/distributed/message.hpp"
 #include "runtime/engine/output.hpp"
+#include "runtime/engine/step_follower.hpp"
 #include "runtime/engine/unwritten_steps.hpp"
 
 namespace bip::rt {
@@ -24,6 +26,11 @@ class StepMerge {
         bounds_(distribution.placement.nodes.size(), 0),
         is_lost_(bounds_.size(), false) {}
 
+  /// Makes what is written about steps here, from `initial` on, where nodes send no texts (can_follow_steps). Before
+  /// the first step.
+  void follow(const State& initial) { follower_.emplace(core_, initial); }
+  /// False: a step that was to be written is none of the model.
+  [[nodiscard]] bool is_sound() const { return is_sound_; }
   /// Control::Kind::Begun of a node. False: it is none.
   bool take_begun(u32 node, const Control& control);
   /// Control::Kind::Took of a node. Returns how many steps; 0: it is none.
@@ -54,6 +61,7 @@ class StepMerge {
  private:
   struct Step {
     InteractionId interaction;
+    u32 rank = 0;                          // of its candidate; known if steps are followed
     u64 out_number = 0, trace_number = 0;  // 1 + where it belongs in the text; 0: nowhere
     u64 out_size = 0, trace_size = 0;      // of its text
   };
@@ -75,6 +83,7 @@ class StepMerge {
   [[nodiscard]] bool is_new(u32 node, u64 number) const;
   void write_first();
   void write_texts(const Flight& flight, const std::string& node);
+  void write_followed(EnabledSet::Position at, const std::string& node);
 
   Core& core_;
   const Distribution& distribution_;
@@ -82,6 +91,9 @@ class StepMerge {
   std::vector<u64> bounds_;  // by node
   std::vector<bool> is_lost_;
   std::map<u64, Flight> flights_;
+  std::optional<StepFollower> follower_;
+  StepText text_;  // scratch
+  bool is_sound_ = true;
   u64 written_ = 0, last_written_ = 0;
   u64 waiting_bytes_ = 0, most_waiting_bytes_ = 0, written_bytes_ = 0;
 };
