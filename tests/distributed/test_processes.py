@@ -359,6 +359,35 @@ def test_many_steps(folder):
         saved.unlink()
 
 
+def test_lines(folder):
+    """Step lines, which the launcher makes of the interactions that nodes send, are those of the recorded run; so are JSON lines. With time and with C++ nodes make them."""
+    (folder / "long_actions.bip").write_text(LONG)
+    (folder / "long.hpp").write_text("#pragma once\ninline int work_for(int milliseconds) { return milliseconds + 1; }\n")
+    cases = [(MODELS / f"{name}.bip", root) for name, root in (
+        ("classic/gas_station", None), ("classic/sensor_broadcast", None), ("classic/bus_priority", None), ("classic/atm", None), ("classic/two_phase_commit", None),
+        ("bench/pingpong", "Pairs(8)"), ("bench/philosophers", "Table(12)"), ("chance/craps", None), ("timed/train_gate", None))]
+    for k, (model, root) in enumerate([*cases, (folder / "long_actions.bip", "Root(3)")]):
+        names = ["--root", root] if root else []
+        # Steps in parts and steps as a whole, as places or by compiled code.
+        for nodes, options in ((3, []), (1, ["-O", "2"]), (4, ["--split-above", "1", "--on-loss=go-on"])):
+            trace = folder / "lines.trace"
+            for lines, traced in (("steps", "binary"), ("json", "json")):
+                command = [BIPC, "run", "--engine=distributed", "--nodes", str(nodes), "--seed", str(k), "--limit", "400", *options, "--trace", trace, "--trace-format", traced, *names, model]
+                done = subprocess.run(command, capture_output=True, text=True)
+                what = f"{model.stem} on {nodes} nodes, {lines}"
+                written = [line for line in done.stdout.splitlines() if line.startswith(("#", '{"step"'))]
+                if not check(done.returncode in (0, 3) and len(written) > 0, f"{what}: it runs", f"exit {done.returncode}\n{done.stdout}{done.stderr}"):
+                    continue
+                if lines == "json":
+                    check(written == [line for line in trace.read_text().splitlines() if line.startswith('{"step"')], f"{what}: the trace has the lines of standard output")
+                    check(all(re.search(r',"node":"\d"}$', line) for line in written), f"{what}: each line names its node", done.stdout)
+                    continue
+                check(all(re.search(r"  @\d$", line) for line in written), f"{what}: each line names its node", done.stdout)
+                replay = subprocess.run([BIPC, "replay", "--recorded", trace, *names, model], capture_output=True, text=True)
+                again = [line for line in replay.stdout.splitlines() if line.startswith("#")]
+                check(replay.returncode == 0 and [re.sub(r"  @\d$", "", line) for line in written] == again, f"{what}: the lines are those of the recorded run", done.stdout + replay.stdout + replay.stderr)
+
+
 def test_frames(folder):
     """A frame takes all messages that are ready together: with 100 interactions in flight between two nodes there are some 60 messages to a frame."""
     place = folder / "two.place"
@@ -422,6 +451,7 @@ def main():
         test_unwritten(folder)
         test_credit(folder)
         test_many_steps(folder)
+        test_lines(folder)
         test_frames(folder)
         test_errors(folder)
     check(sockets() <= before, "no socket is left")

@@ -1,13 +1,17 @@
 #!/usr/bin/env python3
 """The start script and the systemd units that `bipc deploy` writes, executed: three nodes at loopback addresses, whose hosts are folders that a small `ssh` in
 PATH stands for. It runs the command in a session of its own, which outlives it as on another machine: only the end of what it reads says that it is gone.
+Then the same over OpenSSH, if its `sshd` is installed (Debian's openssh-server): one of this test, with keys of its own, listens at a free port of these addresses and knows nobody but
+this user. It neither reads nor changes what the user or the machine has of ssh.
 
-    tests/distributed/test_start.py
+    tests/distributed/test_start.py [--openssh]
 
-Units are checked by `systemd-analyze verify` if it is installed. Prints "N passed, N failed" at the end.
+--openssh: fails if `sshd` is missing. Units are checked by `systemd-analyze verify` if it is installed. Prints "N passed, N failed" at the end.
 """
+import argparse
 import os
 import pathlib
+import pwd
 import shutil
 import signal
 import socket
@@ -68,7 +72,7 @@ class Hosts:
 
     def __init__(self, folder):
         self.folder, self.homes = folder, folder / "homes"
-        addresses = ["127.0.0.1", "::1" if has_ipv6() else "127.0.0.3", "127.0.0.2"]
+        self.addresses = addresses = ["127.0.0.1", "::1" if has_ipv6() else "127.0.0.3", "127.0.0.2"]
         self.home = {name: self.homes / address for name, address in zip(NAMES, addresses)}
         for home in self.home.values():
             home.mkdir(parents=True)
@@ -80,11 +84,21 @@ class Hosts:
             place += f"phil[{2 * k}..{2 * k + 2}] on {name}\nfork[{2 * k}..{2 * k + 2}] on {name}\n"
         (folder / "x.place").write_text(place)
         self.deploy()
-        tools = folder / "tools"
-        tools.mkdir()
-        (tools / "ssh").write_text(SSH.format(python=sys.executable, homes=str(self.homes)))
-        (tools / "ssh").chmod(0o755)
-        self.environment = {**os.environ, "PATH": f"{tools}:{os.environ['PATH']}", "BIPC": BIPC}
+        self.tools = folder / "tools"
+        self.tools.mkdir()
+        self.open()
+        self.environment = {**os.environ, "PATH": f"{self.tools}:{os.environ['PATH']}", "BIPC": BIPC}
+
+    def open(self):
+        self.write_ssh(SSH.format(python=sys.executable, homes=str(self.homes)))
+
+    def close(self):
+        """The last host, or all of them, cannot be reached from now on."""
+        self.home["mast"].rename(self.homes.with_name("away"))
+
+    def write_ssh(self, text):
+        (self.tools / "ssh").write_text(text)
+        (self.tools / "ssh").chmod(0o755)
 
     def deploy(self):
         command = [BIPC, "deploy", "--placement", "x.place", "-o", "robot", "--root", TABLE, str(MODEL)]
@@ -117,6 +131,51 @@ class Hosts:
         while self.processes() and time.monotonic() < end:
             time.sleep(0.02)
         check(not self.processes(), f"{what}: a process goes on", "\n".join(self.processes()))
+
+
+class OpenSsh(Hosts):
+    """The same with OpenSSH: one sshd at all addresses, which begins each session in the home of the address."""
+
+    def open(self):
+        for name in ("host", "user"):
+            subprocess.run(["ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-C", "", "-f", self.folder / name], check=True)
+        shutil.copy(self.folder / "user.pub", self.folder / "authorized")
+        port = free_port("127.0.0.1")
+        host_key = " ".join((self.folder / "host.pub").read_text().split()[:2])
+        (self.folder / "known").write_text("".join(f"[{address}]:{port} {host_key}\n" for address in self.addresses))
+        lines = [f"Port {port}", *(f"ListenAddress {address}" for address in self.addresses), f"HostKey {self.folder}/host", f"AuthorizedKeysFile {self.folder}/authorized",
+                 "PidFile none", "StrictModes no", "UsePAM no", "PasswordAuthentication no", "KbdInteractiveAuthentication no", "PermitRootLogin prohibit-password",
+                 f"AllowUsers {pwd.getpwuid(os.getuid()).pw_name}", f"SetEnv BIPC={BIPC}"]
+        for address in self.addresses:
+            lines += [f"Match LocalAddress {address}", f"ForceCommand cd '{self.homes}/{address}' && eval \"$SSH_ORIGINAL_COMMAND\""]
+        (self.folder / "sshd_config").write_text("\n".join(lines) + "\n")
+        (self.folder / "ssh_config").write_text(f"Port {port}\nIdentityFile {self.folder}/user\nIdentitiesOnly yes\nIdentityAgent none\nUserKnownHostsFile {self.folder}/known\n"
+                                                "GlobalKnownHostsFile none\nBatchMode yes\nLogLevel ERROR\nControlMaster no\n")
+        self.write_ssh(f"#!/bin/sh\nexec {shutil.which('ssh')} -F '{self.folder}/ssh_config' \"$@\"\n")
+        # Where sshd leaves its rights to those who are not logged in yet; its package makes it when the machine starts.
+        self.made = pathlib.Path("/run/sshd") if os.getuid() == 0 and not pathlib.Path("/run/sshd").exists() else None
+        if self.made:
+            self.made.mkdir(mode=0o755)
+        with open(self.folder / "sshd.log", "w") as log:
+            self.sshd = subprocess.Popen([find_sshd(), "-D", "-e", "-f", self.folder / "sshd_config"], stderr=log, stdin=subprocess.DEVNULL)
+        end = time.monotonic() + 20
+        while self.log().count("Server listening") < len(self.addresses) and time.monotonic() < end and self.sshd.poll() is None:
+            time.sleep(0.02)
+
+    def log(self):
+        return (self.folder / "sshd.log").read_text()
+
+    def close(self):
+        self.sshd.terminate()
+        self.sshd.wait()
+        if self.made:
+            self.made.rmdir()
+            self.made = None
+
+
+def find_sshd():
+    """It must be started by its whole path, and is in no PATH of a user."""
+    return shutil.which("sshd", path=f"{os.environ['PATH']}:/usr/sbin:/usr/local/sbin")
 
 
 def told(done):
@@ -199,14 +258,11 @@ def test_killed(hosts):
 
 
 def test_no_host(hosts):
-    """A host that cannot be reached: nothing is started."""
-    home = hosts.home["mast"]
-    away = home.with_name("away")
-    home.rename(away)
+    """The last host, or all, cannot be reached: nothing is started."""
+    hosts.close()
     done = hosts.run("--silent", "--limit", "10")
-    check(done.returncode == 255 and "limit" not in done.stdout + done.stderr, "a host that is away", told(done))
-    hosts.check_ended("a host that is away")
-    away.rename(home)
+    check(done.returncode == 255 and "limit" not in done.stdout + done.stderr, "hosts that are away", told(done))
+    hosts.check_ended("hosts that are away")
 
 
 def test_units(hosts):
@@ -228,10 +284,26 @@ def main():
     if not (BUILD / "libbipc_zmq.so").exists():
         print("skipped: start scripts of deployments: libzmq3-dev was not there when bipc was built\n0 passed, 0 failed")
         return 0
-    with tempfile.TemporaryDirectory() as folder:
-        hosts = Hosts(pathlib.Path(folder).resolve())
-        for test in (test_run, test_files, test_again, test_refused, test_interrupt, test_killed, test_no_host, test_units):
-            test(hosts)
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--openssh", action="store_true")
+    options = parser.parse_args()
+    kinds = [Hosts]
+    if find_sshd() and shutil.which("ssh-keygen"):
+        kinds.append(OpenSsh)
+    elif not check(not options.openssh, "sshd is installed (openssh-server)"):
+        return 1
+    else:
+        print("sshd is not installed (openssh-server): ssh is a small program of this test only")
+    for kind in kinds:
+        with tempfile.TemporaryDirectory() as folder:
+            hosts = kind(pathlib.Path(folder).resolve())
+            try:
+                for test in (test_run, test_files, test_again, test_refused, test_interrupt, test_killed, test_units):
+                    test(hosts)
+            finally:
+                test_no_host(hosts)
+            if kind is OpenSsh:
+                check(hosts.log().count("Accepted publickey") > 30, "sessions are those of sshd", hosts.log())
     print(f"{test_hosts.passed} passed, {test_hosts.failed} failed")
     return 1 if test_hosts.failed else 0
 

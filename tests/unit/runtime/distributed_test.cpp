@@ -1212,6 +1212,60 @@ TEST_CASE("steps of which the launcher has only the interactions are written as 
   CHECK(at_once == trace_of(false));
 }
 
+TEST_CASE("steps of which nodes send only the interactions are described where they are written") {
+  Scattered pairs = scattered_pairs(2);
+  const auto lines_of = [&](const std::vector<std::vector<u64>>& fired, bool is_sound) {
+    std::FILE* out = std::tmpfile();
+    RunOptions options;
+    RunFile no_trace({}, stderr);
+    Output output(options, 1, out, no_trace, pairs.image());
+    REQUIRE(can_follow_steps(*pairs.core, output));
+    StepMerge merge(*pairs.core, pairs.distribution, output);
+    merge.follow(pairs.core->snapshot());
+    const u64 first = step_at(1, 0);
+    // Neither texts nor numbers in them, and no rank that none is.
+    const auto begun = [&](std::vector<u64> numbers, std::vector<std::string> texts) {
+      return merge.take_begun(0, Control{Control::Kind::Begun, std::move(numbers), std::move(texts)});
+    };
+    CHECK_FALSE(begun({first, 0, 0, 0}, {"a", ""}));
+    CHECK_FALSE(begun({first, 0, 0, 1}, {"", ""}));
+    CHECK_FALSE(begun({first, 0, kNone, 0}, {"", ""}));
+    CHECK(merge.take_many(0, Control{Control::Kind::Took, {first, 0, 0, 0, 1, 0}, {"a", ""}}) == 0);
+    CHECK(begun({first, 0, 0, 0}, {"", ""}));
+    for (u64 k = 0; k < fired.size(); ++k) {
+      std::vector<u64> numbers{step_at(2 + k, 0)};
+      numbers.insert(numbers.end(), fired[k].begin(), fired[k].end());
+      CHECK(merge.take_fired(0, numbers) == fired[k].size());
+    }
+    merge.write_until(step_at(99, 0));
+    CHECK(merge.is_sound() == is_sound);
+    CHECK(merge.waiting_bytes() == 0);
+    output.flush();
+    return bip::testing::contents(out);
+  };
+  const std::string lines = lines_of({{1, 0, 1}, {0}}, true);
+  CHECK(std::count(lines.begin(), lines.end(), '\n') == 5);
+  CHECK(lines.find("#4  ") != std::string::npos);
+  CHECK(lines.find("  @" + pairs.distribution.placement.nodes[0] + '\n') != std::string::npos);
+  CHECK(lines_of({{1}, {0, 0}}, false).find("#2  ") != std::string::npos);
+  CHECK(lines_of({{1}, {0}, {1, 0}}, true) == lines_of({{1, 0, 1, 0}}, true));
+  // A candidate that is none: it is not written, nor is what follows.
+  std::FILE* out = std::tmpfile();
+  RunOptions options;
+  RunFile no_trace({}, stderr);
+  Output output(options, 1, out, no_trace, pairs.image());
+  StepMerge merge(*pairs.core, pairs.distribution, output);
+  merge.follow(pairs.core->snapshot());
+  CHECK(merge.take_begun(0, Control{Control::Kind::Begun, {step_at(1, 0), 0, 0, 0}, {"", ""}}));
+  CHECK(merge.take_begun(0, Control{Control::Kind::Begun, {step_at(2, 0), 1, 7, 0}, {"", ""}}));
+  CHECK(merge.take_fired(0, {step_at(3, 0), 0}) == 1);
+  merge.write_until(step_at(9, 0));
+  CHECK_FALSE(merge.is_sound());
+  CHECK(merge.written() == 1);
+  CHECK(merge.waiting_bytes() == 0);
+  std::fclose(out);
+}
+
 TEST_CASE("a node counts the bytes of its unwritten steps, and is told of written ones early enough") {
   for (const std::size_t nodes : {std::size_t{1}, std::size_t{4}, std::size_t{kMostNodes}}) {
     const u64 most = most_unwritten(nodes), each = record_bytes({"a step\n", ""});
