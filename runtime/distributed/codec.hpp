@@ -6,6 +6,7 @@
 #pragma once
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "runtime/distributed/distribution.hpp"
 #include "runtime/distributed/link.hpp"
@@ -49,6 +50,11 @@ class ByteReader {
   std::string_view bytes_;
   bool is_sound_ = true;
 };
+
+/// Many interactions, one after the other, at little cost for each.
+void append_interactions(std::string& bytes, const std::vector<InteractionId>& interactions);
+/// False: the bytes are none of interactions smaller than `below`.
+[[nodiscard]] bool read_interactions(std::string_view bytes, std::size_t below, std::vector<InteractionId>& out);
 
 class Codec {
  public:

@@ -11,7 +11,7 @@
 namespace bip::rt {
 
 /// Of frames and greetings: programs of other versions do not understand each other.
-inline constexpr u64 kProtocol = 5;
+inline constexpr u64 kProtocol = 6;
 
 /// The instant of models with time, and its number among the steps: smaller than those of the steps that are taken
 /// there, larger than those before. Who hears of it passes to it.
@@ -89,10 +89,12 @@ struct Control {
     Want,     // it could begin a step, and has no credit
     Counted,  // round, sent, received, 1 if idle, Credits that came
     Return,   // credit
-    Begun,    // step, and the home of each part; texts
+    Begun,    // step, interaction, where the texts have the number of the step, the home of each part; texts. Of a run
+              // whose steps are followed: step, interaction, the candidate's rank, 0, homes; empty texts
     Took,     // step; of each of the steps that it took as a whole one after the other, which share this number:
               // interaction, numbers as of Begun, lengths of its texts; the texts of all
-    Fired,    // the same of a run of which only the interactions are written: step, interactions
+    Fired,    // the same of a run whose steps are followed, or of which only the interactions are written: step; their
+              // interactions (append_interactions)
     Landed,   // steps of which a part has ended
     Fault,    // step, order, code, atom, connector, port, and two places in files; texts
     Atom,     // a state: atom, place, marks, history, 1 if an attempt holds it; its variables, and with time its clocks

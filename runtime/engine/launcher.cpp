@@ -341,7 +341,7 @@ class Launcher {
         u64 steps = 0;
         if (writes_) {
           steps = control->kind == Control::Kind::Took ? merge_.take_many(heard.from, *control)
-                                                       : merge_.take_fired(heard.from, numbers);
+                                                       : merge_.take_fired(heard.from, *control);
         }
         member.steps += steps;
         if (steps == 0) ++odd_;

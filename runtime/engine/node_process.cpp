@@ -369,12 +369,7 @@ bool NodeProcess::has_taken_many() {
   const u64 done = is_compiled ? node_.take_compiled(scheduler_.prng(), most, drawn_) : take_whole_steps(step, most);
   BIP_ASSERT(done <= most, "{} steps of {}", done, most);
   if (done == 0) return false;
-  if (is_compiled && says_interactions_) {
-    std::vector<u64> numbers{step};
-    numbers.reserve(done + 1);
-    for (u64 k = done; k != 0; --k) numbers.push_back(node_.core().history().before_last(k - 1).value);
-    say_fired(std::move(numbers));
-  }
+  if (is_compiled && says_interactions_) say_fired(step, node_.core().history().recent(done));
   if (credit_ != ~u64{0}) credit_ -= done;
   steps_ += done;
   if (watch_) watch_->note_steps();
@@ -387,12 +382,13 @@ u64 NodeProcess::take_whole_steps(u64 step, u64 most) {
   Core& core = node_.core();
   const u64 faulty = step_at(station_.tick_clock(), setup_.self);
   std::vector<u64> numbers{step};
+  std::vector<InteractionId> fired;
   StepText told;
   u64 done = 0;
   i64 until = 0;
   const auto say_told = [&] {
     if (!writes_ || done == 0) return;
-    if (says_interactions_) return say_fired(std::move(numbers));
+    if (says_interactions_) return say_fired(step, fired);
     unwritten_.add(step, record_bytes(told, done));
     say(Control::Kind::Took, std::move(numbers), {std::move(told.out), std::move(told.trace)});
   };
@@ -415,7 +411,7 @@ u64 NodeProcess::take_whole_steps(u64 step, u64 most) {
       return done + 1;
     }
     ++done;
-    if (says_interactions_) numbers.push_back(at.interaction.value);
+    if (says_interactions_) fired.push_back(at.interaction);
     if (!writes_ || says_interactions_) continue;
     const u64 out_number = cut_number(text_.out), trace_number = cut_number(text_.trace);
     numbers.insert(numbers.end(),
@@ -428,9 +424,11 @@ u64 NodeProcess::take_whole_steps(u64 step, u64 most) {
 }
 
 // Of steps of which nothing else is written: their number, and their interactions.
-void NodeProcess::say_fired(std::vector<u64> numbers) {
-  unwritten_.add(numbers.front(), fired_bytes(numbers.size() - 1));
-  say(Control::Kind::Fired, std::move(numbers));
+void NodeProcess::say_fired(u64 step, const std::vector<InteractionId>& interactions) {
+  unwritten_.add(step, fired_bytes(interactions.size()));
+  std::string bytes;
+  append_interactions(bytes, interactions);
+  say(Control::Kind::Fired, {step}, {std::move(bytes)});
 }
 
 // Of a step that was taken as a whole.

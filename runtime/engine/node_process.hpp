@@ -80,7 +80,7 @@ class NodeProcess {
   [[nodiscard]] bool takes_many() const;
   [[nodiscard]] bool has_taken_many();
   [[nodiscard]] u64 take_whole_steps(u64 step, u64 most);
-  void say_fired(std::vector<u64> numbers);
+  void say_fired(u64 step, const std::vector<InteractionId>& interactions);
   void say_whole(EnabledSet::Position at, u64 step);
   void say_begun(EnabledSet::Position at, u64 step, bool is_evaluated);
   [[nodiscard]] bool has_chosen(EnabledSet::Position& at);

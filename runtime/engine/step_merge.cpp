@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "bip/assert.hpp"
+#include "runtime/distributed/codec.hpp"
 #include "runtime/engine/node_process.hpp"
 
 namespace bip::rt {
@@ -85,14 +86,12 @@ u64 StepMerge::take_many(u32 node, const Control& control) {
   return count;
 }
 
-u64 StepMerge::take_fired(u32 node, const std::vector<u64>& numbers) {
-  if (!(output_.records_only() || follower_) || numbers.size() < 2 || !is_new(node, numbers[0])) return 0;
+u64 StepMerge::take_fired(u32 node, const Control& control) {
+  const std::vector<u64>& numbers = control.numbers;
+  if (!(output_.records_only() || follower_) || numbers.size() != 1 || control.texts.size() != 1) return 0;
+  if (control.texts[0].empty() || !is_new(node, numbers[0])) return 0;
   Flight flight{.is_told = true, .steps = {}, .text = {}, .open = {}, .fired = {}};
-  flight.fired.reserve(numbers.size() - 1);
-  for (std::size_t i = 1; i < numbers.size(); ++i) {
-    if (numbers[i] >= core_.tables().interactions.size()) return 0;
-    flight.fired.push_back(InteractionId(numbers[i]));
-  }
+  if (!read_interactions(control.texts[0], core_.tables().interactions.size(), flight.fired)) return 0;
   add_waiting(flight);
   const u64 count = flight.fired.size();
   flights_.emplace(numbers[0], std::move(flight));

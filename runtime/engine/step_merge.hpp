@@ -36,7 +36,7 @@ class StepMerge {
   /// Control::Kind::Took of a node. Returns how many steps; 0: it is none.
   u64 take_many(u32 node, const Control& control);
   /// Control::Kind::Fired of a node. Returns how many steps; 0: it is none, or not of this run.
-  u64 take_fired(u32 node, const std::vector<u64>& numbers);
+  u64 take_fired(u32 node, const Control& control);
   void take_landed(u32 node, const std::vector<u64>& steps);
   /// The node will tell of no step up to this one any more.
   void raise_bound(u32 node, u64 step) { bounds_[node] = std::max(bounds_[node], step); }

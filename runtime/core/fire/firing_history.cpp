@@ -8,6 +8,7 @@ namespace bip::rt {
 std::vector<InteractionId> FiringHistory::recent(u64 count) const {
   BIP_ASSERT(count <= kSize, "{} of the last {} interactions", count, kSize);
   std::vector<InteractionId> interactions;
+  interactions.reserve(count);
   for (u64 i = count; i > 0; --i) interactions.push_back(InteractionId(ring_[(at_ + kSize - i) % kSize]));
   return interactions;
 }

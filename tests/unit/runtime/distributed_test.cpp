@@ -70,6 +70,15 @@ Scattered scattered_pairs(int atoms) {
   return Scattered([atoms](ImageBuilder& b) { build_pairs(b, atoms); });
 }
 
+// Steps that a node took, which share a number.
+Control fired_message(u64 step, const std::vector<u32>& rows) {
+  std::vector<InteractionId> interactions;
+  for (const u32 row : rows) interactions.push_back(InteractionId(row));
+  Control fired{Control::Kind::Fired, {step}, {""}};
+  append_interactions(fired.texts[0], interactions);
+  return fired;
+}
+
 SimulatedResult simulated(const Image& image, const Placement& placement, std::uint64_t seed, std::uint64_t limit) {
   RunOptions options;
   options.limit = limit;
@@ -251,6 +260,26 @@ TEST_CASE("plans of nodes on several hosts") {
   CHECK(launcher.self == 2);
   CHECK(launcher.keys.secret == "l");
   CHECK(launcher.addresses == std::vector<std::string>{"tcp://10.0.0.1:7701", "tcp://lab:7701", ""});
+}
+
+TEST_CASE("many interactions come back as they were, and odd bytes are refused") {
+  const std::vector<InteractionId> interactions{InteractionId(0u),     InteractionId(127u),       InteractionId(128u),
+                                                InteractionId(16383u), InteractionId(16384u),     InteractionId(5u),
+                                                InteractionId(70000u), InteractionId(4294967294u)};
+  std::string bytes;
+  append_interactions(bytes, interactions);
+  std::vector<InteractionId> read;
+  REQUIRE(read_interactions(bytes, kNone, read));
+  CHECK(read == interactions);
+  for (std::size_t cut = 1; cut < bytes.size(); ++cut) {
+    read.clear();
+    const std::string_view begin = std::string_view(bytes).substr(0, cut);
+    CHECK(read_interactions(begin, kNone, read) == (static_cast<unsigned char>(begin.back()) < 0x80));
+  }
+  read.clear();
+  CHECK_FALSE(read_interactions(bytes, 70000, read));
+  CHECK_FALSE(read_interactions("\xff\xff\xff\xff\xff\x01", kNone, read));
+  CHECK_FALSE(read_interactions("\xff\xff\xff\xff\x7f", kNone, read));
 }
 
 TEST_CASE("frames come back as they were, and odd bytes are refused") {
@@ -1163,7 +1192,7 @@ TEST_CASE("a step that a node tells of is one, or is refused") {
   merge.write_until(third);
   CHECK(merge.written() == 4);
   // Texts are written: interactions alone are not enough.
-  CHECK(merge.take_fired(0, {step_at(4, 0), 0, 1}) == 0);
+  CHECK(merge.take_fired(0, fired_message(step_at(4, 0), {0, 1})) == 0);
   std::fclose(out);
 }
 
@@ -1183,18 +1212,22 @@ TEST_CASE("steps of which the launcher has only the interactions are written as 
       REQUIRE(output.records_only());
       StepMerge merge(*pairs.core, pairs.distribution, output);
       const u64 first = step_at(1, 0), second = step_at(2, 0);
-      CHECK(merge.take_fired(0, {first}) == 0);
-      CHECK(merge.take_fired(0, {step_at(1, 1), 0, 1}) == 0);
-      CHECK(merge.take_fired(0, {first, 0, 1000}) == 0);
+      CHECK(merge.take_fired(0, fired_message(first, {})) == 0);
+      CHECK(merge.take_fired(0, fired_message(step_at(1, 1), {0, 1})) == 0);
+      CHECK(merge.take_fired(0, fired_message(first, {0, 1000})) == 0);
+      CHECK(merge.take_fired(0, Control{Control::Kind::Fired, {first, 0}, {"\x01"}}) == 0);
+      CHECK(merge.take_fired(0, Control{Control::Kind::Fired, {first}, {}}) == 0);
+      CHECK(merge.take_fired(0, Control{Control::Kind::Fired, {first}, {"\x80"}}) == 0);
       CHECK(merge.waiting() == 0);
       if (at_once) {
-        CHECK(merge.take_fired(0, {first, 0, 1, 0}) == 3);
+        CHECK(merge.take_fired(0, fired_message(first, {0, 1, 0})) == 3);
         CHECK(merge.waiting_bytes() == fired_bytes(3));
         // Again, and one of an earlier number.
-        CHECK(merge.take_fired(0, {first, 0, 1}) == 0);
-        CHECK(merge.take_fired(0, {second, 1}) == 1);
+        CHECK(merge.take_fired(0, fired_message(first, {0, 1})) == 0);
+        CHECK(merge.take_fired(0, fired_message(second, {1})) == 1);
       } else {
-        for (u64 k = 0; k < 4; ++k) CHECK(merge.take_fired(0, {step_at(1 + k, 0), k % 2}) == 1);
+        for (u64 k = 0; k < 4; ++k)
+          CHECK(merge.take_fired(0, fired_message(step_at(1 + k, 0), {static_cast<u32>(k % 2)})) == 1);
       }
       merge.write_until(step_at(9, 0));
       CHECK(merge.written() == 4);
@@ -1214,7 +1247,7 @@ TEST_CASE("steps of which the launcher has only the interactions are written as 
 
 TEST_CASE("steps of which nodes send only the interactions are described where they are written") {
   Scattered pairs = scattered_pairs(2);
-  const auto lines_of = [&](const std::vector<std::vector<u64>>& fired, bool is_sound) {
+  const auto lines_of = [&](const std::vector<std::vector<u32>>& fired, bool is_sound) {
     std::FILE* out = std::tmpfile();
     RunOptions options;
     RunFile no_trace({}, stderr);
@@ -1232,11 +1265,8 @@ TEST_CASE("steps of which nodes send only the interactions are described where t
     CHECK_FALSE(begun({first, 0, kNone, 0}, {"", ""}));
     CHECK(merge.take_many(0, Control{Control::Kind::Took, {first, 0, 0, 0, 1, 0}, {"a", ""}}) == 0);
     CHECK(begun({first, 0, 0, 0}, {"", ""}));
-    for (u64 k = 0; k < fired.size(); ++k) {
-      std::vector<u64> numbers{step_at(2 + k, 0)};
-      numbers.insert(numbers.end(), fired[k].begin(), fired[k].end());
-      CHECK(merge.take_fired(0, numbers) == fired[k].size());
-    }
+    for (u64 k = 0; k < fired.size(); ++k)
+      CHECK(merge.take_fired(0, fired_message(step_at(2 + k, 0), fired[k])) == fired[k].size());
     merge.write_until(step_at(99, 0));
     CHECK(merge.is_sound() == is_sound);
     CHECK(merge.waiting_bytes() == 0);
@@ -1258,7 +1288,7 @@ TEST_CASE("steps of which nodes send only the interactions are described where t
   merge.follow(pairs.core->snapshot());
   CHECK(merge.take_begun(0, Control{Control::Kind::Begun, {step_at(1, 0), 0, 0, 0}, {"", ""}}));
   CHECK(merge.take_begun(0, Control{Control::Kind::Begun, {step_at(2, 0), 1, 7, 0}, {"", ""}}));
-  CHECK(merge.take_fired(0, {step_at(3, 0), 0}) == 1);
+  CHECK(merge.take_fired(0, fired_message(step_at(3, 0), {0})) == 1);
   merge.write_until(step_at(9, 0));
   CHECK_FALSE(merge.is_sound());
   CHECK(merge.written() == 1);
