@@ -8,6 +8,7 @@ state that the nodes ended in. Then a node is killed at random moments, with bot
 watched. After each run no process and no socket is left. Prints "N passed, N failed" at the end.
 """
 import argparse
+import json
 import os
 import pathlib
 import random
@@ -414,6 +415,22 @@ def check_processor_use(said, steps):
     check(used[5] == "-" and abs(float(used[4]) * steps / 1e9 - nodes[0]) < 0.001, "CPU ns/step of a node is of the steps that it began", said)
 
 
+def test_bench(folder):
+    """The benchmark comes to its end: a message and its answer for each step between two nodes, and a figure in each row."""
+    written = folder / "bench.json"
+    done = subprocess.run([ROOT / "tools/bench/distributed", "--quick", "--steps", "100", "--json", written], capture_output=True, text=True, env={**os.environ, "BUILD": str(BUILD)})
+    if not check(done.returncode == 0, "tools/bench/distributed --quick", done.stdout + done.stderr):
+        return
+    rows = json.loads(written.read_text())
+    pairs, market = rows["messages"][0], rows["messages"][1]
+    check(pairs["ours"] == pairs["split"] == pairs["three_layers"] == 2 and pairs["as_processes"] == 4, "messages of pairs", done.stdout)
+    check(2 <= market["split"] <= market["ours"] < market["three_layers"], "messages of clients that meet any server", done.stdout)
+    on_processes = rows["processes"]
+    check(on_processes["in_flight"][0]["messages"] == 2, "messages on processes", done.stdout)
+    check({row["format"] for row in on_processes["traced"]} == {"binary", "json"} and len(on_processes["local"]) == 1, "local steps", done.stdout)
+    check(on_processes["far"][0]["interaction_ms"] > 0, "steps through a relay", done.stdout)
+
+
 def test_errors(folder):
     """A network that is not there is named, with the package; other commands do not miss it."""
     moved = folder / "alone"
@@ -454,6 +471,9 @@ def main():
         test_lines(folder)
         test_frames(folder)
         test_errors(folder)
+        # It compares with programs that a sanitized build has no libraries for.
+        if PATIENCE == 1:
+            test_bench(folder)
     check(sockets() <= before, "no socket is left")
     print(f"{test_hosts.passed} passed, {test_hosts.failed} failed")
     return 1 if test_hosts.failed else 0
