@@ -661,7 +661,13 @@ class Launcher {
     result_.most_waiting_bytes = merge_.most_waiting_bytes();
     const State last = told_.finish();
     if (writes_) merge_.write_until(has_fault_ ? fault_step_ : cut_);
-    if (!merge_.is_sound()) return end_with_nonsense("they told of a step that is none of the model", initial);
+    if (!merge_.is_sound()) {
+      // What a node does when it is lost, nobody hears.
+      return end_with_nonsense(merge_.has_met_fault()
+                                   ? "a step ended in a run-time error of which its node did not tell"
+                                   : "they told of a step that is none of the model",
+                               initial);
+    }
     if (has_fault_) {
       result_.end = End::Fault;
       // The step with the fault is not counted.

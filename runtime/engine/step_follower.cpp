@@ -16,10 +16,10 @@ StepFollower::StepFollower(const Core& core, const State& initial) : core_(core.
 bool StepFollower::take(EnabledSet::Position at, u64 number, Output& output, StepText& text) {
   text.out.clear();
   text.trace.clear();
-  if (has_ended_ || !core_.enabled().has(at)) return false;
+  if (has_met_fault_ || !core_.enabled().has(at)) return false;
   output.describe(text, core_, at, number, kNoChoice);
   // The step with a fault is written, and is the last one.
-  has_ended_ = !core_.take(at);
+  has_met_fault_ = !core_.take(at);
   return true;
 }
 

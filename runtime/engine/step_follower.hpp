@@ -17,12 +17,15 @@ class StepFollower {
  public:
   /// At the state before the first step. `core` must outlive it.
   StepFollower(const Core& core, const State& initial);
-  /// Makes the text of step `number` and takes it. False: it is no step of the model here; nothing follows.
+  /// Makes the text of step `number` and takes it. False: it is no step of the model here, or comes after a fault;
+  /// nothing follows.
   [[nodiscard]] bool take(EnabledSet::Position at, u64 number, Output& output, StepText& text);
+  /// The last step ended in a run-time error.
+  [[nodiscard]] bool has_met_fault() const { return has_met_fault_; }
 
  private:
   Core core_;
-  bool has_ended_ = false;  // by a fault
+  bool has_met_fault_ = false;
 };
 
 }  // namespace bip::rt

@@ -29,8 +29,10 @@ class StepMerge {
   /// Makes what is written about steps here, from `initial` on, where nodes send no texts (can_follow_steps). Before
   /// the first step.
   void follow(const State& initial) { follower_.emplace(core_, initial); }
-  /// False: a step that was to be written is none of the model.
+  /// False: a step that was to be written is none of the model, or comes after one with a fault.
   [[nodiscard]] bool is_sound() const { return is_sound_; }
+  /// The step that was written last ended in a run-time error, whether its node told of it or not.
+  [[nodiscard]] bool has_met_fault() const { return follower_ && follower_->has_met_fault(); }
   /// Control::Kind::Begun of a node. False: it is none.
   bool take_begun(u32 node, const Control& control);
   /// Control::Kind::Took of a node. Returns how many steps; 0: it is none.

@@ -534,10 +534,15 @@ class Level {
     commands_ = ends[0];
     nursery_ = child;
     for (std::size_t m = 0; m < description_.modules.size(); ++m)
-      command('s', static_cast<int>(m), shared_.state(m).generation);
+      send_command('s', static_cast<int>(m), shared_.state(m).generation);
   }
 
+  // The listener may be replacing the nursery: then the number of its socket may be another file's.
   void command(char what, int module, std::uint32_t generation) {
+    const std::lock_guard<std::mutex> hold(nursery_lock_);
+    send_command(what, module, generation);
+  }
+  void send_command(char what, int module, std::uint32_t generation) {
     const NurseryCommand message{what, module, generation};
     (void)::send(commands_, &message, sizeof message, MSG_NOSIGNAL);
   }
@@ -565,7 +570,8 @@ class Level {
   std::thread listener_;
   bool ends_ = false;
   int commands_ = -1;
-  pid_t nursery_ = 0, own_pid_ = 0;
+  std::atomic<pid_t> nursery_ = 0;
+  pid_t own_pid_ = 0;
 };
 
 }  // namespace bip::processes

@@ -1291,6 +1291,7 @@ TEST_CASE("steps of which nodes send only the interactions are described where t
   CHECK(merge.take_fired(0, fired_message(step_at(3, 0), {0})) == 1);
   merge.write_until(step_at(9, 0));
   CHECK_FALSE(merge.is_sound());
+  CHECK_FALSE(merge.has_met_fault());
   CHECK(merge.written() == 1);
   CHECK(merge.waiting_bytes() == 0);
   std::fclose(out);
