@@ -48,6 +48,7 @@ class LevelWriter {
     parts();
     for (std::size_t m = 0; m < plans_.size(); ++m) module(m);
     whens();
+    calls();
     time();
     out_ += priorities_.empty() ? "" : "\n";
     for (const auto& [low, high] : priorities_)
@@ -442,6 +443,7 @@ class LevelWriter {
                                     plan(c.subject).services[c.subject.service].id);
       stops_.emplace_back(c.subject, name);
       priorities_.emplace_back(sync_, name);
+      if (c.recovery) calls_.emplace_back(c.recovery->module, name);
     }
   }
 
@@ -454,7 +456,15 @@ class LevelWriter {
       if (c.recovery && c.recovery->module == m) add_port(ports, parts_.recoveries[row] + ".calm");
     }
     const std::string pass = wire({.name = p.component + "_pass", .ports = ports});
+    passes_[m] = pass;
     priorities_.emplace_back(wire({.name = p.component + "_chck", .ports = {p.component + ".chck"}}), pass);
+  }
+
+  // A control cycle does not pass while a violation of this instant calls for a recovery that it would begin.
+  void calls() {
+    for (const auto& [m, call] : calls_) {
+      if (const auto pass = passes_.find(m); pass != passes_.end()) priorities_.emplace_back(pass->second, call);
+    }
   }
 
   // What is to be done after a violation comes before any other request to its module.
@@ -495,6 +505,7 @@ class LevelWriter {
       guard = conditions_.text(negated(c.condition), ports);
       const std::string over = wire({.name = "when_" + c.name + "_over", .ports = ports, .guard = guard});
       for (const std::string& edge : {name, over}) priorities_.emplace_back(sync_, edge);
+      calls_.emplace_back(c.recovery->module, name);
       std::vector<std::string> again;
       acceptances(c.condition, again);
       for (const std::string& trig : again) priorities_.emplace_back(trig, name);
@@ -577,6 +588,8 @@ class LevelWriter {
   ConditionWriter conditions_;
   std::map<std::string, std::string> posters_;
   std::vector<std::pair<ServiceRef, std::string>> stops_;
+  std::map<std::size_t, std::string> passes_;               // of modules whose control cycles may pass
+  std::vector<std::pair<std::size_t, std::string>> calls_;  // of recoveries, and their module
   std::map<ServiceRef, std::string> trigs_;
   std::vector<std::pair<std::string, std::string>> priorities_;
 };

@@ -113,6 +113,7 @@ std::string executive_type(const GenerateOptions& options, const std::vector<Req
            "  port type Numbered(int number)\n  port type Target(string activity)\n"
            "  port type Told(string rqst, string rep)\n";
   }
+  const bool passes = options.design == Design::Ours;
   return out +
          "\n  // The next request, \"MODULE.SERVICE(VALUE, ...)\", or nothing; intermediate replies, or why there is "
          "none; final replies.\n"
@@ -125,13 +126,15 @@ std::string executive_type(const GenerateOptions& options, const std::vector<Req
          directory(all) +
          "\"\n    data string due = \"\", due_service = \"\", due_input = \"\"\n"
          "    data int due_number = 0, waited = 0\n    data bool known = false\n"
-         "    export port Signal tick()\n    export port Asks ask(due, due_service)\n"
+         "    export port Signal tick()\n    export port Asks ask(due, due_service)\n" +
+         (passes ? "    export port Signal calm()\n" : "") +
          "\n    place HERE\n\n    initial to HERE\n\n"
          "    on tick from HERE to HERE do {\n      if (due == \"\") then\n" +
          takes("executive_request()", "\"\"", "0", kIsKnown) +
          "      if (due != \"\" && !known) then\n        executive_answer(\"\", due, \"UNKNOWN_REQUEST\");\n"
          "        due = \"\";\n        due_service = \"\";\n      fi\n      fi\n    }\n"
-         "    on ask from HERE to HERE do {\n      due = \"\";\n      due_service = \"\";\n    }\n  end\n";
+         "    on ask from HERE to HERE do {\n      due = \"\";\n      due_service = \"\";\n    }\n" +
+         (passes ? "    on calm from HERE to HERE provided (due == \"\")\n" : "") + "  end\n";
 }
 
 std::string mailbox_type(const Plan& plan, const std::vector<RequestSpec>& requests) {

@@ -121,9 +121,10 @@ struct Plan {
   [[nodiscard]] bool gives_lock(const Service& s) const {
     return !by_codel && (waits_in_box() || (s.waits && s.kind == ServiceKind::Execution));
   }
-  /// Returns whether a control cycle is a single step if no request waits and no instance of a service is in use. It is
-  /// where requests come from mailboxes, whose port `calm` is enabled while none waits.
-  [[nodiscard]] bool passes() const { return executive == Executive::Served && design == Design::Ours; }
+  /// Returns whether a control cycle is a single step if it has nothing to do: no request waits, no final reply is due,
+  /// no activity waits to begin. It is so where it is known who asks: the port `calm` of a mailbox, or of the
+  /// executive, is enabled while no request waits.
+  [[nodiscard]] bool passes() const { return executive != Executive::Anybody && design == Design::Ours; }
   /// May a cycle of the task pass over all of its activities in one step, while none is in use?
   [[nodiscard]] bool passes_over(std::size_t task) const {
     return passes() && module->tasks[task].activity.states.empty() && tasks[task].activities.size() >= 2;

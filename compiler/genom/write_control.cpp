@@ -2,7 +2,7 @@
 //
 // A control cycle, place by place:
 //   idle   -chck->    coll   the timer says so; the module's lock is taken
-//   idle   -pass->    idle   the whole cycle, if no request waits and no instance is in use (Plan::passes)
+//   idle   -pass->    idle   the whole cycle, if it has nothing to do (Plan::passes)
 //   idle   -woken->   coll   a request has arrived in the mailbox (Executive::Served); the timer runs on
 //   coll   -collect-> read   all final replies that are due
 //   read   -read_X->  asked  at most one request (with the semaphore), or -none-> laun

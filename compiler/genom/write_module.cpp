@@ -206,12 +206,13 @@ void ModuleWriter::control_cycle() {
   refuse("WAIT_ABORT_ZOMBIE_ACTIVITY", fmt::format("!{0}.suspended && {0}.initialised && {0}.zombies > 0", state));
 }
 
-// The whole control cycle at once, while no instance is in use: it would collect and launch nothing.
+// The whole control cycle at once, while no instance has a final reply due or waits to begin: it would collect and
+// launch nothing.
 void ModuleWriter::pass() {
   std::vector<std::string> ports{control("pass")};
   add_module_lock(ports, "look");
   for (std::size_t k = 0; k < plan_.activities.size(); ++k) {
-    if (plan_.service_of(k).kind == ServiceKind::Execution) ports.push_back(of_activity(k, "free"));
+    if (plan_.service_of(k).kind == ServiceKind::Execution) ports.push_back(of_activity(k, "calm"));
   }
   for (std::size_t i = 0; i < module_.tasks.size(); ++i) {
     if (module_.tasks[i].period_us == 0) ports.push_back(of_task(i, "wake"));

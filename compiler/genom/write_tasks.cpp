@@ -309,6 +309,7 @@ void write_service(std::string& out, const Plan& plan, std::size_t service, std:
   }
   for (const char* name : {"trig", "rej", "idle", "free", "busy", "stat"})
     write_export(out, std::string("controller.") + name, name);
+  if (plan.passes()) write_export(out, "controller.calm", "calm");
   write_export(out, plan.executive == Executive::Cpp ? "replied.out" : "controller.reply", "reply");
   write_export(out, "start.out", "start");
   write_export(out, "cancel.out, abort.out", "abt");
