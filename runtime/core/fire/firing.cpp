@@ -119,10 +119,11 @@ bool Firing::fire_star(const InteractionInfo& info) {
 
 bool Firing::fire_planned(const Candidate& candidate, const InteractionInfo& info) {
   const Plan& plan = core_.tables.plans[info.plan()];
+  if (!plan.needs_ups) return fire_ports(planned_ports(candidate, info));
   const PlanNode* nodes = core_.tables.plan_nodes.data() + plan.first_node;
   core_.search.choose(candidate, plan);
   // Faults of `up`s are found when candidates are listed.
-  if (plan.needs_ups && !core_.search.run_ups(plan)) return false;
+  if (!core_.search.run_ups(plan)) return false;
   // Depth first over (use, next parameter); a stack, for the hierarchy may be deep.
   use_stack_.clear();
   use_stack_.emplace_back(0, 0);
@@ -133,7 +134,7 @@ bool Firing::fire_planned(const Candidate& candidate, const InteractionInfo& inf
     const PlanUse& use = core_.tables.plan_uses[plan.first_use + at];
     const ConnectorType& type = core_.tables.connector_type(use.connector);
     u32 param = use_stack_.back().second;
-    if (param == 0 && plan.needs_ups && core_.search.clause_of_use(at) != kNone) {
+    if (param == 0 && core_.search.clause_of_use(at) != kNone) {
       if (!run_code(core_.tables.code(type.clauses[core_.search.clause_of_use(at)].down), use.connector)) return false;
     }
     // Up to the next use below this one.
@@ -207,19 +208,28 @@ Span<u32> Firing::ports(const Candidate& candidate) {
       if (core_.ports.enabled_row(core_.tables.flat_ports[i]) != kNone) ports_.push_back(core_.tables.flat_ports[i]);
     }
   } else {
-    const Plan& plan = core_.tables.plans[info.plan()];
-    core_.search.choose(candidate, plan);
-    if (choices_.empty()) choices_.resize(core_.tables.plans.size());
-    ListedChoice& last = choices_[info.plan()];
-    const Span<std::uint8_t> chosen = core_.search.chosen(plan);
-    if (!std::equal(chosen.begin(), chosen.end(), last.chosen.begin(), last.chosen.end())) {
-      last.chosen.assign(chosen.begin(), chosen.end());
-      last.ports.clear();
-      visit_chosen(plan, [&](u32, u32 instance) { last.ports.push_back(instance); });
-    }
-    return {last.ports.data(), static_cast<u32>(last.ports.size())};
+    return planned_ports(candidate, info);
   }
   return {ports_.data(), static_cast<u32>(ports_.size())};
+}
+
+Span<u32> Firing::planned_ports(const Candidate& candidate, const InteractionInfo& info) {
+  const Plan& plan = core_.tables.plans[info.plan()];
+  if (choices_.empty()) choices_.resize(core_.tables.plans.size());
+  ListedChoices& known = choices_[info.plan()];
+  const Span<u64> key = core_.search.choice_key(candidate, plan);
+  for (ListedChoice& choice : known.choices) {
+    if (std::equal(key.begin(), key.end(), choice.key.begin(), choice.key.end()))
+      return {choice.ports.data(), static_cast<u32>(choice.ports.size())};
+  }
+  if (known.choices.size() < kListedChoices) known.choices.emplace_back();
+  ListedChoice& choice = known.choices[known.next];
+  known.next = (known.next + 1) % kListedChoices;
+  choice.key.assign(key.begin(), key.end());
+  choice.ports.clear();
+  core_.search.choose(candidate, plan);
+  visit_chosen(plan, [&](u32, u32 instance) { choice.ports.push_back(instance); });
+  return {choice.ports.data(), static_cast<u32>(choice.ports.size())};
 }
 
 void Firing::direct_participants(const Candidate& candidate, std::vector<Participant>& out) {

@@ -34,8 +34,8 @@ class Firing {
   /// Finds the atom ports that take part, in the order in which they fire.
   void participants(const Candidate& candidate, std::vector<Participant>& out);
   /// Returns the instances of the atom ports that take part, in the order in which they fire; valid up to the next
-  /// call. Where a connector chooses among its ports, those of the last choice are kept: nearly always it is the same
-  /// again.
+  /// call. Where a connector chooses among its ports, those of its last choices are kept: nearly always it is one of
+  /// them again.
   Span<u32> ports(const Candidate& candidate);
   /// Finds the ports of the connector itself; exported ports of connectors below as such, with this candidate's values:
   /// runs `up`.
@@ -47,17 +47,25 @@ class Firing {
   void zero_frame(u32 connector);
 
  private:
-  /// What a plan chose when its ports were last listed.
+  /// What a plan chose when its ports were last listed: a system goes around in few of its choices. The key is
+  /// InteractionSearch::choice_key, ports are instances.
   struct ListedChoice {
-    std::vector<std::uint8_t> chosen;  // by node; empty: nothing
-    std::vector<u32> ports;            // instances
+    std::vector<u64> key;
+    std::vector<u32> ports;
   };
+  struct ListedChoices {
+    std::vector<ListedChoice> choices;  // at most kListedChoices
+    u32 next = 0;                       // is replaced next
+  };
+  static constexpr u32 kListedChoices = 4;
 
   /// Calls visit(parameter, instance) for each atom port of the configuration that the search has chosen.
   template <class Visit>
   void visit_chosen(const Plan& plan, const Visit& visit);
   bool fire_ports(Span<u32> ports);
   bool fire_star(const InteractionInfo& info);
+  /// ports() of a planned interaction.
+  Span<u32> planned_ports(const Candidate& candidate, const InteractionInfo& info);
   bool fire_planned(const Candidate& candidate, const InteractionInfo& info);
   bool run_transfer(const InteractionInfo& info, u32 clause);
 
@@ -65,7 +73,7 @@ class Firing {
   std::vector<u32> params_;                     // scratch
   std::vector<std::pair<u32, u32>> use_stack_;  // scratch
   std::vector<u32> ports_;                      // scratch
-  std::vector<ListedChoice> choices_;           // by plan, once ports() is asked for one
+  std::vector<ListedChoices> choices_;          // by plan, once the ports of one are asked for
 };
 
 }  // namespace bip::rt

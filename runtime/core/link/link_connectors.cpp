@@ -226,10 +226,12 @@ void add_plan(Tables& tables, InteractionInfo& info) {
     for (const Clause& clause : tables.connector_type(tables.plan_uses[plan.first_use + i].connector).clauses)
       plan.has_ranges &= clause.has_ranges;
   }
-  plan.needs_ups = plan.has_choice || !plan.witnesses.empty();
+  plan.needs_ups = !plan.witnesses.empty();
   for (u32 i = 0; i < plan.use_count && !plan.needs_ups; ++i) {
-    for (const Clause& clause : tables.connector_type(tables.plan_uses[plan.first_use + i].connector).clauses)
-      plan.needs_ups |= clause.down != kNone || (tables.image->ffi != nullptr && clause.up != kNone);
+    for (const Clause& clause : tables.connector_type(tables.plan_uses[plan.first_use + i].connector).clauses) {
+      const bool is_seen = tables.image->ffi != nullptr || plan.has_choice;
+      plan.needs_ups |= clause.down != kNone || (is_seen && clause.up != kNone);
+    }
   }
   if (plan.rigid && !plan.needs_ups) list_ports(tables, plan);
   // Alternatives of one parameter are several candidates: they are listed.

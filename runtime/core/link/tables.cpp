@@ -40,16 +40,23 @@ bool is_automaton(const AtomType& type) {
                      [](const Transition& t) { return t.from.size == 1 && t.to.size == 1; });
 }
 
+// Is there at most one transition for each place and port, of an automaton?
+bool has_one_each(const AtomType& type) {
+  std::vector<std::uint64_t> seen;
+  for (const Transition& t : type.transitions) {
+    if (t.port != kNone) seen.push_back(std::uint64_t{t.from[0]} << 32 | t.port);
+  }
+  std::sort(seen.begin(), seen.end());
+  return std::adjacent_find(seen.begin(), seen.end()) == seen.end();
+}
+
 // A fixed type: no guards, internal transitions, priorities or invariants, at most one transition a place and port.
 bool is_fixed(const AtomType& type) {
   if (type.priorities.size != 0 || type.invariants.size != 0) return false;
   for (const Transition& t : type.transitions) {
     if (t.guard != kNone || t.port == kNone) return false;
   }
-  std::vector<std::uint64_t> seen;
-  for (const Transition& t : type.transitions) seen.push_back(std::uint64_t{t.from[0]} << 32 | t.port);
-  std::sort(seen.begin(), seen.end());
-  return std::adjacent_find(seen.begin(), seen.end()) == seen.end();
+  return has_one_each(type);
 }
 
 bool is_simple(const AtomType& type) {
@@ -115,6 +122,7 @@ void link_atoms(Tables& tables) {
     linked.is_timed = type.time != nullptr;
     linked.fixed = automaton && !linked.is_timed && is_fixed(type);
     linked.simple = linked.fixed && is_simple(type);
+    linked.one_each = automaton && has_one_each(type);
     BIP_ASSERT(!automaton || type.initial[0] < type.places.size, "place {} of {}", type.initial[0], type.places.size);
     linked.has_priorities = type.priorities.size != 0;
     linked.has_invariants = type.invariants.size != 0;

@@ -100,6 +100,8 @@ struct LinkedType {
   u32 mark_words = 0;                              // 64-bit words of a marking; 0: automaton, the marking is one place
   bool fixed = false;   // automaton without guards and internal transitions: its marking says which ports are enabled
   bool simple = false;  // fixed, and each port labels one transition: a port is enabled iff the atom is at its place
+  bool one_each =
+      false;  // automaton, at most one transition for each place and port: whether it is enabled is its guard's
   bool has_internal = false;
   bool has_priorities = false;
   bool has_invariants = false;

@@ -211,6 +211,24 @@ void InteractionSearch::choose(const Candidate& candidate, const Plan& plan) {
   choose_largest(plan, 0);
 }
 
+Span<u64> InteractionSearch::choice_key(const Candidate& candidate, const Plan& plan) {
+  if (const u32 row = listing_of(candidate.interaction); row != kNone) {
+    BIP_ASSERT(candidate.config < listings_[row].count, "configuration {} of {}", candidate.config,
+               listings_[row].count);
+    return {listings_[row].configs.data() + std::size_t{candidate.config} * plan.words, plan.words};
+  }
+  key_.assign(plan.words, 0);
+  // All ports take part in a rigid plan.
+  if (plan.rigid) return {key_.data(), plan.words};
+  const PlanNode* nodes = core_.tables.plan_nodes.data() + plan.first_node;
+  for (u32 i = 0; i < plan.node_count; ++i) {
+    const PlanNode& node = nodes[i];
+    if (node.kind == NodeKind::Leaf && core_.ports.enabled_row(node.ref) != kNone)
+      key_[node.leaf >> 6] |= u64{1} << (node.leaf & 63);
+  }
+  return {key_.data(), plan.words};
+}
+
 bool InteractionSearch::run_ups(const Plan& plan) {
   // Parents come before children in a plan: backwards is bottom up.
   for (u32 i = plan.use_count; i-- > 0;) {

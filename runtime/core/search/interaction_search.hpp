@@ -101,8 +101,9 @@ class InteractionSearch {
   /// Makes the candidate's configuration the one at hand.
   void choose(const Candidate& candidate, const Plan& plan);
   [[nodiscard]] bool is_chosen(u32 node) const { return chosen_[node] != 0; }
-  /// The same of all nodes of the plan.
-  [[nodiscard]] Span<std::uint8_t> chosen(const Plan& plan) const { return {chosen_.data(), plan.node_count}; }
+  /// Returns what decides the candidate's configuration: that itself where it is listed, else which ports are enabled.
+  /// Candidates of one plan with equal keys have the same configuration. Valid up to the next call. Cost: the leaves.
+  [[nodiscard]] Span<u64> choice_key(const Candidate& candidate, const Plan& plan);
   /// The child of a Choice that is chosen.
   [[nodiscard]] u32 chosen_alternative(const Plan& plan, u32 choice) const;
   /// Runs the `up`s of the configuration, bottom up. False: a fault.
@@ -147,6 +148,7 @@ class InteractionSearch {
   // scratch
   std::vector<std::uint8_t> available_, chosen_;  // by plan node
   std::vector<u32> node_scratch_;                 // by plan node
+  std::vector<u64> key_;                          // of choice_key
   std::vector<u32> use_clause_;                   // by use
   std::vector<u32> params_;
   std::vector<std::vector<Bits>> link_alternatives_;  // by plan node: of maximal_only links and choices

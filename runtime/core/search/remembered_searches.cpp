@@ -80,18 +80,21 @@ void RememberedSearches::link(const CoreParts& core) {
     const Plan& plan = tables.plans[row];
     PlanMemory& memory = plans_[row];
     // Guards of rules that decide below connectors read data by their paths, too.
-    if (!plan.guarded || plan.rigid || !plan.witnesses.empty() || !is_pure(core, plan)) continue;
+    if (plan.rigid || !plan.witnesses.empty()) continue;
+    // Without guards only a choice needs a search, and that reads no data.
+    if (plan.guarded ? !is_pure(core, plan) : !plan.has_choice) continue;
     memory.is_used = true;
     memory.first_leaf = static_cast<u32>(leaves_.size());
-    const std::vector<std::vector<bool>> is_read = read_variables(tables, plan);
+    const std::vector<std::vector<bool>> is_read =
+        plan.guarded ? read_variables(tables, plan) : std::vector<std::vector<bool>>(plan.node_count);
     for (u32 i = 0; i < plan.node_count; ++i) {
       const PlanNode& node = tables.plan_nodes[plan.first_node + i];
       if (node.kind != NodeKind::Leaf) continue;
       const u32 atom = tables.port_atom[node.ref];
       const Port& port = tables.atom_type(atom).ports[node.ref - tables.port_base(atom)];
-      BIP_ASSERT(is_read[i].size() == port.variables.size, "{} of {} variables of a port", is_read[i].size(),
-                 port.variables.size);
-      for (u32 k = 0; k < port.variables.size; ++k) {
+      BIP_ASSERT(!plan.guarded || is_read[i].size() == port.variables.size, "{} of {} variables of a port",
+                 is_read[i].size(), port.variables.size);
+      for (u32 k = 0; k < port.variables.size && plan.guarded; ++k) {
         if (is_read[i][k]) variables_.push_back(core.atoms[atom].first_cell + port.variables[k]);
       }
       leaves_.push_back({node.ref, static_cast<u32>(variables_.size())});

@@ -1,8 +1,8 @@
 // What searches found for the inputs that they had: a search that would read the same again is not made.
 //
-// A search reads which ports of its plan are enabled and those of their variables that guards and `up`s read; all else
-// that it computes with (the connectors' own variables) it sets itself. So equal inputs have equal candidates. Each
-// searched interaction keeps the last few.
+// A search reads which ports of its plan are enabled and those of their variables that guards and `up`s read (none of
+// them where there are merged ports, but no guards); all else that it computes with (the connectors' own variables) it
+// sets itself. So equal inputs have equal candidates. Each searched interaction keeps the last few.
 #pragma once
 #include <vector>
 

@@ -150,6 +150,21 @@ bool AtomSteps::update_ports(u32 atom, u32 place_before) {
     // Only ports that the two places offer can change.
     const Span<u32> old_rows = core_.tables.place_transitions[type.first_place + place_before];
     const Span<u32> rows = core_.tables.place_transitions[type.first_place + place_now];
+    if (type.one_each) {
+      for (const u32 row : rows) {
+        const LinkedTransition& transition = core_.tables.transitions[row];
+        bool enabled = true;
+        if (transition.guard.fn != nullptr && !is_enabled_from(atom, transition, enabled)) return false;
+        core_.ports.set_port(state.port_base + transition.port, enabled ? row : kNone);
+      }
+      if (place_before == place_now) return true;
+      // What a port still has from the old place is not offered by the new one.
+      for (const u32 row : old_rows) {
+        const u32 instance = state.port_base + core_.tables.transitions[row].port;
+        if (core_.ports.port(instance).transition == row) core_.ports.set_port(instance, kNone);
+      }
+      return true;
+    }
     for (u32 row : rows) now[core_.tables.transitions[row].port] = kNone;
     if (place_before != place_now) {
       for (u32 row : old_rows) now[core_.tables.transitions[row].port] = kNone;

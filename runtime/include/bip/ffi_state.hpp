@@ -2,6 +2,7 @@
 // the calls are. Header only: emitted programs and the compiler make one each.
 #pragma once
 #include <algorithm>
+#include <atomic>
 #include <cstdint>
 #include <deque>
 #include <limits>
@@ -56,10 +57,7 @@ class FfiState final : public FfiContext {
     const auto it = rows_.find(text);
     return it != rows_.end() ? it->second : make(text);
   }
-  [[nodiscard]] bool wants_collection() const override {
-    const std::lock_guard guard(lock_);
-    return made_.size() >= enough_;
-  }
+  [[nodiscard]] bool wants_collection() const override { return wants_collection_.load(std::memory_order_relaxed); }
   void keep_only(Span<std::int32_t> live) override {
     const std::lock_guard guard(lock_);
     for (auto it = made_.begin(); it != made_.end();) {
@@ -71,6 +69,7 @@ class FfiState final : public FfiContext {
       it = made_.erase(it);
     }
     enough_ = std::max(kFewStrings, 2 * made_.size());
+    wants_collection_.store(false, std::memory_order_relaxed);
   }
   void pin(Span<std::int32_t> rows) override {
     const std::lock_guard guard(lock_);
@@ -104,6 +103,7 @@ class FfiState final : public FfiContext {
     advance();
     const auto made = made_.try_emplace(row, Made{std::string(text)}).first;
     rows_.try_emplace(made->second.text, row);
+    if (made_.size() >= enough_) wants_collection_.store(true, std::memory_order_relaxed);
     return row;
   }
   void advance() {
@@ -117,6 +117,7 @@ class FfiState final : public FfiContext {
   std::unordered_map<std::int32_t, Made> made_;  // at run time, by row; nodes never move
   std::int32_t next_ = 0;                        // the next row, if it is free
   std::size_t enough_ = kFewStrings;
+  std::atomic<bool> wants_collection_ = false;  // is asked after each step, without the lock
   std::unordered_map<std::string_view, std::int32_t> rows_;
   std::unordered_map<std::thread::id, std::string> messages_;
   mutable std::mutex lock_;
