@@ -469,7 +469,11 @@ class Genom3Parser {
     in_.take();
     if (!v3::parse_codel(in_, parsed)) return false;
     // A dialect: what the codel may take; an `async` one is given up then.
-    const bool is_time_sound = !in_.accept("wcet") || duration(parsed.codel.budget_us);
+    const SourceRange range = in_.peek().range;
+    const bool has_time = in_.accept("wcet");
+    const bool is_time_sound = !has_time || duration(parsed.codel.budget_us);
+    if (has_time && is_time_sound && parsed.codel.budget_us == 0)
+      diags_.report(Diag::kB6034, range, parsed.codel.name.text);
     codels.push_back(std::move(parsed));
     return is_time_sound && in_.expect(";");
   }
