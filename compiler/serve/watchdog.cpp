@@ -25,9 +25,7 @@ std::int64_t steady_ns() {
 std::string milliseconds(std::int64_t ns) { return std::to_string(ns / 1'000'000) + " ms"; }
 
 // Often enough to notice in time, not more often than a machine has clocks for.
-std::chrono::nanoseconds look_after(std::int64_t stall) {
-  return std::chrono::nanoseconds(std::max<std::int64_t>(stall / 8, 1'000'000));
-}
+std::int64_t look_after(std::int64_t stall) { return std::max<std::int64_t>(stall / 8, 1'000'000); }
 
 // The one that a handler of signals asks.
 std::atomic<Watchdog*> crash_watchdog{nullptr};
@@ -37,6 +35,15 @@ constexpr int kLastStopMs = 1000;
 constexpr std::int64_t kLateReportEvery = 1'000'000'000;
 
 }  // namespace
+
+Watchdog::Watchdog(const Execution& system, const WatchOptions& options) : system_(system), options_(options) {
+  ::sem_init(&changed_, 0, 0);
+}
+
+Watchdog::~Watchdog() {
+  halt();
+  ::sem_destroy(&changed_);
+}
 
 void Watchdog::start() {
   if (options_.stall <= 0 && options_.safe_stop == nullptr) return;
@@ -64,7 +71,7 @@ void Watchdog::halt() {
     if (options_.set_module_hook != nullptr) options_.set_module_hook(nullptr);
   }
   quits_ = true;
-  changed_.release();
+  ::sem_post(&changed_);
   thread_.join();
 }
 
@@ -75,7 +82,7 @@ void Watchdog::on_crash(const char* why) {
   if (watchdog == nullptr || watchdog->thread_.get_id() == std::this_thread::get_id()) return;
   const char* none = nullptr;
   if (!watchdog->crash_why_.compare_exchange_strong(none, why)) return;
-  watchdog->changed_.release();
+  ::sem_post(&watchdog->changed_);
   for (int k = 0; k < kLastStopMs && !watchdog->has_stopped_for_crash_; ++k) {
     const timespec moment{0, 1'000'000};
     ::nanosleep(&moment, nullptr);
@@ -93,7 +100,7 @@ void Watchdog::stop_robot(std::string why) {
     const std::lock_guard<std::mutex> hold(lock_);
     asked_stops_.push_back(std::move(why));
   }
-  changed_.release();
+  ::sem_post(&changed_);
 }
 
 // A thread whose stack is full needs another one for the handler.
@@ -148,12 +155,22 @@ void Watchdog::do_asked_stops() {
 
 void Watchdog::watch() {
   while (!quits_) {
-    if (options_.stall > 0) (void)changed_.try_acquire_for(look_after(options_.stall));
-    else changed_.acquire();
+    wait();
     do_asked_stops();
     if (options_.stall > 0 && !quits_) look();
   }
   do_asked_stops();
+}
+
+// Until there is something to do, or it is time to look; a signal may end it earlier, which does no harm.
+void Watchdog::wait() {
+  if (options_.stall <= 0) {
+    ::sem_wait(&changed_);
+    return;
+  }
+  const std::int64_t until = steady_ns() + look_after(options_.stall);
+  const timespec instant{static_cast<time_t>(until / 1'000'000'000), static_cast<long>(until % 1'000'000'000)};
+  ::sem_clockwait(&changed_, CLOCK_MONOTONIC, &instant);
 }
 
 void Watchdog::look() {

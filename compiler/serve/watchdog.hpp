@@ -6,6 +6,7 @@
 // looks eight times within the bound: the function is called after the bound and an eighth of it at the latest, if the
 // system lets the thread run.
 #pragma once
+#include <semaphore.h>
 #include <signal.h>
 
 #include <atomic>
@@ -13,7 +14,6 @@
 #include <functional>
 #include <memory>
 #include <mutex>
-#include <semaphore>
 #include <string>
 #include <thread>
 #include <vector>
@@ -49,8 +49,8 @@ struct Alarm {
 
 class Watchdog {
  public:
-  Watchdog(const Execution& system, const WatchOptions& options) : system_(system), options_(options) {}
-  ~Watchdog() { halt(); }
+  Watchdog(const Execution& system, const WatchOptions& options);
+  ~Watchdog();
   Watchdog(const Watchdog&) = delete;
   Watchdog& operator=(const Watchdog&) = delete;
   /// Set before start(); called on the watchdog's thread, for Late on the engine's.
@@ -73,6 +73,7 @@ class Watchdog {
 
  private:
   void watch();
+  void wait();
   void look();
   void do_asked_stops();
   static void on_crash(const char* why);
@@ -91,7 +92,7 @@ class Watchdog {
   std::int64_t stalled_since_ = 0;  // 0: it runs
   std::mutex lock_;
   std::vector<std::string> asked_stops_;  // why
-  std::counting_semaphore<> changed_{0};
+  sem_t changed_{};  // of POSIX, for a handler may post it, and who waits for it does not spin first
   std::atomic<bool> quits_{false};
   std::thread thread_;
   std::unique_ptr<std::byte[]> signal_stack_;  // of the engine's thread

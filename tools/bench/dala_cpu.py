@@ -60,6 +60,7 @@ std::string executive_request() { return bench::requests().next(); }
 void executive_answer(const char* module, const char* service, const char* report) { bench::requests().answer(std::string(module) + "." + service, report); }
 void executive_reply(const char* module, const char* service, const char* report) { bench::requests().reply(std::string(module) + "." + service, report); }
 """
+LIMIT = "60000"  # steps that are looked at: two thirds of a mission, which ends the program
 CODELS = ("codel_start", "codel_main", "codel_end", "codel_inter", "codel_fail")
 
 
@@ -180,8 +181,8 @@ def print_table(bipc, work, runs, real):
     ticks, cpu = {name: t for name, (t, _) in found.items()}, {name: s for name, (_, s) in found.items()}
     split = {m: float(s) for m, s in re.findall(r"^module (\w+) ([\d.]+)$", run(work, "plain", "--split"), re.M)}
     codels = {m: s * cpu["plain"] / sum(split.values()) for m, s in split.items()}
-    stats = run(work, "controller", "--seed", "1", "--silent", "--stats", "--limit", "200000")
-    run(work, "controller", "--seed", "1", "--silent", "--limit", "200000", "--trace", "trace.json")
+    stats = run(work, "controller", "--seed", "1", "--silent", "--stats", "--limit", LIMIT)
+    run(work, "controller", "--seed", "1", "--silent", "--limit", LIMIT, "--trace", "trace.json")
     share, decisions = shares(work / "trace.json")
     own = cpu["controller"] - cpu["plain"]
     print(f"\n{'CPU ms of a mission':<22} {'plain':>9} {'BIP':>9}")
