@@ -17,6 +17,9 @@ namespace bip::verify {
 
 namespace {
 
+// Of answers that are kept for questions that are alike.
+constexpr std::size_t kMostBytes = std::size_t{64} << 20;
+
 using AtomPair = std::pair<u32, u32>;  // ascending; twice the same: of one component
 
 // What there is of each component and of each step.
@@ -423,17 +426,22 @@ class LocalHoudini {
   }
   bool ask(StepQuestion question) {
     if (question.asked.empty()) return true;
-    const auto [answer, is_new] = answers_.try_emplace(std::move(question.key));
-    if (is_new) {
-      std::optional<std::vector<u32>> broken = StepSolver(parts_, candidates_, question).broken(cancellation_);
-      if (!broken) return false;
-      answer->second = std::move(*broken);
+    if (const auto known = answers_.find(question.key); known != answers_.end()) {
+      refute(question, known->second);
+      return true;
     }
-    for (const u32 k : answer->second) {
+    std::optional<std::vector<u32>> broken = StepSolver(parts_, candidates_, question).broken(cancellation_);
+    if (!broken) return false;
+    refute(question, *broken);
+    bytes_ += question.key.size() + broken->size() * sizeof(u32);
+    if (bytes_ < kMostBytes) answers_.emplace(std::move(question.key), std::move(*broken));
+    return true;
+  }
+  void refute(const StepQuestion& question, const std::vector<u32>& broken) {
+    for (const u32 k : broken) {
       candidates_.holds[question.asked[k].row] = 0;
       refuted_.push_back(question.asked[k].row);
     }
-    return true;
   }
 
   // Each question that assumed the refuted candidate.
@@ -460,6 +468,7 @@ class LocalHoudini {
   std::vector<Open> open_;                                     // by step, in the next round
   std::vector<u32> refuted_;                                   // rows of candidates, in this round
   std::unordered_map<std::string, std::vector<u32>> answers_;  // by key: rows of `asked`
+  std::size_t bytes_ = 0;                                      // of all questions that the solver was asked
   const CancellationToken& cancellation_;
 };
 
