@@ -36,7 +36,7 @@ class Solver {
   /// Makes decisions try this value of the variable first. Speed only; answers are unaffected.
   void prefer(Lit literal);
   /// Searches for a model of all clauses under the assumptions, which it consumes. Unknown: the token is over, which
-  /// the solver polls at each conflict.
+  /// the solver polls at every 16th decision or conflict, and the source of the token at each.
   [[nodiscard]] Answer solve(const CancellationToken& cancellation);
   /// Is the assumption in the unsat core of the last answer? Requires that it was Unsatisfiable.
   [[nodiscard]] bool is_needed(Lit assumption) const;
