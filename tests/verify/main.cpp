@@ -96,10 +96,7 @@ class Check {
     wants_certificate_ = seed % 2 == 0;
     seed_ = seed;
     const gen::Compiled c = gen::compile_texts(texts);
-    if (!c.problem.empty()) {
-      fail("does not compile: " + c.problem);
-      return;
-    }
+    if (!is_compiled(c)) return;
     // What C++ remembers is outside of a state: there is no visit to compare with.
     if (!c.system->code.functions.empty() || !c.system->code.ffi_types.empty()) return;
     ++t_.systems;
@@ -112,11 +109,8 @@ class Check {
     errors.what = verify::QuestionKind::NoErrors;
     state.what = verify::QuestionKind::State;
     const std::string property = verify::test::random_property(*c.system, seed);
-    Result<verify::Property> parsed = verify::parse_property(property, *c.system);
-    if (!parsed) {
-      fail("property `" + property + "`: " + parsed.error());
-      return;
-    }
+    std::optional<verify::Property> parsed = read_property(property, *c.system);
+    if (!parsed) return;
     state.property = std::move(*parsed);
     int number = 0;
     for (const verify::Question* question : {&deadlock, &errors, &state})
@@ -128,10 +122,7 @@ class Check {
     name_ = name;
     const verify::test::SymmetricNet net = verify::test::symmetric_net(seed);
     const gen::Compiled c = gen::compile_texts({net.text});
-    if (!c.problem.empty()) {
-      fail("does not compile: " + c.problem);
-      return;
-    }
+    if (!is_compiled(c)) return;
     ++t_.systems;
     const interp::Interpreter interpreter(*c.lowered);
     std::vector<std::string> asked{"deadlock", "errors"};
@@ -142,11 +133,8 @@ class Check {
                       : number == 1 ? verify::QuestionKind::NoErrors
                                     : verify::QuestionKind::State;
       if (question.what == verify::QuestionKind::State) {
-        Result<verify::Property> parsed = verify::parse_property(asked[number], *c.system);
-        if (!parsed) {
-          fail("property `" + asked[number] + "`: " + parsed.error());
-          return;
-        }
+        std::optional<verify::Property> parsed = read_property(asked[number], *c.system);
+        if (!parsed) return;
         question.property = std::move(*parsed);
       }
       search_up_to_symmetry(c, question, asked[number]);
@@ -160,21 +148,15 @@ class Check {
     name_ = name;
     const verify::test::QuorumNet net = verify::test::quorum_net(seed);
     const gen::Compiled c = gen::compile_texts({net.text});
-    if (!c.problem.empty()) {
-      fail("does not compile: " + c.problem);
-      return;
-    }
+    if (!is_compiled(c)) return;
     ++t_.systems;
     const interp::Interpreter interpreter(*c.lowered);
     // Of some systems only a few proofs are written; the name ends as test_verify.sh wants it.
     const std::string file = name + "-";
     int number = 0;
     for (const std::string& asked : net.properties) {
-      Result<verify::Property> parsed = verify::parse_property(asked, *c.system);
-      if (!parsed) {
-        fail("property `" + asked + "`: " + parsed.error());
-        return;
-      }
+      std::optional<verify::Property> parsed = read_property(asked, *c.system);
+      if (!parsed) return;
       verify::Question question;
       question.what = verify::QuestionKind::State;
       question.property = std::move(*parsed);
@@ -196,10 +178,7 @@ class Check {
     constexpr std::uint32_t kSize = 6;
     name_ = name;
     const gen::Compiled c = gen::compile_texts({verify::test::sized_net(seed, kSize)});
-    if (!c.problem.empty()) {
-      fail("does not compile: " + c.problem);
-      return;
-    }
+    if (!is_compiled(c)) return;
     ++t_.systems;
     const interp::Interpreter interpreter(*c.lowered);
     std::vector<std::unique_ptr<gen::Compiled>> made;
@@ -217,11 +196,8 @@ class Check {
       if (number != 0) {
         question.what = verify::QuestionKind::State;
         asked = verify::test::random_property(*c.system, seed * kProperties + number);
-        Result<verify::Property> parsed = verify::parse_property(asked, *c.system);
-        if (!parsed) {
-          fail("property `" + asked + "`: " + parsed.error());
-          return;
-        }
+        std::optional<verify::Property> parsed = read_property(asked, *c.system);
+        if (!parsed) return;
         question.property = std::move(*parsed);
       }
       const verify::Net net = verify::build_net(*c.system);
@@ -263,6 +239,18 @@ class Check {
     ++t_.failed;
     std::printf("FAILED %s: %s\n", name_.c_str(), what.c_str());
     std::fflush(stdout);
+  }
+
+  // Each of the two says what failed.
+  bool is_compiled(const gen::Compiled& c) {
+    if (!c.problem.empty()) fail("does not compile: " + c.problem);
+    return c.problem.empty();
+  }
+  std::optional<verify::Property> read_property(const std::string& text, const System& system) {
+    Result<verify::Property> parsed = verify::parse_property(text, system);
+    if (parsed) return std::move(*parsed);
+    fail("property `" + text + "`: " + parsed.error());
+    return std::nullopt;
   }
 
   verify::SearchLimits limits_of_visit() const {

@@ -56,6 +56,15 @@ struct LocalParts {
       groups_of_atom[system.bits[system.exactly_one[group][0]].atom].push_back(group);
     add_ranges();
   }
+  /// Calls see(of a, of b) for each two signals of these atoms that exclude each other.
+  template <class See>
+  void for_each_exclusion(u32 a, u32 b, const See& see) const {
+    for (const auto& [row, of_a] : exclusions_of_atom[a]) {
+      for (const auto& [other_row, of_b] : exclusions_of_atom[b]) {
+        if (row == other_row) see(*of_a, *of_b);
+      }
+    }
+  }
   [[nodiscard]] bool takes_part(u32 atom, u32 step) const {
     return std::find(atoms_of_step[step].begin(), atoms_of_step[step].end(), atom) != atoms_of_step[step].end();
   }
@@ -197,11 +206,11 @@ struct StepQuestion {
 
 class StepQuestions {
  public:
-  StepQuestions(const LocalParts& parts, LocalCandidates& candidates) : parts_(parts), candidates_(candidates) {}
+  StepQuestions(const LocalParts& parts, const LocalCandidates& candidates) : parts_(parts), candidates_(candidates) {}
 
   [[nodiscard]] StepQuestion about(u32 step) const {
     StepQuestion made{.step = step, .atoms = parts_.atoms_of_step[step]};
-    add_rows(made, 0, made.atoms.size(), made.assumed);
+    add_all(made, made.atoms.size(), made.assumed);
     made.asked = made.assumed;
     finish(made);
     return made;
@@ -211,7 +220,7 @@ class StepQuestions {
     StepQuestion made{.step = step, .atoms = parts_.atoms_of_step[step]};
     const std::size_t taking_part = made.atoms.size();
     made.atoms.push_back(other);
-    add_rows(made, 0, taking_part, made.assumed);
+    add_all(made, taking_part, made.assumed);
     for (std::size_t role = 0; role < taking_part; ++role) add(made, role, taking_part, made.asked);
     made.assumed.insert(made.assumed.end(), made.asked.begin(), made.asked.end());
     add(made, taking_part, taking_part, made.assumed);
@@ -220,9 +229,10 @@ class StepQuestions {
   }
 
  private:
-  void add_rows(const StepQuestion& made, std::size_t begin, std::size_t end, std::vector<ShapedRow>& rows) const {
-    for (std::size_t i = begin; i < end; ++i) {
-      for (std::size_t j = begin; j <= i; ++j) add(made, j, i, rows);
+  // Of the first `count` components.
+  void add_all(const StepQuestion& made, std::size_t count, std::vector<ShapedRow>& rows) const {
+    for (std::size_t i = 0; i < count; ++i) {
+      for (std::size_t j = 0; j <= i; ++j) add(made, j, i, rows);
     }
   }
   void add(const StepQuestion& made, std::size_t a, std::size_t b, std::vector<ShapedRow>& rows) const {
@@ -252,7 +262,7 @@ class StepQuestions {
     }
     for (std::size_t i = 0; i < made.atoms.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j) {
-        for_each_exclusion(parts_, made.atoms[j], made.atoms[i], [&](const Exclusion::Of& a, const Exclusion::Of& b) {
+        parts_.for_each_exclusion(made.atoms[j], made.atoms[i], [&](const Exclusion::Of& a, const Exclusion::Of& b) {
           put(std::uint64_t{i} << 32 | j);
           put(std::uint64_t{a.mark} << 32 | b.mark);
         });
@@ -265,18 +275,6 @@ class StepQuestions {
     }
   }
 
- public:
-  /// Calls see(of a, of b) for each two signals of these atoms that exclude each other.
-  template <class See>
-  static void for_each_exclusion(const LocalParts& parts, u32 a, u32 b, const See& see) {
-    for (const auto& [row, of_a] : parts.exclusions_of_atom[a]) {
-      for (const auto& [other_row, of_b] : parts.exclusions_of_atom[b]) {
-        if (row == other_row) see(*of_a, *of_b);
-      }
-    }
-  }
-
- private:
   const LocalParts& parts_;
   const LocalCandidates& candidates_;
 };
@@ -294,10 +292,10 @@ class StepSolver {
     for (std::size_t i = 0; i < question.atoms.size(); ++i) {
       add_state(parts, question.atoms[i]);
       for (std::size_t j = 0; j < i; ++j) {
-        StepQuestions::for_each_exclusion(parts, question.atoms[j], question.atoms[i],
-                                          [&](const Exclusion::Of& a, const Exclusion::Of& b) {
-                                            solver_.add({-circuit_.literal(a.signal), -circuit_.literal(b.signal)});
-                                          });
+        parts.for_each_exclusion(question.atoms[j], question.atoms[i],
+                                 [&](const Exclusion::Of& a, const Exclusion::Of& b) {
+                                   solver_.add({-circuit_.literal(a.signal), -circuit_.literal(b.signal)});
+                                 });
       }
     }
     for (const ShapedRow& assumed : question.assumed) {

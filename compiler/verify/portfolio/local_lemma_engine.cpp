@@ -126,12 +126,11 @@ LocalQuestions local_questions(ProofContext& context, const TransitionSystem& ma
   questions.exclusions = find_exclusions(context);
   const System& system = context.parts.system();
   for (const Atom& atom : system.atoms) questions.type_of_atom.push_back(atom.type.value);
-  const rt::Core core(context.parts.image());
+  const rt::Tables tables = rt::link(context.parts.image(), rt::MaximalProgress::On);
   for (const SystemStep& step : machine.steps) {
-    const bool is_connector = core.tables().is_of_connector(step.interaction);
     questions.kind_of_step.push_back(
-        is_connector
-            ? system.connectors[ConnectorId(std::size_t{core.tables().connector_of(step.interaction)})].type.value
+        tables.is_of_connector(step.interaction)
+            ? system.connectors[ConnectorId(std::size_t{tables.connector_of(step.interaction)})].type.value
             : kNoRow);
   }
   return questions;
@@ -161,7 +160,7 @@ std::vector<Cube> find_local_lemmas(ProofContext& context, const TransitionSyste
   }
 }
 
-// By small questions first, which few neighbours answer; then by all invariants, if the candidates are few.
+// First with candidates that were filtered by parts; then, if they are few, with all of them.
 EngineResult prove_by_local_lemmas(ProofContext& context, const Budget& budget, const CancellationToken& cancellation) {
   EngineResult none;
   none.retry = Retry::Pointless;

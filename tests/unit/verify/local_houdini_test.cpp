@@ -1,4 +1,4 @@
-// Houdini by parts: what is kept with which neighbours, and that questions that are alike have the answers of each.
+// Houdini by parts, on rings of cells: which candidates remain, given which others.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
