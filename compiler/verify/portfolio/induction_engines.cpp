@@ -21,12 +21,15 @@ namespace bip::verify {
 namespace {
 
 /// FactsOnly: without lemmas. Guesses: only with the lemmas that the caller proposes. Pairs: searches for lemmas about
-/// two atoms each. Localized: about few atoms. Lemmas: about all.
-enum class Effort : std::uint8_t { FactsOnly, Guesses, Pairs, Localized, Lemmas };
+/// two atoms each. FewFollowed: about at most kFewFollowed atoms. Localized: about at most the fraction kMostFollowed
+/// of the atoms. Lemmas: about all.
+enum class Effort : std::uint8_t { FactsOnly, Guesses, Pairs, FewFollowed, Localized, Lemmas };
 
-/// IC3 follows all atoms of systems with fewer atoms than kFewAtoms; of larger ones localized IC3 follows at most the
-/// fraction kMostFollowed.
+/// IC3 follows all atoms of systems with fewer atoms than kFewAtoms.
 constexpr std::size_t kFewAtoms = 40;
+/// The promises of the rover's rules need at most 11. A question that needs more mostly needs as many as there are:
+/// each round adds two or three neighbours.
+constexpr std::size_t kFewFollowed = 16;
 constexpr double kMostFollowed = 0.5;
 
 // One attempt of either engine. `share` ends the attempt, `whole_` the question.
@@ -52,8 +55,9 @@ class Induction {
     BIP_ASSERT((effort == Effort::Guesses) == (guesses != nullptr), "lemmas are proposed to effort {}", effort);
     problem_.bad = machine_.aig.make_or(bad_states(context_.question, machine_, image_), machine_.lost);
     if (!confirm_ranges()) return std::move(result_);
-    if (effort == Effort::Localized) {
-      localize();
+    if (effort == Effort::FewFollowed || effort == Effort::Localized) {
+      const auto atoms = static_cast<double>(context_.parts.system().atoms.size());
+      localize(effort == Effort::FewFollowed ? kFewFollowed : static_cast<std::size_t>(kMostFollowed * atoms));
       return std::move(result_);
     }
     InductiveLemmas cached;
@@ -182,7 +186,7 @@ class Induction {
     return solver.solve(problem_.cancellation) == Answer::Unsatisfiable;
   }
 
-  void localize() {
+  void localize(std::size_t max_atoms) {
     // Rows of internal transitions mostly end by themselves, and few guards have faults. Otherwise the bad states, or
     // each step, would depend on all components.
     problem_.bad = violating_signal(context_.question.property, machine_, image_);
@@ -206,9 +210,7 @@ class Induction {
       problem_.invariants = clauses();
       return is_excluded;
     };
-    const auto most =
-        static_cast<std::size_t>(kMostFollowed * static_cast<double>(context_.parts.system().atoms.size()));
-    LocalizedAnswer found = run_localized_ic3(problem_, machine_, net.graph.atom_of_port, most, exclude);
+    LocalizedAnswer found = run_localized_ic3(problem_, machine_, net.graph.atom_of_port, max_atoms, exclude);
     result_.frames = found.answer.frames;
     if (!problem_.cancellation.is_over()) result_.retry = Retry::Pointless;
     if (found.answer.end == Ic3End::Safe) prove(std::move(found.answer.lemmas));
@@ -285,6 +287,11 @@ bool is_inductive(const ProofContext& context) {
   return context.question.what != QuestionKind::NoLocalDeadlock && context.induction != InductionStage::Unusable;
 }
 
+bool asks_of_many(const ProofContext& context) {
+  return context.question.what == QuestionKind::State && context.parts.system().atoms.size() >= kFewAtoms &&
+         is_inductive(context);
+}
+
 EngineResult attempt_induction(ProofContext& context, const Budget& budget, const CancellationToken& cancellation,
                                Effort effort, const LemmaSource* guesses = nullptr,
                                LemmaReduction reduction = LemmaReduction::None) {
@@ -301,11 +308,11 @@ EngineResult try_lemmas(ProofContext& context, const Budget& budget, const Cance
   return attempt_induction(context, budget, cancellation, Effort::Guesses, &guesses, reduction);
 }
 
-const Engine kLocalizedEngine{"localized IC3",
-                              [](const ProofContext& context) {
-                                return context.question.what == QuestionKind::State &&
-                                       context.parts.system().atoms.size() >= kFewAtoms && is_inductive(context);
-                              },
+const Engine kFewFollowedEngine{"localized IC3", asks_of_many,
+                                [](ProofContext& context, const Budget& budget, const CancellationToken& cancellation) {
+                                  return attempt_induction(context, budget, cancellation, Effort::FewFollowed);
+                                }};
+const Engine kLocalizedEngine{"localized IC3", asks_of_many,
                               [](ProofContext& context, const Budget& budget, const CancellationToken& cancellation) {
                                 return attempt_induction(context, budget, cancellation, Effort::Localized);
                               }};

@@ -6,7 +6,9 @@
 
 namespace bip::verify {
 
-/// Properties of states of systems with many atoms: IC3 that follows few of them (localized_ic3.hpp).
+/// Properties of states of systems with many atoms: IC3 that follows some of them (localized_ic3.hpp), a handful at
+/// most, or up to half of them.
+extern const Engine kFewFollowedEngine;
 extern const Engine kLocalizedEngine;
 /// Structural and affine invariants, found for this question's bad states; no lemmas. Only its first attempt does
 /// something.
