@@ -52,7 +52,7 @@ std::optional<std::vector<NamedQuestion>> read_questions(const VerifyArguments& 
       read_question(arguments.property, library::read_question(arguments, system), system);
   if (!asked) return std::nullopt;
   questions.push_back({"deadlock", std::move(*asked)});
-  if (!arguments.property.empty() || arguments.partial) return questions;
+  if (!arguments.property.empty() || arguments.partial || system.properties.empty()) return questions;
   const verify::PropertyReader reader(system);
   for (const StatedProperty& stated : system.properties) {
     Result<verify::Question> question = library::read_question(stated.text, reader);

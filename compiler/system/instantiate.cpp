@@ -224,6 +224,9 @@ std::uint32_t Instantiator::compound(CompoundTypeId type, std::vector<Value> par
   items(row, t.items, self, depth);
   // Each wrong connector is reported, but not what follows from a wrong component.
   if (diags.has_errors()) return row;
+  // Not for each of many small compounds, which would move all rows each time.
+  if (const std::size_t pending = instances[row].pending.size(); pending > out.connectors.size())
+    out.connectors.reserve(out.connectors.size() + pending);
   for (std::uint32_t p = 0; p < instances[row].pending.size() && !stopped && diags.error_count() < kEnoughErrors; ++p)
     resolve_connector(row, p, 0);
   for (std::uint32_t e = 0; e < t.exports.size() && !stopped && !diags.has_errors(); ++e) exported_port(row, e, 0);

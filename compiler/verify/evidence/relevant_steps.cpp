@@ -2,7 +2,9 @@
 #include "compiler/verify/evidence/relevant_steps.hpp"
 
 #include <algorithm>
+#include <deque>
 #include <queue>
+#include <string_view>
 #include <unordered_map>
 #include <unordered_set>
 #include <utility>
@@ -254,6 +256,10 @@ class RunAtoms {
   std::vector<rt::Participant> participants_;
 };
 
+std::size_t bytes_of(const rt::State& state) {
+  return state.places.size() * sizeof(u32) + (state.marks.size() + state.data.size()) * sizeof(std::uint64_t);
+}
+
 // Searches for a run that avoids the goal: it ends elsewhere, or goes on for ever. One that goes on for ever counts
 // only if it does so with atoms of the run, or if these can do nothing again and again: that others move beside them is
 // no way out. Strong components by depth-first search (Tarjan 1972); an edge is *fair* if it makes its component one in
@@ -269,28 +275,37 @@ class Avoidance {
 
   // The core may be in any state, and is left in any.
   Avoidance(rt::Core& core, const SearchGoal& goal, RunAtoms& atoms, const CancellationToken& token)
-      : core_(core), goal_(goal), atoms_(atoms), token_(token) {}
+      : core_(core),
+        goal_(goal),
+        atoms_(atoms),
+        token_(token),
+        node_of_state_(0, StateHash{states_}, StateEquality{states_}) {}
+  Avoidance(const Avoidance&) = delete;
+  Avoidance& operator=(const Avoidance&) = delete;
 
   // `way_out`: the first step of such a run that atoms of the run take part in, if there is one.
   Answer from(const rt::State& state, std::string& way_out) {
-    rows_.clear();
     nodes_.clear();
+    node_of_state_.clear();
+    states_.clear();
     open_.clear();
     path_.clear();
     if (!core_.restore(state) || is_goal_state(core_, goal_)) return Answer::Impossible;
     if (core_.candidate_count() == 0) return Answer::Possible;
     bool meets_errors = false;
-    push(core_.snapshot(), Edge::OfOthers);
+    (void)find_or_add_state();
+    push(Edge::OfOthers);
     bool is_at_end = true;  // the core is in the state at the end of the path
     while (!path_.empty()) {
       Frame& frame = path_.back();
-      if (!is_at_end && !core_.restore(frame.state)) return Answer::Unknown;
+      if (!is_at_end && !core_.restore(states_[frame.node])) return Answer::Unknown;
       is_at_end = false;
       if (!choose_next(frame)) {
         if (leave()) return found(way_out);
         continue;
       }
-      if (nodes_.size() > kAvoidingStates || nodes_.size() * bytes_ > kStoredBytes || token_.is_cancelled())
+      if (nodes_.size() > kAvoidingStates || nodes_.size() * bytes_of(states_.front()) > kStoredBytes ||
+          token_.is_cancelled())
         return Answer::Unknown;
       const Edge edge = frame.is_touching || !frame.has_touching ? Edge::Fair : Edge::OfOthers;
       if (!core_.fire(frame.choice)) {
@@ -299,13 +314,11 @@ class Avoidance {
       }
       if (is_goal_state(core_, goal_)) continue;
       if (core_.candidate_count() == 0) return found(way_out);
-      rt::State reached = core_.snapshot();
-      const auto known = rows_.find(state_key(reached));
-      if (known == rows_.end()) {
-        push(std::move(reached), edge);
+      if (const std::optional<u32> known = find_or_add_state()) {
+        if (closes_fair_cycle(nodes_[*known], edge)) return found(way_out);
+      } else {
+        push(edge);
         is_at_end = true;
-      } else if (closes_fair_cycle(nodes_[known->second], edge)) {
-        return found(way_out);
       }
     }
     return meets_errors ? Answer::Unknown : Answer::Impossible;
@@ -319,7 +332,6 @@ class Avoidance {
     std::size_t depth = 0;  // on the path; else kOffPath
   };
   struct Frame {
-    rt::State state;
     u32 node = 0;
     Edge edge = Edge::OfOthers;         // that led here
     std::size_t fair_before = 0;        // fair edges of the path up to here
@@ -330,6 +342,20 @@ class Avoidance {
     std::vector<std::uint64_t> others;  // candidates that touch no atom of the run
   };
   static constexpr std::size_t kOffPath = ~std::size_t{0};
+  struct StateHash {
+    const std::deque<rt::State>& states;
+    std::size_t operator()(u32 node) const {
+      const auto hash = [](const auto& values) {
+        return std::hash<std::string_view>{}(
+            {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(values[0])});
+      };
+      return (hash(states[node].places) * 31 + hash(states[node].marks)) * 31 + hash(states[node].data.rows());
+    }
+  };
+  struct StateEquality {
+    const std::deque<rt::State>& states;
+    bool operator()(u32 a, u32 b) const { return states[a] == states[b]; }
+  };
 
   // The next step from the end of the path, in whose state the core is; false: all were tried.
   bool choose_next(Frame& frame) {
@@ -351,6 +377,15 @@ class Avoidance {
     return true;
   }
 
+  // The node of the core's state; nothing: it was not met before, and its state is added.
+  std::optional<u32> find_or_add_state() {
+    states_.push_back(core_.snapshot());
+    const auto [known, is_new] = node_of_state_.insert(static_cast<u32>(states_.size() - 1));
+    if (is_new) return std::nullopt;
+    states_.pop_back();
+    return *known;
+  }
+
   // By an edge from the end of the path to a node that was there before.
   bool closes_fair_cycle(const Node& node, Edge edge) {
     if (!node.is_open) return false;
@@ -359,15 +394,13 @@ class Avoidance {
     return edge == Edge::Fair || (node.depth != kOffPath && frame.fair_before > path_[node.depth].fair_before);
   }
 
-  void push(rt::State state, Edge edge) {
+  // To the state that was added last.
+  void push(Edge edge) {
+    BIP_ASSERT(nodes_.size() + 1 == states_.size(), "{} nodes of {} states", nodes_.size(), states_.size());
     Frame frame;
     frame.node = static_cast<u32>(nodes_.size());
     frame.edge = edge;
     frame.fair_before = (path_.empty() ? 0 : path_.back().fair_before) + (edge == Edge::Fair ? 1 : 0);
-    std::string key = state_key(state);
-    frame.state = std::move(state);
-    bytes_ = key.size();
-    rows_.emplace(std::move(key), frame.node);
     nodes_.push_back({.low = frame.node, .depth = path_.size()});
     open_.push_back(frame.node);
     path_.push_back(std::move(frame));
@@ -400,11 +433,11 @@ class Avoidance {
   const SearchGoal& goal_;
   RunAtoms& atoms_;
   const CancellationToken& token_;
-  std::unordered_map<std::string, u32> rows_;  // by state
-  std::vector<Node> nodes_;                    // in the order of their discovery
-  std::vector<u32> open_;                      // Tarjan's stack
+  std::vector<Node> nodes_;       // in the order of their discovery
+  std::deque<rt::State> states_;  // by node
+  std::unordered_set<u32, StateHash, StateEquality> node_of_state_;
+  std::vector<u32> open_;  // Tarjan's stack
   std::vector<Frame> path_;
-  std::size_t bytes_ = 0;  // of a state
 };
 
 std::string step_text(rt::Core& core, std::uint64_t choice) {
@@ -418,7 +451,7 @@ std::string step_text(rt::Core& core, std::uint64_t choice) {
 Avoidance::Answer Avoidance::found(std::string& way_out) {
   const auto touching = std::find_if(path_.begin(), path_.end(), [](const Frame& f) { return f.is_touching; });
   const Frame& frame = touching != path_.end() ? *touching : path_.front();
-  if (!core_.restore(frame.state)) return Answer::Unknown;
+  if (!core_.restore(states_[frame.node])) return Answer::Unknown;
   way_out = step_text(core_, frame.choice);
   return Answer::Possible;
 }
@@ -463,27 +496,40 @@ std::optional<DecidingStep> deciding_step(const rt::Image& image, const SearchGo
   rt::Core core(image);
   constexpr std::size_t kMostSteps = 10'000;
   if (choices.empty() || choices.size() > kMostSteps || !core.initialize()) return std::nullopt;
-  if (choices.size() * state_key(core.snapshot()).size() > kStoredBytes) return std::nullopt;
+  if (choices.size() * bytes_of(core.snapshot()) > kStoredBytes) return std::nullopt;
   RunAtoms atoms(image);
+  // Of every kStride-th step; those between are taken again when they are asked for.
+  constexpr std::size_t kStride = 16;
   std::vector<rt::State> states;
   bool has_choice = false;
-  for (const std::uint64_t choice : choices) {
+  std::size_t taken = 0;
+  for (; taken < choices.size(); ++taken) {
     has_choice = has_choice || core.candidate_count() > 1;
-    states.push_back(core.snapshot());
-    atoms.add(core, choice);
-    if (!core.fire(choice)) break;
+    if (taken % kStride == 0) states.push_back(core.snapshot());
+    atoms.add(core, choices[taken]);
+    // The last step may end in the error that the run shows.
+    if (!core.fire(choices[taken]) && taken + 1 < choices.size()) break;
   }
-  BIP_ENSURE(states.size() == choices.size(), "the run ends after {} of {} steps", states.size(), choices.size());
+  BIP_ENSURE(taken == choices.size(), "the run ends after {} of {} steps", taken, choices.size());
   if (!has_choice) return std::nullopt;
+  const auto state_before = [&](std::size_t step) -> std::optional<rt::State> {
+    if (!core.restore(states[step / kStride])) return std::nullopt;
+    for (std::size_t k = step - step % kStride; k < step; ++k) {
+      if (!core.fire(choices[k])) return std::nullopt;
+    }
+    return core.snapshot();
+  };
   Avoidance avoidance(core, goal, atoms, token);
   // Once the goal cannot be avoided it stays so: the last state where it can be is found by halving.
-  std::size_t low = 0, high = states.size();  // states below `low` have a way out, those from `high` on have none
+  std::size_t low = 0, high = choices.size();  // states below `low` have a way out, those from `high` on have none
   DecidingStep found;
   bool has_way_out = false;
   while (low < high) {
     const std::size_t middle = low + (high - low) / 2;
+    const std::optional<rt::State> state = state_before(middle);
+    if (!state) return std::nullopt;
     std::string way_out;
-    switch (avoidance.from(states[middle], way_out)) {
+    switch (avoidance.from(*state, way_out)) {
       case Avoidance::Answer::Unknown: return std::nullopt;
       case Avoidance::Answer::Impossible: high = middle; break;
       case Avoidance::Answer::Possible:

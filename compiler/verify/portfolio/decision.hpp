@@ -27,8 +27,9 @@ struct Decision {
     return facts.proof ? facts.proof->candidate : std::vector<u32>();
   }
   /// Returns the invariants of structure that were found.
-  [[nodiscard]] std::vector<TokenInvariant> invariants() const {
-    return facts.proof ? facts.proof->invariants : std::vector<TokenInvariant>();
+  [[nodiscard]] const std::vector<TokenInvariant>& invariants() const {
+    static const std::vector<TokenInvariant> none;
+    return facts.proof ? facts.proof->invariants : none;
   }
   /// Returns null unless Violated.
   [[nodiscard]] const Counterexample* counterexample() const { return std::get_if<Counterexample>(&evidence); }

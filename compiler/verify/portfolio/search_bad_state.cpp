@@ -293,6 +293,7 @@ class Search {
 
 std::string state_key(const rt::State& state) {
   std::string key;
+  key.reserve(state.places.size() * sizeof(u32) + (state.marks.size() + state.data.size()) * sizeof(std::uint64_t));
   append_bytes(key, state.places);
   append_bytes(key, state.marks);
   append_bytes(key, state.data.rows());
