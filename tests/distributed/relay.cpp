@@ -8,12 +8,16 @@
 //   cut LINK MS        nothing passes for so long; connections stay
 //   break LINK MS      connections are reset, and nobody connects for so long
 //   faults N MS        N random ones, one each so many milliseconds on average; then `done N` is written
-// Ends with its input. Within a connection bytes keep their order, as TCP promises; over connections they do not.
+//   report             writes `late MEAN MOST` since the last report: microseconds from when something was due to when
+//                      it was sent
+// A delay counts from when the system received the bytes, so that the time until this process has woken up is a part of
+// it. Ends with its input. Within a connection bytes keep their order, as TCP promises; over connections they do not.
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
 #include <time.h>
 #include <unistd.h>
@@ -24,11 +28,13 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <deque>
 #include <list>
 #include <random>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -37,14 +43,38 @@ using Ns = std::int64_t;
 constexpr Ns kMs = 1000000;
 constexpr std::size_t kMostHeld = std::size_t{1} << 22;  // bytes of a direction
 
-Ns now_ns() {
+Ns ns_of(const timespec& time) { return Ns{time.tv_sec} * 1000000000 + time.tv_nsec; }
+
+Ns now_ns(clockid_t clock = CLOCK_MONOTONIC) {
   timespec time{};
-  clock_gettime(CLOCK_MONOTONIC, &time);
-  return Ns{time.tv_sec} * 1000000000 + time.tv_nsec;
+  clock_gettime(clock, &time);
+  return ns_of(time);
+}
+
+// Receives bytes, and when the system received them: at most `now`, and that if it does not tell.
+ssize_t receive(int file, char* bytes, std::size_t size, Ns now, Ns& at) {
+  iovec part{bytes, size};
+  alignas(cmsghdr) std::array<char, 256> extra;
+  msghdr message{};
+  message.msg_iov = &part;
+  message.msg_iovlen = 1;
+  message.msg_control = extra.data();
+  message.msg_controllen = extra.size();
+  const ssize_t received = recvmsg(file, &message, 0);
+  at = now;
+  if (received <= 0) return received;
+  for (cmsghdr* each = CMSG_FIRSTHDR(&message); each != nullptr; each = CMSG_NXTHDR(&message, each)) {
+    if (each->cmsg_level != SOL_SOCKET || each->cmsg_type != SCM_TIMESTAMPNS) continue;
+    timespec stamp{};
+    std::memcpy(&stamp, CMSG_DATA(each), sizeof stamp);
+    at = std::min(now, now_ns() - (now_ns(CLOCK_REALTIME) - ns_of(stamp)));
+  }
+  return received;
 }
 
 struct Piece {
   Ns due;
+  bool is_begun;  // a part of it was sent
   std::string bytes;
 };
 struct Direction {
@@ -148,12 +178,14 @@ class Relay {
         Direction& direction = connection.directions[side];
         while (connection.files[0] >= 0 && !direction.pieces.empty() && direction.pieces.front().due <= now) {
           std::string& bytes = direction.pieces.front().bytes;
+          const Ns late = now_ns() - direction.pieces.front().due;
           const ssize_t done = send(connection.files[1 - side], bytes.data(), bytes.size(), MSG_NOSIGNAL);
           if (done < 0 && (errno == EAGAIN || errno == EINPROGRESS || errno == ENOTCONN)) break;
           if (done < 0) {
             reset(connection);
             break;
           }
+          if (!std::exchange(direction.pieces.front().is_begun, true)) note_late(late);
           direction.held -= static_cast<std::size_t>(done);
           bytes.erase(0, static_cast<std::size_t>(done));
           if (bytes.empty()) direction.pieces.pop_front();
@@ -165,13 +197,14 @@ class Relay {
 
   void take(Connection& connection, std::size_t side, Ns now) {
     std::array<char, 65536> bytes;
-    const ssize_t size = recv(connection.files[side], bytes.data(), bytes.size(), 0);
+    Ns at = now;
+    const ssize_t size = receive(connection.files[side], bytes.data(), bytes.size(), now, at);
     if (size < 0 && errno == EAGAIN) return;
     if (size <= 0) return reset(connection);
     Direction& direction = connection.directions[side];
-    Ns due = now + delay_ + links_[connection.link].later;
+    Ns due = at + delay_ + links_[connection.link].later;
     if (!direction.pieces.empty()) due = std::max(due, direction.pieces.back().due);
-    direction.pieces.push_back({due, std::string(bytes.data(), static_cast<std::size_t>(size))});
+    direction.pieces.push_back({due, false, std::string(bytes.data(), static_cast<std::size_t>(size))});
     direction.held += static_cast<std::size_t>(size);
   }
 
@@ -181,13 +214,29 @@ class Relay {
     if (file < 0) return;
     const int on = 1;
     Connection connection{k, {file, socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)}, {}};
-    for (const int each : connection.files) setsockopt(each, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+    for (const int each : connection.files) {
+      setsockopt(each, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+      setsockopt(each, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);
+    }
     const bool is_refused =
         now < link.broken_until ||
         (connect(connection.files[1], reinterpret_cast<const sockaddr*>(&link.to), sizeof link.to) != 0 &&
          errno != EINPROGRESS);
     if (is_refused) return reset(connection);
     connections_.push_back(std::move(connection));
+  }
+
+  void note_late(Ns ns) {
+    ++sent_;
+    late_ += ns;
+    latest_ = std::max(latest_, ns);
+  }
+
+  void report() {
+    const auto us = [](Ns ns) { return static_cast<double>(ns) / 1000; };
+    std::printf("late %.1f %.1f\n", us(late_) / static_cast<double>(std::max<Ns>(sent_, 1)), us(latest_));
+    std::fflush(stdout);
+    sent_ = late_ = latest_ = 0;
   }
 
   void command(const std::string& line) {
@@ -202,6 +251,8 @@ class Relay {
     } else if (what == "spin") {
       words >> spin_;
       spin_ *= 1000;
+    } else if (what == "report") {
+      report();
     } else if (what == "faults") {
       words >> faults_ >> ms;
       faults_left_ = faults_;
@@ -274,6 +325,7 @@ class Relay {
   std::vector<pollfd> polled_;
   std::string input_;
   Ns delay_ = 0, spin_ = 0, next_fault_ = 0, fault_interval_ = kMs;
+  Ns sent_ = 0, late_ = 0, latest_ = 0;  // pieces since the last report
   std::uint64_t faults_ = 0, faults_left_ = 0;
   bool ends_ = false;
 };
@@ -282,6 +334,7 @@ class Relay {
 
 int main(int argc, char** argv) {
   if (argc < 3) return 2;
+  prctl(PR_SET_TIMERSLACK, 1);
   Relay relay(std::strtoull(argv[1], nullptr, 10));
   for (int k = 2; k < argc; ++k) {
     const std::string link = argv[k];
