@@ -55,38 +55,6 @@ u64 ByteReader::count() {
   return 0;
 }
 
-void append_interactions(std::string& bytes, const std::vector<InteractionId>& interactions) {
-  constexpr std::size_t kMostEach = 5;
-  const std::size_t before = bytes.size();
-  bytes.resize(before + kMostEach * interactions.size());
-  char* at = bytes.data() + before;
-  for (const InteractionId interaction : interactions) {
-    u32 value = interaction.value;
-    for (; value >= 0x80; value >>= 7) *at++ = static_cast<char>(value | 0x80);
-    *at++ = static_cast<char>(value);
-  }
-  bytes.resize(static_cast<std::size_t>(at - bytes.data()));
-}
-
-bool read_interactions(std::string_view bytes, std::size_t below, std::vector<InteractionId>& out) {
-  out.reserve(out.size() + bytes.size());
-  u64 value = 0;
-  unsigned shift = 0;
-  for (const char each : bytes) {
-    const auto byte = static_cast<unsigned char>(each);
-    value |= u64{byte & 0x7fu} << shift;
-    if (byte >= 0x80) {
-      shift += 7;
-      if (shift > 28) return false;
-      continue;
-    }
-    if (value >= below) return false;
-    out.push_back(InteractionId(static_cast<u32>(value)));
-    value = shift = 0;
-  }
-  return shift == 0;
-}
-
 Codec::Codec(const Tables& tables, const Distribution& distribution, u64 run)
     : tables_(tables), distribution_(distribution), run_(run), is_timed_(has_time(*tables.image)) {
   if (tables.image->ffi == nullptr) return;

@@ -51,11 +51,6 @@ class ByteReader {
   bool is_sound_ = true;
 };
 
-/// Many interactions, one after the other, at little cost for each.
-void append_interactions(std::string& bytes, const std::vector<InteractionId>& interactions);
-/// False: the bytes are none of interactions smaller than `below`.
-[[nodiscard]] bool read_interactions(std::string_view bytes, std::size_t below, std::vector<InteractionId>& out);
-
 class Codec {
  public:
   static constexpr std::size_t kMostBytes = std::size_t{1} << 26;

@@ -11,7 +11,7 @@
 namespace bip::rt {
 
 /// Of frames and greetings: programs of other versions do not understand each other.
-inline constexpr u64 kProtocol = 6;
+inline constexpr u64 kProtocol = 7;
 
 /// The instant of models with time, and its number among the steps: smaller than those of the steps that are taken
 /// there, larger than those before. Who hears of it passes to it.
@@ -93,8 +93,8 @@ struct Control {
               // whose steps are followed: step, interaction, the candidate's rank, 0, homes; empty texts
     Took,     // step; of each of the steps that it took as a whole one after the other, which share this number:
               // interaction, numbers as of Begun, lengths of its texts; the texts of all
-    Fired,    // the same of a run whose steps are followed, or of which only the interactions are written: step; their
-              // interactions (append_interactions)
+    Fired,    // the same of a run whose steps are followed, or of which only the interactions are written: step, how
+              // many; their interactions (fired_interactions.hpp)
     Landed,   // steps of which a part has ended
     Fault,    // step, order, code, atom, connector, port, and two places in files; texts
     Atom,     // a state: atom, place, marks, history, 1 if an attempt holds it; its variables, and with time its clocks

@@ -67,6 +67,7 @@ NodeProcess::NodeProcess(const NodeSetup& setup, Fabric& fabric)
       scheduler_(setup.options.policy, setup.seed + setup.self),
       time_(plans_instants(node_.core(), setup.options), setup.seed + setup.self),
       is_remote_(setup.options.deployment != nullptr && setup.self != 0),
+      fired_(node_.core().tables().interactions.size()),
       sent_(launcher_, 0),
       received_(launcher_, 0),
       chunk_(kLeastChunk),
@@ -165,11 +166,13 @@ i64 NodeProcess::next_due(bool has_work) const {
 }
 
 void NodeProcess::say(Control::Kind kind, std::vector<u64> numbers, std::vector<std::string> texts) {
+  say_fired();
   station_.say(launcher_, Control{kind, std::move(numbers), std::move(texts)});
   has_unsent_ = true;
 }
 
 void NodeProcess::send(i64 now) {
+  say_fired();
   station_.send(now);
   has_unsent_ = has_mail_ = false;
 }
@@ -365,11 +368,15 @@ bool NodeProcess::has_taken_many() {
   const bool writes_texts = writes_ && !says_interactions_;
   const bool is_compiled = !writes_texts && scheduler_.is_uniform() && node_.has_compiled();
   const u64 most = steps_before_collection(node_.core(), std::min(credit_, writes_texts ? kMostTold : chunk_));
-  const u64 step = step_at(station_.tick_clock(), setup_.self);
+  // So do steps of which the launcher has not been told yet: nothing was said or heard since the first of them.
+  const u64 step = fired_.count() != 0 ? fired_step_ : step_at(station_.tick_clock(), setup_.self);
   const u64 done = is_compiled ? node_.take_compiled(scheduler_.prng(), most, drawn_) : take_whole_steps(step, most);
   BIP_ASSERT(done <= most, "{} steps of {}", done, most);
   if (done == 0) return false;
-  if (is_compiled && says_interactions_) say_fired(step, node_.core().history().recent(done));
+  if (is_compiled && says_interactions_) {
+    node_.core().history().visit_recent(done, [&](std::span<const u32> rows) { fired_.add(rows); });
+    note_fired(step, done);
+  }
   if (credit_ != ~u64{0}) credit_ -= done;
   steps_ += done;
   if (watch_) watch_->note_steps();
@@ -382,13 +389,12 @@ u64 NodeProcess::take_whole_steps(u64 step, u64 most) {
   Core& core = node_.core();
   const u64 faulty = step_at(station_.tick_clock(), setup_.self);
   std::vector<u64> numbers{step};
-  std::vector<InteractionId> fired;
   StepText told;
   u64 done = 0;
   i64 until = 0;
   const auto say_told = [&] {
     if (!writes_ || done == 0) return;
-    if (says_interactions_) return say_fired(step, fired);
+    if (says_interactions_) return note_fired(step, done);
     unwritten_.add(step, record_bytes(told, done));
     say(Control::Kind::Took, std::move(numbers), {std::move(told.out), std::move(told.trace)});
   };
@@ -411,7 +417,7 @@ u64 NodeProcess::take_whole_steps(u64 step, u64 most) {
       return done + 1;
     }
     ++done;
-    if (says_interactions_) fired.push_back(at.interaction);
+    if (says_interactions_) fired_.add({&at.interaction.value, 1});
     if (!writes_ || says_interactions_) continue;
     const u64 out_number = cut_number(text_.out), trace_number = cut_number(text_.trace);
     numbers.insert(numbers.end(),
@@ -423,12 +429,21 @@ u64 NodeProcess::take_whole_steps(u64 step, u64 most) {
   return done;
 }
 
-// Of steps of which nothing else is written: their number, and their interactions.
-void NodeProcess::say_fired(u64 step, const std::vector<InteractionId>& interactions) {
-  unwritten_.add(step, fired_bytes(interactions.size()));
-  std::string bytes;
-  append_interactions(bytes, interactions);
-  say(Control::Kind::Fired, {step}, {std::move(bytes)});
+// Of steps of which nothing else is written: the last `count` of fired_, with the number that all of it has.
+void NodeProcess::note_fired(u64 step, u64 count) {
+  const bool is_first = fired_.count() == count;
+  BIP_ASSERT(is_first || step == fired_step_, "step {} beside steps {}", step, fired_step_);
+  fired_step_ = step;
+  unwritten_.add(step, is_first ? fired_bytes(count) : sizeof(InteractionId) * count);
+  has_unsent_ = true;
+  if (fired_.size() >= kMostText) say_fired();
+}
+
+// Before anything else is said, and before anything is heard.
+void NodeProcess::say_fired() {
+  if (fired_.count() == 0) return;
+  std::vector<u64> numbers{fired_step_, fired_.count()};
+  say(Control::Kind::Fired, std::move(numbers), {fired_.take()});
 }
 
 // Of a step that was taken as a whole.
@@ -517,6 +532,7 @@ void NodeProcess::post() {
   if (writes_ && !node_.landed().empty()) say(Control::Kind::Landed, node_.landed());
   node_.landed().clear();
   if (node_.outbox().empty()) return;
+  say_fired();
   const Link& launcher = station_.link(launcher_);
   // The one with the last message that it is to have.
   const std::size_t unsaid = launcher.unsaid();
@@ -544,6 +560,7 @@ void NodeProcess::report_fault() {
   if (!state.fault || (state.fault_step == fault_step_ && state.fault_order == fault_order_)) return;
   fault_step_ = state.fault_step;
   fault_order_ = state.fault_order;
+  say_fired();
   station_.say(launcher_, fault_message(fault_step_, fault_order_, state.fault));
   has_unsent_ = true;
 }
@@ -589,6 +606,7 @@ void NodeProcess::count(u64 round) {
 }
 
 void NodeProcess::say_state() {
+  say_fired();
   State last = *initial_;
   SavedTime time;
   node_.save(last, time);

@@ -15,6 +15,7 @@
 #include "runtime/distributed/fabric.hpp"
 #include "runtime/distributed/greeting.hpp"
 #include "runtime/distributed/node.hpp"
+#include "runtime/distributed/fired_interactions.hpp"
 #include "runtime/distributed/station.hpp"
 #include "runtime/engine/node_time.hpp"
 #include "runtime/engine/output.hpp"
@@ -80,7 +81,8 @@ class NodeProcess {
   [[nodiscard]] bool takes_many() const;
   [[nodiscard]] bool has_taken_many();
   [[nodiscard]] u64 take_whole_steps(u64 step, u64 most);
-  void say_fired(u64 step, const std::vector<InteractionId>& interactions);
+  void note_fired(u64 step, u64 count);
+  void say_fired();
   void say_whole(EnabledSet::Position at, u64 step);
   void say_begun(EnabledSet::Position at, u64 step, bool is_evaluated);
   [[nodiscard]] bool has_chosen(EnabledSet::Position& at);
@@ -127,6 +129,9 @@ class NodeProcess {
   u64 steps_ = 0, border_steps_ = 0;
   bool wants_ = false, has_asked_ = false;
   UnwrittenSteps unwritten_;
+  // Of steps that were taken and not said yet: their number, and their interactions (say_fired).
+  u64 fired_step_ = 0;
+  FiredPacker fired_;
   bool is_full_ = false;  // they are too many
   bool is_halted_ = false, is_paused_ = false, is_idle_ = false, is_finished_ = false;
   std::vector<u64> sent_, received_;  // by node: offers, begins, stops

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "bip/assert.hpp"
-#include "runtime/distributed/codec.hpp"
+#include "runtime/distributed/fired_interactions.hpp"
 #include "runtime/engine/node_process.hpp"
 
 namespace bip::rt {
@@ -88,10 +88,10 @@ u64 StepMerge::take_many(u32 node, const Control& control) {
 
 u64 StepMerge::take_fired(u32 node, const Control& control) {
   const std::vector<u64>& numbers = control.numbers;
-  if (!(output_.records_only() || follower_) || numbers.size() != 1 || control.texts.size() != 1) return 0;
-  if (control.texts[0].empty() || !is_new(node, numbers[0])) return 0;
+  if (!(output_.records_only() || follower_) || numbers.size() != 2 || control.texts.size() != 1) return 0;
+  if (numbers[1] == 0 || !is_new(node, numbers[0])) return 0;
   Flight flight{.is_told = true, .steps = {}, .text = {}, .open = {}, .fired = {}};
-  if (!read_interactions(control.texts[0], core_.tables().interactions.size(), flight.fired)) return 0;
+  if (!unpack_fired(control.texts[0], numbers[1], core_.tables().interactions.size(), flight.fired)) return 0;
   add_waiting(flight);
   const u64 count = flight.fired.size();
   flights_.emplace(numbers[0], std::move(flight));
@@ -142,7 +142,10 @@ void StepMerge::write_first() {
   } else if (flight.fired.empty()) {
     write_texts(flight, node);
   } else {
-    for (const InteractionId interaction : flight.fired) core_.remember(interaction);
+    // The core keeps the last ones only.
+    const std::size_t kept = std::min<std::size_t>(flight.fired.size(), Core::kHistory);
+    for (auto each = flight.fired.end() - static_cast<std::ptrdiff_t>(kept); each != flight.fired.end(); ++each)
+      core_.remember(*each);
     output_.record(flight.fired);
     written_ += flight.fired.size();
   }

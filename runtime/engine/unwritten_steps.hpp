@@ -34,7 +34,7 @@ inline constexpr u64 kRecordTables = 216;
 /// Of one node. O(1) a step, and a row for many of them.
 class UnwrittenSteps {
  public:
-  /// Requires that steps grow.
+  /// Of step `step`, or more of what shares its number. Requires that steps do not decrease.
   void add(u64 step, u64 bytes) {
     constexpr u64 kPiece = u64{1} << 12;
     if (pieces_.empty() || pieces_.back().bytes >= kPiece) pieces_.push_back({step, 0});

@@ -1,9 +1,11 @@
 // The interactions fired last, a ring: for explanations and for traces of compiled steps. No part of the state.
 #pragma once
 #include <algorithm>
+#include <span>
 #include <utility>
 #include <vector>
 
+#include "bip/assert.hpp"
 #include "bip/steps.hpp"
 #include "runtime/core/link/tables.hpp"
 
@@ -20,6 +22,15 @@ class FiringHistory {
   void remember(InteractionId interaction) { ring_[std::exchange(at_, (at_ + 1) % kSize)] = interaction.value; }
   /// Returns the last `count` interactions, at most kSize of them, in the order of their firing.
   [[nodiscard]] std::vector<InteractionId> recent(u64 count) const;
+  /// Calls `take` with the same as rows: with one or two pieces of the ring. O(1) but for what `take` costs.
+  template <class Take>
+  void visit_recent(u64 count, Take take) const {
+    BIP_ASSERT(count <= kSize, "{} of the last {} interactions", count, kSize);
+    const u32 first = (at_ + kSize - static_cast<u32>(count)) % kSize;
+    const u32 until_end = std::min(static_cast<u32>(count), kSize - first);
+    take(std::span<const u32>(ring_).subspan(first, until_end));
+    if (count != until_end) take(std::span<const u32>(ring_).first(count - until_end));
+  }
   /// The k-th before the one that fired last, k < kSize; of those that fired.
   [[nodiscard]] InteractionId before_last(u64 k) const {
     return InteractionId(ring_[(at_ + kSize - 1 - static_cast<u32>(k)) % kSize]);

@@ -17,6 +17,7 @@
 #include "runtime/distributed/deployment.hpp"
 #include "runtime/distributed/greeting.hpp"
 #include "runtime/distributed/node.hpp"
+#include "runtime/distributed/fired_interactions.hpp"
 #include "runtime/distributed/place_free_atoms.hpp"
 #include "runtime/distributed/station.hpp"
 #include "runtime/engine/checkpoints.hpp"
@@ -70,13 +71,11 @@ Scattered scattered_pairs(int atoms) {
   return Scattered([atoms](ImageBuilder& b) { build_pairs(b, atoms); });
 }
 
-// Steps that a node took, which share a number.
+// Steps that a node took, which share a number, of a model with two interactions.
 Control fired_message(u64 step, const std::vector<u32>& rows) {
-  std::vector<InteractionId> interactions;
-  for (const u32 row : rows) interactions.push_back(InteractionId(row));
-  Control fired{Control::Kind::Fired, {step}, {""}};
-  append_interactions(fired.texts[0], interactions);
-  return fired;
+  FiredPacker packer(2);
+  packer.add(rows);
+  return {Control::Kind::Fired, {step, rows.size()}, {packer.take()}};
 }
 
 SimulatedResult simulated(const Image& image, const Placement& placement, std::uint64_t seed, std::uint64_t limit) {
@@ -260,26 +259,6 @@ TEST_CASE("plans of nodes on several hosts") {
   CHECK(launcher.self == 2);
   CHECK(launcher.keys.secret == "l");
   CHECK(launcher.addresses == std::vector<std::string>{"tcp://10.0.0.1:7701", "tcp://lab:7701", ""});
-}
-
-TEST_CASE("many interactions come back as they were, and odd bytes are refused") {
-  const std::vector<InteractionId> interactions{InteractionId(0u),     InteractionId(127u),       InteractionId(128u),
-                                                InteractionId(16383u), InteractionId(16384u),     InteractionId(5u),
-                                                InteractionId(70000u), InteractionId(4294967294u)};
-  std::string bytes;
-  append_interactions(bytes, interactions);
-  std::vector<InteractionId> read;
-  REQUIRE(read_interactions(bytes, kNone, read));
-  CHECK(read == interactions);
-  for (std::size_t cut = 1; cut < bytes.size(); ++cut) {
-    read.clear();
-    const std::string_view begin = std::string_view(bytes).substr(0, cut);
-    CHECK(read_interactions(begin, kNone, read) == (static_cast<unsigned char>(begin.back()) < 0x80));
-  }
-  read.clear();
-  CHECK_FALSE(read_interactions(bytes, 70000, read));
-  CHECK_FALSE(read_interactions("\xff\xff\xff\xff\xff\x01", kNone, read));
-  CHECK_FALSE(read_interactions("\xff\xff\xff\xff\x7f", kNone, read));
 }
 
 TEST_CASE("frames come back as they were, and odd bytes are refused") {
@@ -1214,10 +1193,12 @@ TEST_CASE("steps of which the launcher has only the interactions are written as 
       const u64 first = step_at(1, 0), second = step_at(2, 0);
       CHECK(merge.take_fired(0, fired_message(first, {})) == 0);
       CHECK(merge.take_fired(0, fired_message(step_at(1, 1), {0, 1})) == 0);
-      CHECK(merge.take_fired(0, fired_message(first, {0, 1000})) == 0);
-      CHECK(merge.take_fired(0, Control{Control::Kind::Fired, {first, 0}, {"\x01"}}) == 0);
-      CHECK(merge.take_fired(0, Control{Control::Kind::Fired, {first}, {}}) == 0);
-      CHECK(merge.take_fired(0, Control{Control::Kind::Fired, {first}, {"\x80"}}) == 0);
+      CHECK(merge.take_fired(0, Control{Control::Kind::Fired, {first}, {"\x01"}}) == 0);
+      CHECK(merge.take_fired(0, Control{Control::Kind::Fired, {first, 1, 0}, {"\x01"}}) == 0);
+      CHECK(merge.take_fired(0, Control{Control::Kind::Fired, {first, 1}, {}}) == 0);
+      CHECK(merge.take_fired(0, Control{Control::Kind::Fired, {first, 1}, {""}}) == 0);
+      CHECK(merge.take_fired(0, Control{Control::Kind::Fired, {first, 1}, {"\x02"}}) == 0);
+      CHECK(merge.take_fired(0, Control{Control::Kind::Fired, {first, ~u64{0}}, {"\x01"}}) == 0);
       CHECK(merge.waiting() == 0);
       if (at_once) {
         CHECK(merge.take_fired(0, fired_message(first, {0, 1, 0})) == 3);
