@@ -136,6 +136,7 @@ void Codec::write(ByteWriter& writer, const Offer& offer) const {
   for (const u32 row : offer.offer.transitions) writer.number(row);
   writer.number(offer.offer.step);
   writer.number(offer.offer.order);
+  if (distribution_.sets.by_situation[offer.atom] != 0) writer.number(offer.set);
   write(writer, offer.moment);
   if (tables_.types[tables_.atoms[offer.atom].type].is_timed) {
     for (const PortTime& time : offer.offer.times) {
@@ -223,6 +224,7 @@ void Codec::read_offer(ByteReader& reader, Offer& offer) const {
   }
   offer.offer.step = reader.number();
   offer.offer.order = reader.row(kNone);
+  if (distribution_.sets.by_situation[offer.atom] != 0) offer.set = reader.row(distribution_.sets.count);
   read(reader, offer.moment);
   if (type.is_timed) read_times(reader, offer);
   read_cells(reader, offer.atom, offer.cells);

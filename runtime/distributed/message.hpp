@@ -26,6 +26,7 @@ struct Offer {
   AtomOffer offer;
   std::vector<u64> cells;  // the bits of Distribution::cells
   Moment moment = {};
+  u32 set = kNone;  // of an atom of ConflictSets::by_situation: that of the interactions that can take it now
 };
 /// A part of a step: what one atom does.
 struct Part {

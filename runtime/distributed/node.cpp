@@ -24,7 +24,7 @@ bool Node::start(const State& state) {
   start_actions();
   for (u32 atom = 0; atom < atoms; ++atom) {
     u32 coordinator = kNone;
-    if (!find_coordinator(atom, coordinator)) return false;
+    if (!find_coordinator(atom, coordinator, offered_for_[atom])) return false;
     where_[atom] = coordinator == self_ ? Where::Here : Where::Away;
     is_in_core_[atom] = coordinator == self_ ? 1 : 0;
     if (coordinator == self_) continue;
@@ -138,6 +138,7 @@ void Node::receive(const Offer& offer) {
   participations_[offer.atom] = offer.n;
   where_[offer.atom] = Where::Here;
   is_in_core_[offer.atom] = 1;
+  offered_for_[offer.atom] = offer.set;
   const Span<VariableId> cells = distribution_.cells[offer.atom];
   BIP_ASSERT(cells.size == offer.cells.size(), "{} of {} variables", offer.cells.size(), cells.size);
   for (u32 i = 0; i < cells.size; ++i) core_.write_cell(cells[i], offer.cells[i]);
@@ -389,9 +390,10 @@ void Node::note_history(u32 atom, const LinkedTransition& transition, Interactio
 
 // Of an atom at rest: any of its enabled ports tells, if an interaction can take it through that port at all. False: a
 // fault.
-bool Node::find_coordinator(u32 atom, u32& coordinator) {
+bool Node::find_coordinator(u32 atom, u32& coordinator, u32& set) {
   PartialSteps& partial = core_.partial();
   const u32 place = partial.place_at_rest(atom);
+  set = kNone;
   if (distribution_.sets.by_situation[atom] == 0) {
     coordinator = distribution_.coordinator_at(atom, place);
     return true;
@@ -407,6 +409,7 @@ bool Node::find_coordinator(u32 atom, u32& coordinator) {
       return true;
     }
     coordinator = distribution_.offered_in[row];
+    set = distribution_.sets.situations[row].set;
   }
   return true;
 }
@@ -415,7 +418,8 @@ void Node::come_to_rest(u32 atom) {
   PartialSteps& partial = core_.partial();
   tell(NodeEvent::Kind::Rested, atom, {}, partial.place_at_rest(atom));
   u32 coordinator = kNone;
-  if (!find_coordinator(atom, coordinator)) return stop();
+  u32 set = kNone;
+  if (!find_coordinator(atom, coordinator, set)) return stop();
   if (coordinator != kNone) tell(NodeEvent::Kind::Offered, atom);
   if (coordinator == self_) tell(NodeEvent::Kind::Received, atom);
   where_[atom] = coordinator == self_ ? Where::Here : Where::Away;
@@ -426,7 +430,7 @@ void Node::come_to_rest(u32 atom) {
     note_change(atom);
     return;
   }
-  Offer offer{atom, participations_[atom], {}, {}, moment_};
+  Offer offer{atom, participations_[atom], {}, {}, moment_, set};
   if (!partial.offer_away(atom, offer.offer)) return stop();
   if (coordinator == kNone) return;
   BIP_ASSERT(coordinator < distribution_.placement.nodes.size(), "atom {} is offered to node {}", atom, coordinator);

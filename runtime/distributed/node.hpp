@@ -217,6 +217,7 @@ class Node {
   void start_locks();
   [[nodiscard]] bool has_split() const { return !distribution_.locks.items.empty(); }
   [[nodiscard]] bool fits(InteractionId interaction, u32 atom);
+  [[nodiscard]] bool is_offered_for(InteractionId interaction, u32 atom, u32 port) const;
   [[nodiscard]] bool may_try(InteractionId interaction);
   void list_try(InteractionId interaction);
   void list_tries(u32 atom);
@@ -242,7 +243,7 @@ class Node {
   void wake_watchers(u32 atom);
   void serve();
   void note_history(u32 atom, const LinkedTransition& transition, InteractionId interaction);
-  bool find_coordinator(u32 atom, u32& coordinator);
+  bool find_coordinator(u32 atom, u32& coordinator, u32& set);
   void stop();
   void tell(NodeEvent::Kind kind, u32 atom, InteractionId interaction = {}, u32 place = kNone) const {
     if (observer_) observer_({kind, atom, interaction, place});
@@ -280,6 +281,7 @@ class Node {
   // elsewhere and the atom.
   std::vector<Where> where_;
   std::vector<std::uint8_t> is_in_core_;  // offered in this core
+  std::vector<u32> offered_for_;          // of atoms from elsewhere: Offer::set
   std::vector<std::deque<Lock>> waiting_;
   std::vector<std::deque<ParkedLock>> parked_;
   std::vector<std::vector<Watcher>> watchers_;

@@ -26,6 +26,7 @@ void Node::link_locks() {
   const u32 atoms = core_.image().atoms.size;
   where_.assign(atoms, Where::Away);
   is_in_core_.assign(atoms, 0);
+  offered_for_.assign(atoms, kNone);
   if (!has_split()) return;
   waiting_.resize(atoms);
   parked_.resize(atoms);
@@ -61,10 +62,22 @@ bool Node::fits(InteractionId interaction, u32 atom) {
   bool is_participant = false;
   for (const u32 port : ports_) {
     if (tables.port_atom[port] != atom) continue;
-    if (core_.enabled_transition(atom, port - tables.port_base(atom)) != kNone) return true;
+    const u32 of_atom = port - tables.port_base(atom);
+    if (core_.enabled_transition(atom, of_atom) != kNone) return is_offered_for(interaction, atom, of_atom);
     is_participant = true;
   }
   return !is_participant;
+}
+
+// Can the interaction take the atom through this enabled port, by what is known of its history? If it cannot, the atom
+// is offered for another set, which must not wait for attempts of this one: they may end at a lost node.
+bool Node::is_offered_for(InteractionId interaction, u32 atom, u32 port) const {
+  const ConflictSets& sets = distribution_.sets;
+  if (sets.by_situation[atom] == 0) return true;
+  const u32 set = distribution_.home(atom) != self_
+                      ? offered_for_[atom]
+                      : sets.set_of(atom, core_.partial().place_at_rest(atom), history_[atom], port);
+  return set == sets.of_interaction[interaction];
 }
 
 // -- What to try --
@@ -172,7 +185,9 @@ void Node::lend(u32 atom, Lock& lock) {
   }
   offer.step = partial.state()->last_step[atom];
   offer.order = partial.state()->order[atom];
-  Offer& held = lock.held.emplace_back(Offer{atom, participations_[atom], offer, {}});
+  const u32 set =
+      distribution_.sets.by_situation[atom] != 0 ? distribution_.sets.of_interaction[lock.interaction] : kNone;
+  Offer& held = lock.held.emplace_back(Offer{atom, participations_[atom], offer, {}, {}, set});
   for (const VariableId cell : distribution_.cells[atom]) held.cells.push_back(core_.cell(cell).bits);
   partial.send_away(atom);
   is_in_core_[atom] = 0;
