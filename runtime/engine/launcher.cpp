@@ -35,15 +35,22 @@ constexpr u64 kInfinite = ~u64{0};
 
 enum class RunPhase : std::uint8_t { Running, Counting, Telling, Limiting, Planning, Ending };
 
-// What the launcher knows of a node.
+// What the launcher knows of a node, by the node's messages. Credit is the number of steps that a node may begin.
 struct Member {
-  bool is_there = false, is_lost = false, has_finished = false;
-  bool is_idle = false, wants = false, has_counted = false, owes_credit = false, has_told = false;
-  bool has_answered = false;  // of time
-  u64 sent = 0, received = 0, steps = 0;
-  u64 cpu = 0;      // microseconds, as last heard
-  u64 granted = 0;  // credit, but for what it gave back
-  u64 credits = 0;  // messages that gave it
+  bool is_there = false;       // it has joined the run
+  bool is_lost = false;        // its process has ended, or its host is silent for too long
+  bool has_finished = false;   // it has sent its last state
+  bool is_idle = false;        // it rests: it has nothing to do until a message comes
+  bool wants = false;          // it could begin a step, and has no credit
+  bool owes_credit = false;    // it was asked to give credit back, and has not answered
+  bool has_counted = false;    // it has answered in this round of counting messages
+  bool has_told = false;       // it has sent its state for this checkpoint
+  bool has_answered = false;   // it has answered the question about time that was asked last
+  u64 sent = 0, received = 0;  // messages to and from other nodes
+  u64 steps = 0;               // that it began
+  u64 cpu = 0;                 // microseconds, as last heard
+  u64 granted = 0;             // credit that it was given, without what it gave back
+  u64 credits = 0;             // number of messages that gave it credit
 };
 
 class Launcher {
@@ -101,7 +108,7 @@ class Launcher {
     }
     station_->send(wall_clock());
     end(initial);
-    // What they said last has come: they may go.
+    // All of their messages have arrived, so the nodes may end.
     const u64 ended = static_cast<u64>(result_.lost_nodes.empty() ? result_.end : End::Interrupted);
     say_all(Control::Kind::Finish, {ended, result_.steps});
     station_->send(wall_clock());
@@ -144,7 +151,8 @@ class Launcher {
     fabric_ = std::move(*fabric);
     if (deployment != nullptr && !gather(*deployment)) return false;
     station_ = std::make_unique<Station>(*fabric_, codec_, nodes, nodes);
-    // Nodes that must not say anything before it is known here wait for the answer.
+    // With --on-loss=go-on and a trace, a node holds its messages to other nodes until the launcher has confirmed the
+    // steps that they depend on: a confirmation that waits for other messages would delay all of them.
     if (writes_ && options_.on_loss == OnLoss::GoOn) station_->answer_at_once();
     for (u32 node = 0; node < nodes; ++node) station_->greet(node);
     return true;
@@ -188,7 +196,7 @@ class Launcher {
     if (!gone.empty() && !members_[arrival.from].has_finished) lose(arrival.from, gone);
   }
 
-  // Of a node on another host long silence is a loss; the end of a process of this machine is seen.
+  // A node on another host is lost when it is silent for too long. The end of a process of this machine is observed.
   [[nodiscard]] bool is_remote(u32 node) const { return options_.deployment != nullptr && node != 0; }
 
   void look_for_silence(i64 now) {
@@ -243,7 +251,8 @@ class Launcher {
 
   [[nodiscard]] bool is_limited() const { return options_.limit != kInfinite; }
 
-  // Of a node that rested when so many messages of credit had come: a later one lets it go on.
+  // A node that reports that it rests says how many messages with credit had reached it by then. If one more is on its
+  // way, the node will go on, and does not count as idle.
   static bool has_all_credit(const Member& member, u64 credits) { return credits == member.credits; }
 
   void grant(u32 node, u64 credit) {
@@ -273,7 +282,7 @@ class Launcher {
       if (pool_ != 0) grant(node, std::max<u64>(1, pool_ / (2 * members_.size())));
       else is_wanted = true;
     }
-    // What others do not need is asked back.
+    // A node wants credit and none is left: the other nodes give back what they do not need.
     if (!is_wanted || ask_at_ > now) return;
     ask_at_ = now + kAskAgain;
     for (u32 node = 0; node < members_.size(); ++node) {
@@ -419,7 +428,7 @@ class Launcher {
     station_->close(node);
     merge_.lose(node);
     if (options_.on_loss == OnLoss::Stop) {
-      // What comes later may depend on what the node began and could not tell.
+      // Later steps may depend on a step that the lost node began and could not report, so none of them is written.
       cut_ = std::min(cut_, merge_.bound(node));
       halt();
     } else if (is_limited()) {
@@ -461,7 +470,7 @@ class Launcher {
     return sent == received;
   }
 
-  // Could a node that wants credit get some?
+  // Returns whether a node that wants credit can still get some: what is left, or what another node gives back.
   [[nodiscard]] bool is_credit_coming() const {
     if (!is_limited() || is_halted_ || is_pausing_ || has_fault_ ||
         all([](const Member& member) { return !member.wants; }))
@@ -517,7 +526,7 @@ class Launcher {
     if (phase_ != RunPhase::Counting || !all([](const Member& member) { return member.has_counted; })) return;
     const bool is_over = all([](const Member& member) { return member.is_idle; }) && is_balanced() &&
                          sum_of_sent() == first_sum_ && !is_credit_coming();
-    // A node that rests reports it once.
+    // Nodes that rest have reported it already and do not report it again, so the next look must not wait for a report.
     is_changed_ = true;
     if (is_over && is_pausing_ && !has_fault_) {
       phase_ = RunPhase::Telling;
@@ -533,10 +542,10 @@ class Launcher {
     if (is_over) say_all(Control::Kind::Finish);
   }
 
-  // ---- time: all nodes rest, and nothing is on its way
+  // ---- time; it passes when all nodes rest and no message is on its way
 
   [[nodiscard]] bool may_pass_time() const {
-    // The atoms of a lost node are at work for ever, at this instant.
+    // The atoms of a lost node count as at work for ever, and time cannot pass while an atom is at work.
     return core_.is_timed() && !has_fault_ && !has_lost_ && !is_halted_ && steps() != options_.limit;
   }
 
@@ -565,7 +574,8 @@ class Launcher {
 
   void pass_time() {
     const i64 next = std::min(limit_.change, planned_);
-    // What a node plans is decided there, and only a step of that node or a later instant can take it away.
+    // A planned step is possible at the node that planned it, and only a step of that node or a later instant can
+    // change that. So if the same instant comes twice with no step in between, it would come for ever.
     stands_still_ = may_pass_time() && next == now_ && steps() == steps_at_again_;
     const bool is_over = !may_pass_time() || next == kForever || next > limit_.last || stands_still_;
     steps_at_again_ = next == now_ ? steps() : ~u64{0};
@@ -604,7 +614,8 @@ class Launcher {
     serve_wants(now);
   }
 
-  // Those of earlier checkpoints. The core is in the initial state until the end.
+  // Frees the strings that only states of earlier checkpoints hold. The core, which stays in the initial state until
+  // the end of the run, keeps its own.
   void free_strings() {
     LiveStrings live;
     live.add(core_);
@@ -625,11 +636,13 @@ class Launcher {
     return due;
   }
 
-  // Asks nodes that rest how far they are, if steps of others wait for it.
+  // Writes the steps that can be written. If some have waited for a while, asks the nodes that have not reported a
+  // number as large as theirs for their clocks: a node that rests reports nothing by itself.
   void write(i64 now) {
     if (!has_fault_ && cut_ == ~u64{0}) merge_.write_ready();
     if (!merge_.is_sound()) halt();
-    // Before more is written nothing more begins (unwritten_steps.hpp).
+    // Nodes begin nothing while too many of their steps are unwritten, so they must hear what is written
+    // (unwritten_steps.hpp).
     if (merge_.written_bytes() - told_bytes_ >= written_to_tell(members_.size())) {
       told_bytes_ = merge_.written_bytes();
       say_all(Control::Kind::Written, {merge_.last_written()});
@@ -662,7 +675,7 @@ class Launcher {
     const State last = told_.finish();
     if (writes_) merge_.write_until(has_fault_ ? fault_step_ : cut_);
     if (!merge_.is_sound()) {
-      // What a node does when it is lost, nobody hears.
+      // A step of a lost node may have ended in an error that the node could not report.
       return end_with_nonsense(merge_.has_met_fault()
                                    ? "a step ended in a run-time error of which its node did not tell"
                                    : "they told of a step that is none of the model",
@@ -670,8 +683,7 @@ class Launcher {
     }
     if (has_fault_) {
       result_.end = End::Fault;
-      // The step with the fault is not counted.
-      // What an instant brings is no step.
+      // The step with the fault is not counted. A fault that the passing of time brings is that of no step.
       const u64 faulty = instant_step_ != 0 && fault_step_ == instant_step_ ? 0 : 1;
       result_.steps = writes_ ? std::max<u64>(merge_.written(), faulty) - faulty : steps();
       (void)core_.restore(last);
@@ -681,7 +693,7 @@ class Launcher {
     result_.steps = writes_ ? merge_.written() : steps();
     const bool is_sound = core_.restore(last);
     if (has_lost_) return end_with_loss(is_sound, initial);
-    // C++ objects stay at home: what depends on them cannot be asked here.
+    // C++ objects stay at the homes of their components, so this process cannot evaluate what depends on them.
     const bool is_known = last.objects.empty();
     if (!is_sound && is_known) return end_with_nonsense("they told of a state that ends in a run-time error", initial);
     if (result_.steps == options_.limit) result_.end = End::Limit;
@@ -693,7 +705,7 @@ class Launcher {
     if (is_known && !is_over) end_with_nonsense("they rest in a state in which a step is possible", initial);
   }
 
-  // No run of sound nodes ends so.
+  // The nodes contradict each other or the model, which correct nodes never do: the run ends with an error.
   void end_with_nonsense(const char* what, const State& initial) {
     result_.error = std::string("the nodes do not say what happened: ") + what;
     BIP_ENSURE(core_.restore(initial), "the initial state has no fault");
@@ -733,7 +745,7 @@ class Launcher {
   std::vector<Member> members_;
   Checkpoints checkpoints_;
   DistributedResult result_;
-  // The fabric ends before the processes that it talks to.
+  // Declared before the fabric, so that the fabric is closed before the processes at its other ends are waited for.
   NodeTeam team_;
   std::unique_ptr<Fabric> fabric_;
   std::unique_ptr<Station> station_;

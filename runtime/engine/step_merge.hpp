@@ -1,7 +1,11 @@
-// The steps of several nodes in one order: those of smaller numbers first. A step is written when no node can tell of
-// an earlier one any more and all of its parts have ended.
+// Merges the steps that nodes report into one sequence, which the launcher writes to the step lines and the trace.
 //
-// O(log steps that are not written) a step.
+// Each step has a number, made of the clock of the node that began it and of that node's row (step_at), and steps are
+// written by ascending numbers. A step waits until two things hold: no node can report a step with a smaller number any
+// more (each node has reported a larger number or a clock as large), and each of its parts has ended at its home.
+// Several steps that a node took alone, one after the other, may share one number.
+//
+// Cost: O(log w) for each step, where w is the number of steps that wait.
 #pragma once
 #include <map>
 #include <optional>
@@ -26,54 +30,63 @@ class StepMerge {
         bounds_(distribution.placement.nodes.size(), 0),
         is_lost_(bounds_.size(), false) {}
 
-  /// Makes what is written about steps here, from `initial` on, where nodes send no texts (can_follow_steps). Before
-  /// the first step.
+  /// From now on, a core of this process takes each step, from the state `initial` on, and makes the text that is
+  /// written about it. Requires that nodes send no texts (can_follow_steps), and that no step was reported yet.
   void follow(const State& initial) { follower_.emplace(core_, initial); }
-  /// False: a step that was to be written is none of the model, or comes after one with a fault.
+  /// Returns false if a reported step was not possible in the state before it, or followed a run-time error. Such a
+  /// step is not written, nor is any later one.
   [[nodiscard]] bool is_sound() const { return is_sound_; }
-  /// The step that was written last ended in a run-time error, whether its node told of it or not.
+  /// Returns whether the step that was written last ended in a run-time error, also if its node did not report that.
   [[nodiscard]] bool has_met_fault() const { return follower_ && follower_->has_met_fault(); }
-  /// Control::Kind::Begun of a node. False: it is none.
+  /// Takes a report of one step (Control::Kind::Begun). Returns false if the message is malformed.
   bool take_begun(u32 node, const Control& control);
-  /// Control::Kind::Took of a node. Returns how many steps; 0: it is none.
+  /// Takes a report of several steps with their texts (Control::Kind::Took). Returns their number, or 0 if the message
+  /// is malformed.
   u64 take_many(u32 node, const Control& control);
-  /// Control::Kind::Fired of a node. Returns how many steps; 0: it is none, or not of this run.
+  /// Takes a report of the interactions of several steps (Control::Kind::Fired). Returns their number, or 0 if the
+  /// message is malformed or this run needs texts of steps.
   u64 take_fired(u32 node, const Control& control);
+  /// At `node`, one part of each of these steps has ended.
   void take_landed(u32 node, const std::vector<u64>& steps);
-  /// The node will tell of no step up to this one any more.
+  /// The node will report no step with this number or a smaller one any more.
   void raise_bound(u32 node, u64 step) { bounds_[node] = std::max(bounds_[node], step); }
   [[nodiscard]] u64 bound(u32 node) const { return bounds_[node]; }
-  /// Parts of steps that the node has not reported stay open.
+  /// The node is lost: from now on, steps wait neither for its reports nor for their parts at it.
   void lose(u32 node) { is_lost_[node] = true; }
+  /// Writes the steps that need not wait any more.
   void write_ready();
-  /// Up to this step, whether its parts have ended or not.
+  /// Writes the steps up to this number, whether their parts have ended or not.
   void write_until(u64 step);
+  /// Number of steps that are written.
   [[nodiscard]] u64 written() const { return written_; }
+  /// Number of reports whose steps are not written yet.
   [[nodiscard]] std::size_t waiting() const { return flights_.size(); }
-  /// Of those that are not written: bytes (record_bytes), now and at most so far.
+  /// Bytes of the steps that are not written (record_bytes), now and at most so far.
   [[nodiscard]] u64 waiting_bytes() const { return waiting_bytes_; }
   [[nodiscard]] u64 most_waiting_bytes() const { return most_waiting_bytes_; }
-  /// Of those that are written.
+  /// Bytes of the steps that are written (record_bytes).
   [[nodiscard]] u64 written_bytes() const { return written_bytes_; }
-  /// The last one that is written; 0: none is.
+  /// Number (step_at) of the step that was written last; 0: none was.
   [[nodiscard]] u64 last_written() const { return last_written_; }
-  /// The first one that is not written. Requires that there is one.
+  /// Smallest number (step_at) of a step that is not written. Requires waiting() != 0.
   [[nodiscard]] u64 first_waiting() const { return flights_.begin()->first; }
 
  private:
   struct Step {
     InteractionId interaction;
-    u32 rank = 0;                          // of its candidate; known if steps are followed
-    u64 out_number = 0, trace_number = 0;  // 1 + where it belongs in the text; 0: nowhere
-    u64 out_size = 0, trace_size = 0;      // of its text
+    u32 rank = 0;  // of its candidate among those of the interaction, where a core takes the step (follow())
+    // 1 + the offset in the step line, or in its text in the trace, at which the number of the step is inserted: only
+    // here it is known. 0: nowhere.
+    u64 out_number = 0, trace_number = 0;
+    u64 out_size = 0, trace_size = 0;  // bytes of its step line, and of its text in the trace
   };
-  // Steps with one number: one, or several of a node.
+  // One report: a step, or several steps of one node that share a number.
   struct Flight {
-    bool is_told = false;
+    bool is_told = false;  // the report has come; before that, ends of parts may have
     std::vector<Step> steps;
-    StepText text;                          // of all
-    std::vector<std::pair<u32, int>> open;  // node, parts there that have not ended
-    std::vector<InteractionId> fired;       // of all, if nothing else is written; then there are no steps and no text
+    StepText text;                          // of all steps, one behind the other
+    std::vector<std::pair<u32, int>> open;  // by node: the number of parts there that have not ended
+    std::vector<InteractionId> fired;       // steps of which only the interactions were reported; then `steps` is empty
     [[nodiscard]] u64 bytes() const {
       return fired.empty() ? record_bytes(text, steps.size()) : fired_bytes(fired.size());
     }
@@ -90,9 +103,9 @@ class StepMerge {
   Core& core_;
   const Distribution& distribution_;
   Output& output_;
-  std::vector<u64> bounds_;  // by node
+  std::vector<u64> bounds_;  // by node: it will report no step up to this number any more
   std::vector<bool> is_lost_;
-  std::map<u64, Flight> flights_;
+  std::map<u64, Flight> flights_;  // those that are not written, by number
   std::optional<StepFollower> follower_;
   StepText text_;  // scratch
   bool is_sound_ = true;
