@@ -2,7 +2,8 @@
 //
 //   file      = 'rules' NAME ';' { item }        (a VALUE is a word, a string, or a number, of which `-` may stand
 //             before)
-//   item      = 'modules' STRING { ',' STRING } [ 'with' STRING ] ';'
+//   item      = 'extends' STRING ';'
+//             | 'modules' STRING { ',' STRING } [ 'with' STRING ] ';'
 //             | 'parameter' NAME 'of' paths ':' VALUE { ',' VALUE } ';'
 //             | 'value' NAME 'of' path ':' VALUE { ',' VALUE } ';'
 //             | 'services' NAME ':' paths ';'
@@ -37,19 +38,13 @@ class RulesParser {
       at_.skip_past_semicolon();
       at_.accept("}");
     }
-    for (ParameterDecl& p : file_.parameters) expand(p.services);
-    for (Rule& r : file_.rules) {
-      expand(r.left);
-      expand(r.right);
-      expand(r.condition);
-    }
-    for (Promise& p : file_.promises) expand(p.condition);
     return std::move(file_);
   }
 
  private:
   bool item() {
     const genom::Token& next = at_.peek(1);
+    if (at_.at("extends") && next.kind == genom::TokenKind::String) return extends();
     if (at_.at("modules") && next.kind == genom::TokenKind::String) return modules();
     if (at_.at("parameter") && next.kind == genom::TokenKind::Word) return parameter();
     if (at_.at("value") && next.kind == genom::TokenKind::Word && at_.peek(2).is("of")) return value();
@@ -78,47 +73,8 @@ class RulesParser {
     at_.take();
     ServiceGroup g;
     if (!at_.name(g.name, "a name") || !at_.expect(":") || !paths(g.services, "a service")) return false;
-    // A group may be made of earlier ones.
-    expand(g.services);
-    if (const ServiceGroup* const known = group_of({.module = {}, .name = g.name})) {
-      at_.diags().report(Diag::kB6013, g.name.range, "group", g.name.text).label(known->name.range, "the first one");
-    }
-    groups_.push_back(std::move(g));
+    file_.groups.push_back(std::move(g));
     return at_.expect(";");
-  }
-
-  [[nodiscard]] const ServiceGroup* group_of(const Path& path) const {
-    for (const ServiceGroup& g : groups_) {
-      if (!path.module.is_set() && g.name.text == path.name.text) return &g;
-    }
-    return nullptr;
-  }
-  // The services of a group stand where its name stood.
-  void expand(std::vector<Path>& paths) const {
-    std::vector<Path> all;
-    for (Path& path : paths) {
-      const ServiceGroup* const g = group_of(path);
-      if (g == nullptr) all.push_back(std::move(path));
-      else all.insert(all.end(), g->services.begin(), g->services.end());
-    }
-    paths = std::move(all);
-  }
-  // `moving.active`: one of them is.
-  void expand(Expr& e) const {
-    for (Expr& operand : e.operands) expand(operand);
-    const bool is_of_service = e.kind == ExprKind::Active || e.kind == ExprKind::Done || e.kind == ExprKind::Failed ||
-                               e.kind == ExprKind::Lost || e.kind == ExprKind::Late;
-    const ServiceGroup* const g = is_of_service ? group_of(e.path) : nullptr;
-    if (g == nullptr) return;
-    Expr any = e;
-    BIP_ASSERT(!g->services.empty(), "group `{}` has no services", g->name.text);
-    any.path = g->services.front();
-    for (std::size_t k = 1; k < g->services.size(); ++k) {
-      Expr next = e;
-      next.path = g->services[k];
-      any = {.kind = ExprKind::Operator, .range = e.range, .text = "||", .operands = {std::move(any), std::move(next)}};
-    }
-    e = std::move(any);
   }
 
   bool quoted(Name& into, const char* what) {
@@ -129,6 +85,11 @@ class RulesParser {
     const genom::Token& token = at_.take();
     into = {std::string(token.text), token.range};
     return true;
+  }
+
+  bool extends() {
+    at_.take();
+    return quoted(file_.extends.emplace_back(), "a path in quotes") && at_.expect(";");
   }
 
   bool modules() {
@@ -355,7 +316,6 @@ class RulesParser {
 
   genom::Cursor at_;
   RuleFile file_;
-  std::vector<ServiceGroup> groups_;
 };
 
 }  // namespace

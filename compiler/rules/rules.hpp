@@ -100,7 +100,7 @@ struct ValueDecl {
   std::vector<std::string> values;
 };
 
-/// A name for several services; a word for them in rules, after parsing replaced by them.
+/// A name for several services; a word for them in rules, which expand_groups() replaces by them.
 struct ServiceGroup {
   Name name;
   std::vector<Path> services;
@@ -116,8 +116,10 @@ struct Promise {
 
 struct RuleFile {
   Name package;
+  std::vector<Name> extends;  // paths of .rules files, relative to the rules
   std::vector<Name> modules;  // paths of .gen files, relative to the rules
   Name side_file;
+  std::vector<ServiceGroup> groups;
   std::vector<ParameterDecl> parameters;
   std::vector<ValueDecl> values;
   std::vector<Rule> rules;

@@ -2,6 +2,7 @@
 #include "compiler/pipeline/pipeline.hpp"
 #include "compiler/genom/translate.hpp"
 #include "compiler/rules/check_rules.hpp"
+#include "compiler/rules/merge_rules.hpp"
 #include "compiler/rules/parse_rules.hpp"
 #include "tests/fuzz/targets.hpp"
 
@@ -33,7 +34,8 @@ Verdict try_rules(std::string_view input) {
   for (const char* text : kModules) descriptions.push_back({"/nowhere/module.gen", sources.add("module.gen", text)});
   const auto modules = genom::read_modules(sources, descriptions, {}, options, diags);
   if (!modules) return {"rules: the modules are no good", false};
-  const rules::RuleFile rule_file = rules::parse_rules(sources, file, diags);
+  rules::RuleFile rule_file = rules::parse_rules(sources, file, diags);
+  rules::expand_groups(rule_file, diags);
   const auto checked = diags.has_errors() ? std::nullopt : rules::check_rules(sources, rule_file, *modules, diags);
   const std::string messages = render(diags, sources, {});
   if (!checked)
