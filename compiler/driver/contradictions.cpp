@@ -163,6 +163,9 @@ void report_contradictions(Compilation& c, const rules::RuleFile& file, const st
   const rules::Reduced reduced = rules::reduce(modules, checked.constraints);
   const InterruptCancellation interrupt;
   const ContradictionChecker checker(reduced, checked, file.rules.size(), interrupt.token().within(seconds));
+  // Promises first: whoever wrote them waits for an answer, and the other questions may take all the time there is.
+  const std::vector<verify::Outcome> outcomes =
+      file.promises.empty() ? std::vector<verify::Outcome>{} : checker.promises();
   const std::vector<bool> all(file.rules.size(), true);
   std::set<genom::ServiceRef> asked;
   std::vector<std::size_t> rows;
@@ -197,8 +200,6 @@ void report_contradictions(Compilation& c, const rules::RuleFile& file, const st
     if (!culprits.empty()) found.push_back({std::move(culprits), {name}});
   }
   for (const BadStateAbstraction& f : found) counterexample_text(c.diags, file, f);
-  if (file.promises.empty()) return;
-  const std::vector<verify::Outcome> outcomes = checker.promises();
   for (std::size_t k = 0; k < file.promises.size(); ++k) {
     const rules::Promise& p = file.promises[k];
     const verify::Outcome outcome = k < outcomes.size() ? outcomes[k] : verify::Outcome::Unknown;
