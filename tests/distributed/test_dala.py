@@ -79,7 +79,7 @@ def facts_of(modules):
 
 
 def generate(folder):
-    for name in ("world.hpp", "camera.hpp", "bus.hpp", "rover.cpp"):
+    for name in ("world.hpp", "camera.hpp", "terrain.hpp", "vision.hpp", "bus.hpp", "rover.cpp"):
         shutil.copy(DALA / "mission" / name, folder / name)
     shutil.copy(DALA / "mission/dala_codels.cpp", folder / "mission_codels.cpp")
     (folder / "dala_codels.cpp").write_text(CODELS, encoding="utf-8")
@@ -110,7 +110,7 @@ class Rover:
         return found
 
     def rows(self):
-        return [tuple(map(float, line.split())) for line in self.record.read_text(encoding="utf-8").splitlines() if line.count(" ") == 7]
+        return [tuple(map(float, line.split())) for line in self.record.read_text(encoding="utf-8").splitlines() if line.count(" ") == 12]
 
     def row(self):
         return self.wait_for(self.rows, "a row of its record")[-1]
@@ -136,7 +136,7 @@ class Rover:
 def check_waits():
     """A rover that ends at once, writes nothing, or ends on its way is reported; nothing waits for it without limit."""
     for script, words in (("exit 3", "ended with exit code 3 before it wrote a record"), ("exec cat", "has not written a record within"),
-                          ("> record; exec cat", "has not written a row"), ("echo 0 0 0 0 0 0 0 0 > record; exit 4", "exit code 4 in the middle")):
+                          ("> record; exec cat", "has not written a row"), ("echo 0 0 0 0 0 0 0 0 0 0 0 0 0 > record; exit 4", "exit code 4 in the middle")):
         with tempfile.TemporaryDirectory() as name:
             folder, said, rover = pathlib.Path(name), "", None
             (folder / "rover").write_text(f"#!/bin/sh\n{script}\n", encoding="utf-8")

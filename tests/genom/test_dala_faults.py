@@ -28,7 +28,7 @@ DALA = ROOT / "models/dala"
 BUILD = pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build").resolve()
 BIPC = os.path.abspath(os.environ.get("BIPC") or BUILD / "bipc")
 # A row of the rover's record.
-NOW, X, Y, V, DRIVEN, EXPOSES, SENDS, AGE = range(8)
+NOW, X, Y, V, DRIVEN, EXPOSES, SENDS, AGE, TILT, EXPOSES_PAIR, LASER_AGE, VISION_AGE, MAP_AGE = range(13)
 MOVES = 0.02  # m/s
 # What NDD's period, rules.fresh_speed and the wheels' own task allow a reference to be.
 OLD = 0.4
@@ -64,12 +64,18 @@ def facts(rows, begin, end):
 class Level:
     """The fourteen modules, served, and a rover; `is_kept`: under dala.rules and a watchdog, else with neither. `generation`: more options of `bipc rules`."""
 
+    RULES = ("dala.rules",)
+    ROVER = ("6", "0")  # where it begins
+    KEPT = ("--stall-after", "300ms", "--silent-after", "1s")
+    PACE = ()  # of the clock of `bipc serve`
+
     def __init__(self, work, is_kept, *generation):
         self.work, self.is_kept = work, is_kept
         work.mkdir()
-        for name in ("world.hpp", "camera.hpp", "bus.hpp", "dala_codels.cpp", "rover.cpp"):
+        for name in ("world.hpp", "camera.hpp", "terrain.hpp", "vision.hpp", "bus.hpp", "dala_codels.cpp", "rover.cpp"):
             shutil.copy(DALA / "mission" / name, work / name)
-        rules = re.sub(r"//[^\n]*", "", (DALA / "dala.rules").read_text(encoding="utf-8"))
+        rules = re.sub(r"//[^\n]*", "", "".join((DALA / name).read_text(encoding="utf-8") for name in self.RULES))
+        rules = re.sub(r'rules \w+;\s*extends "[^"]*";', "", rules)
         rules = re.sub(r'"(\w+\.gen)"', lambda m: f'"{DALA / m.group(1)}"', rules).replace(' with "dala.yields"', "")
         if not is_kept:
             rules = ";".join(s for s in rules.split(";") if s.split()[:1] and s.split()[0] in ("rules", "modules", "parameter")) + ";\n"
@@ -80,10 +86,10 @@ class Level:
         (work / "m.yields").write_text("".join((DALA / name).read_text(encoding="utf-8") for name in ("dala.yields", "mission/async.yields")), encoding="utf-8")
         self.run("g++", "-std=c++20", "-O1", "rover.cpp", "-o", "rover")
         self.run(BIPC, "rules", "dala.rules", "--yields", "m.yields", "--served", "--skeleton", "--control-period", "2", *generation, "-o", "dala.bip")
-        self.rover = subprocess.Popen(["./rover", "bus", "record", "6", "0"], cwd=work, stdin=subprocess.PIPE)
+        self.rover = subprocess.Popen(["./rover", "bus", "record", *self.ROVER], cwd=work, stdin=subprocess.PIPE)
         while not (work / "record").exists():
             time.sleep(0.01)
-        options = ["--stall-after", "300ms", "--silent-after", "1s"] if is_kept else ["--stall-after", "0", "--safe-stop", "roll_on"]
+        options = [*(self.KEPT if is_kept else ("--stall-after", "0", "--safe-stop", "roll_on")), *self.PACE]
         with open(work / "log", "w", encoding="utf-8") as log:
             self.level = subprocess.Popen([BIPC, "serve", "dala.bip", "--asap", "--policy", "fair", "--socket", "s", *options], cwd=work, stdout=log, stderr=log,
                                           env={**os.environ, "DALA_ROVER": str(work / "bus")})
@@ -91,9 +97,9 @@ class Level:
             if self.level.poll() is not None:
                 raise AssertionError(self.log())
             time.sleep(0.05)
-        link = pathlib.Path(tempfile.mkdtemp(prefix="dala-")) / "s"  # the path of a socket is short
-        link.symlink_to(work / "s")
-        self.client = Client(str(link), 30)
+        self.socket = pathlib.Path(tempfile.mkdtemp(prefix="dala-")) / "s"  # the path of a socket is short
+        self.socket.symlink_to(work / "s")
+        self.client = Client(str(self.socket), 30)
         self.client.ask("subscribe", requests=True)
         self.replies = {}
 
@@ -106,7 +112,7 @@ class Level:
         return (self.work / "log").read_text(encoding="utf-8")
 
     def rows(self):
-        return [tuple(map(float, line.split())) for line in (self.work / "record").read_text(encoding="utf-8").splitlines() if line.count(" ") == 7]
+        return [tuple(map(float, line.split())) for line in (self.work / "record").read_text(encoding="utf-8").splitlines() if line.count(" ") == 12]
 
     def now(self):
         return self.rows()[-1][NOW]
@@ -270,6 +276,7 @@ class Level:
             self.level.wait()
         self.rover.stdin.close()
         self.rover.wait(10)
+        shutil.rmtree(self.socket.parent)
 
 
 def measure(work):

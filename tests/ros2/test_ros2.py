@@ -327,7 +327,7 @@ def check_refusals(refusals):
 def mission():
     with tempfile.TemporaryDirectory(prefix="ros2-") as work:
         dala = ROOT / "models/dala"
-        for name in ("world.hpp", "camera.hpp", "bus.hpp", "dala_codels.cpp"):
+        for name in ("world.hpp", "camera.hpp", "terrain.hpp", "vision.hpp", "bus.hpp", "dala_codels.cpp"):
             shutil.copy(dala / "mission" / name, os.path.join(work, "m_codels.cpp" if name == "dala_codels.cpp" else name))
         source = pathlib.Path(work, "m_codels.cpp")
         source.write_text(source.read_text(encoding="utf-8").replace('"dala_codels.hpp"', '"m_codels.hpp"'), encoding="utf-8")

@@ -99,7 +99,7 @@ FLAGS = ("-std=c++20", "-O3", "-pthread", "-fno-pie", "-no-pie")
 
 def make(bipc, work, images):
     work.mkdir(exist_ok=True)
-    for source, target in ((DALA / "mission/world.hpp", "world.hpp"), (DALA / "mission/camera.hpp", "camera.hpp"), (DALA / "mission/bus.hpp", "bus.hpp"), (DALA / "mission/dala_codels.cpp", "rover.cpp"), (HERE / "controller/requests.hpp", "requests.hpp"), (HERE / "controller/plain.cpp", "plain.cpp")):
+    for source, target in ((DALA / "mission/world.hpp", "world.hpp"), (DALA / "mission/camera.hpp", "camera.hpp"), (DALA / "mission/terrain.hpp", "terrain.hpp"), (DALA / "mission/vision.hpp", "vision.hpp"), (DALA / "mission/bus.hpp", "bus.hpp"), (DALA / "mission/dala_codels.cpp", "rover.cpp"), (HERE / "controller/requests.hpp", "requests.hpp"), (HERE / "controller/plain.cpp", "plain.cpp")):
         shutil.copy(source, work / target)
     # As in the paper no rock is near: Hueblob looks for one all the time.
     world = (work / "world.hpp").read_text(encoding="utf-8")

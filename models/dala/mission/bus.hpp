@@ -16,7 +16,9 @@ struct Bus {
   std::atomic<double> now{0}, x{0}, y{0}, heading{0}, v{0};
   // What the controller commands, and when it found the speed that the wheels follow.
   std::atomic<double> wanted_v{0}, wanted_turn{0}, found_at{0};
-  std::atomic<bool> follows{false}, exposes{false}, sends{false}, is_stopped{false};
+  // When NDD and P3D found one, and when the youngest images were taken that P3D's map is made of.
+  std::atomic<double> laser_at{-1e6}, vision_at{-1e6}, mapped_at{-1e6};
+  std::atomic<bool> follows{false}, exposes{false}, exposes_pair{false}, sends{false}, is_stopped{false};
 };
 static_assert(std::atomic<double>::is_always_lock_free, "two processes share it");
 

@@ -1,6 +1,6 @@
 // Codels of Dala's modules over a simulated world (world.hpp), which is written down in world.path every 25 ticks:
-// time, place, temperature, charge, metres driven, pictures, pictures sent, and how near an obstacle was. What a
-// mission has no use for ends at once and well: the second half.
+// time, place, temperature, charge, metres driven, pictures, pictures sent, how near an obstacle was, how far the rover
+// tilted. What a mission has no use for ends at once and well: the second half.
 //
 // With DALA_ROVER the rover is a process of its own (rover.cpp), and codels only read its sensors and command it.
 #include "dala_codels.hpp"
@@ -19,6 +19,7 @@
 #include "bip/shared_object.hpp"
 #include "bus.hpp"
 #include "camera.hpp"
+#include "vision.hpp"
 #include "world.hpp"
 
 namespace {
@@ -32,8 +33,13 @@ constexpr int kOk = 0, kEther = 0, kExec = 2, kEnd = 3, kInter = 4;
 struct Shared {
   bip::SharedMutex lock;  // of all but what is atomic: codels of several modules run at a time (--task-threads)
   World world;
-  Image panorama;                       // what VIAM shows in its poster
-  std::atomic<bool> is_stopped{false};  // without a bus
+  Image panorama;                        // what VIAM shows in its poster
+  Pair pair;                             // of images, likewise
+  Cloud cloud;                           // Stereo's
+  HeightMap map;                         // DTM's
+  ArcPlanner arcs;                       // P3D's
+  std::atomic<bool> takes_pairs{false};  // VIAM.AcquireContinuous, else the panorama
+  std::atomic<bool> is_stopped{false};   // without a bus
 };
 const bip::SharedObject<Shared> kShared;
 World& world() { return kShared->world; }
@@ -66,10 +72,23 @@ double input(const char* service, std::size_t k, double without) {
 
 // The rover stands until it is told to move again: set beside everything else (safe_stop).
 std::atomic<bool>& is_stopped() { return bus() != nullptr ? bus()->is_stopped : kShared->is_stopped; }
-// The speed that the wheels are to follow was found now.
-void note_reference() {
-  if (bus() != nullptr) bus()->found_at = bus()->now.load();
+// The speed that the wheels are to follow was found now, by whom.
+enum class Finder { Laser, Vision, Odometry };
+void note_reference(Finder finder) {
+  Bus* const b = bus();
+  if (b == nullptr) return;
+  const double now = b->now;
+  b->found_at = now;
+  if (finder == Finder::Laser) b->laser_at = now;
+  if (finder == Finder::Vision) b->vision_at = now;
 }
+// What the map holds of the ground ahead, and how old its youngest image is.
+enum class Ground { Unknown, Flat, Rough };
+Ground ground_ahead() {
+  const double step = kShared->map.roughness(world());
+  return step < 0 ? Ground::Unknown : step < kRoughStep ? Ground::Flat : Ground::Rough;
+}
+double map_age() { return kShared->map.at < 0 ? 1e6 : world().now - kShared->map.at; }
 
 // The words of the last request for Hueblob.SetHue.
 std::string& hue() {
@@ -135,10 +154,29 @@ extern "C" const char* bip_poster_value(const char* poster) {
   if (name == "POM.Pos") json = "{\"data\": " + object({{"x", w.x}, {"y", w.y}, {"theta", w.heading}}) + "}";
   else if (name == "LaserRF.Scan") json = scan_text(w.scan);
   else if (name == "NDD.Speed") json = "{\"data\": " + object({{"v", w.wanted_v}, {"w", w.wanted_turn}}) + "}";
+  else if (name == "P3D.Speed")
+    json = "{\"data\": " + object({{"v", kShared->arcs.v}, {"w", kShared->arcs.turn}}) + "}";
+  else if (name == "DTM.Env")
+    json = "{\"data\": " +
+           object({{"ground", static_cast<double>(ground_ahead())},
+                   {"roughness", kShared->map.roughness(w)},
+                   {"age", map_age()}}) +
+           "}";
   else if (name == "Heating.Temperature") json = object({{"data", w.temperature}});
   else if (name == "Battery.State") json = object({{"data", w.charge}});
   else return nullptr;
   return json.c_str();
+}
+
+// What terrain.rules ask of DTM's poster.
+std::string DTM_Env_ground() {
+  const Turn turn;
+  const Ground ground = ground_ahead();
+  return ground == Ground::Unknown ? "unknown" : ground == Ground::Flat ? "flat" : "rough";
+}
+std::string DTM_Env_image() {
+  const Turn turn;
+  return map_age() < kOldImage ? "recent" : "old";
 }
 
 // No codel here judges what a request came with.
@@ -153,7 +191,10 @@ void request_input(const char* service, const char* text) {
   if (bare == "Stereo.SetSource") ++sources_set();
   if (bare == "Hueblob.SetHue") hue() = text;
   if (bare.starts_with("VIAM.Acquire(")) is_sharp() = bare == "VIAM.Acquire(Marlin)";
-  std::istringstream words(text);
+  if (bare.starts_with("VIAM.AcquireContinuous")) kShared->takes_pairs = bare == "VIAM.AcquireContinuous(Pairs)";
+  // A value that rules judge stands in parentheses.
+  const bool is_judged = bare.starts_with("P3D.SetSpeed(");
+  std::istringstream words(is_judged ? bare.substr(13, bare.size() - 14) : text);
   for (std::string word; words >> word;) {
     char* end = nullptr;
     const double number = std::strtod(word.c_str(), &end);
@@ -176,9 +217,10 @@ int rflexPermanent() {
   w.now += 5 * kTick;
   w.move(5 * kTick);
   w.is_tracking = tracks;
+  w.steepest = std::max(w.steepest, tilt_at(w.x, w.y, w.heading));
   if (++w.cycles % 5 == 0) {
     path << w.now << ' ' << w.x << ' ' << w.y << ' ' << w.temperature << ' ' << w.charge << ' ' << w.driven << ' '
-         << w.pictures << ' ' << w.sent << ' ' << w.nearest << '\n'
+         << w.pictures << ' ' << w.sent << ' ' << w.nearest << ' ' << w.steepest << '\n'
          << std::flush;
   }
   return kOk;
@@ -205,7 +247,7 @@ int rflexGotoPositionMain(int&) {
   w.is_tracking = far > 0.1;
   w.wanted_turn = std::clamp(2.0 * off, -1.2, 1.2);
   w.wanted_v = std::abs(off) < 0.3 ? std::min(0.5, far) : 0;
-  note_reference();
+  note_reference(Finder::Odometry);
   return w.is_tracking ? kExec : kEnd;
 }
 int rflexGotoPositionInter(int&) {
@@ -263,7 +305,7 @@ int nddGoToStart(int&) {
 int nddGoToMain(int& report) {
   const Turn turn;
   World& w = world();
-  note_reference();
+  note_reference(Finder::Laser);
   if (std::hypot(w.goal_x - w.x, w.goal_y - w.y) < 0.15) return kEnd;
   if (w.avoid()) {
     w.blocked_since = -1;
@@ -277,7 +319,7 @@ int nddGoToMain(int& report) {
 int nddGoToEnd(int&) {
   const Turn turn;
   world().wanted_v = world().wanted_turn = 0;
-  note_reference();
+  note_reference(Finder::Laser);
   return kEther;
 }
 int nddGoToInter(int&) {
@@ -356,7 +398,9 @@ int viamAcquireEnd(int&) {
 int viamAcquireContinuousMain(int&) {
   const Turn turn;
   read_sensors();
-  take(panorama(), world(), 1280, 480, -kPi, kPi);
+  if (bus() != nullptr) bus()->exposes_pair = kShared->takes_pairs.load();
+  if (kShared->takes_pairs) take_pair(kShared->pair, world());
+  else take(panorama(), world(), 1280, 480, -kPi, kPi);
   return kExec;
 }
 // A red rock in front.
@@ -364,6 +408,57 @@ int hueblobMonitorMain(int&) {
   const Turn turn;
   double direction = 0;
   return find_red(panorama(), direction) && std::abs(direction) < 0.8 ? kEnd : kExec;
+}
+
+// ---- Stereo, DTM, P3D: points of pairs, a map of heights, arcs over it
+int stereoCorrelateContinuousMain(int&) {
+  const Turn turn;
+  if (kShared->pair.at > kShared->cloud.at) correlate(kShared->cloud, kShared->pair);
+  return kExec;
+}
+int dtmFuseContinuousMain(int&) {
+  const Turn turn;
+  kShared->map.fuse(kShared->cloud);
+  if (bus() != nullptr) bus()->mapped_at = kShared->map.at;
+  return kExec;
+}
+int p3dSetSpeed() {
+  const Turn turn;
+  kShared->arcs.fastest = input("P3D.SetSpeed", 0, kShared->arcs.fastest);
+  return kOk;
+}
+int p3dGoToStart(int&) {
+  const Turn turn;
+  ArcPlanner& arcs = kShared->arcs;
+  arcs.goal_x = input("P3D.GoTo", 0, world().x);
+  arcs.goal_y = input("P3D.GoTo", 1, world().y);
+  arcs.blocked_since = -1;
+  return kExec;
+}
+int p3dGoToMain(int& report) {
+  const Turn turn;
+  World& w = world();
+  ArcPlanner& arcs = kShared->arcs;
+  if (std::hypot(arcs.goal_x - w.x, arcs.goal_y - w.y) < 0.25) return kEnd;
+  const bool is_free = arcs.plan(kShared->map, w);
+  w.wanted_v = arcs.v;
+  w.wanted_turn = arcs.turn;
+  note_reference(Finder::Vision);
+  if (is_free) arcs.blocked_since = -1;
+  else if (arcs.blocked_since < 0) arcs.blocked_since = w.now;
+  if (is_free || w.now - arcs.blocked_since < 25) return kExec;
+  report = 1;  // BLOCKED
+  return kEther;
+}
+int p3dGoToEnd(int&) {
+  const Turn turn;
+  kShared->arcs.v = kShared->arcs.turn = world().wanted_v = world().wanted_turn = 0;
+  note_reference(Finder::Vision);
+  return kEther;
+}
+int p3dGoToInter(int& report) {
+  p3dGoToEnd(report);
+  return kEther;
 }
 
 // ---- Antenna: pictures to the orbiter, while it is there
@@ -489,7 +584,10 @@ int viamAcquireInter(int&) {
 }
 int viamAcquireContinuousStart(int&) { return kExec; }
 int viamAcquireContinuousEnd(int&) { return kEther; }
-int viamAcquireContinuousInter(int&) { return kEther; }
+int viamAcquireContinuousInter(int&) {
+  if (bus() != nullptr) bus()->exposes_pair = false;
+  return kEther;
+}
 int viamSaveMain(int&) { return kEther; }
 int viamLoadMain(int&) { return kEther; }
 int viamDisplayMain(int&) { return kEther; }
@@ -534,7 +632,6 @@ int dtmFuseMain(int&) { return kEnd; }
 int dtmFuseEnd(int&) { return kEther; }
 int dtmFuseInter(int&) { return kEther; }
 int dtmFuseContinuousStart(int&) { return kExec; }
-int dtmFuseContinuousMain(int&) { return kEnd; }
 int dtmFuseContinuousEnd(int&) { return kEther; }
 int dtmFuseContinuousInter(int&) { return kEther; }
 int dtmResetMapMain(int&) { return kEther; }
@@ -566,7 +663,6 @@ int stereoCorrelateMain(int&) {
 int stereoCorrelateEnd(int&) { return kEther; }
 int stereoCorrelateInter(int&) { return kEther; }
 int stereoCorrelateContinuousStart(int&) { return kExec; }
-int stereoCorrelateContinuousMain(int&) { return kEnd; }
 int stereoCorrelateContinuousEnd(int&) { return kEther; }
 int stereoCorrelateContinuousInter(int&) { return kEther; }
 int stereoRectifyMain(int&) { return kEnd; }
@@ -578,10 +674,6 @@ int stereoSetSource() { return kOk; }
 int stereoPermanent() { return kOk; }
 int p3dInitMain(int&) { return kEther; }
 int p3dCheckGoal() { return kOk; }
-int p3dGoToStart(int&) { return kExec; }
-int p3dGoToMain(int&) { return kEnd; }
-int p3dGoToEnd(int&) { return kEther; }
-int p3dGoToInter(int&) { return kEther; }
 int p3dTrackPathStart(int&) { return kExec; }
 int p3dTrackPathMain(int&) { return kEnd; }
 int p3dTrackPathEnd(int&) { return kEther; }
@@ -596,7 +688,6 @@ int p3dPlanMain(int&) { return kEther; }
 int p3dPlanInter(int&) { return kEther; }
 int p3dLogStartMain(int&) { return kEther; }
 int p3dRecoverMain(int&) { return kEther; }
-int p3dSetSpeed() { return kOk; }
 int p3dSetSource() { return kOk; }
 int p3dSetPoseSource() { return kOk; }
 int p3dPermanent() { return kOk; }

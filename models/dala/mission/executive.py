@@ -9,15 +9,22 @@ A line a step; `#` begins a comment:
     start SERVICE [INPUT …]               asks, and waits until it is accepted
     refused SERVICE [INPUT …] gets REPORT asks, and is refused so
     await SERVICE [gets REPORT]           waits for the final reply of one that was started
-    call NAME | if SERVICE ended NAME | sleep SECONDS | window FROM TO | say TEXT
+    call NAME [VALUE …]                   its steps, with the values in the place of $1, $2, …
+    if SERVICE ended NAME                 calls NAME if it has ended with OK
+    if POSTER.MEMBER is VALUE NAME [VALUE …] else NAME [VALUE …]    calls the first one if the poster holds that
+    while SERVICE until POSTER.MEMBER is VALUE for SECONDS    waits until the poster has held that for so long, or the service does not run
+    until at X Y NAME [VALUE …]           calls NAME until the rover (POM.Pos) is less than 0.4 m from there, at most 20 times
+    sleep SECONDS | window FROM TO | say TEXT
     lose | die                          faults: the next request never arrives; this process is killed, half a request is sent
-A service is MODULE.NAME, with the values of its parameters in parentheses if rules speak of them. What is not answered within two
+A REPORT may be several, `OK|BLOCKED`. A service is MODULE.NAME, with the values of its parameters in parentheses if rules speak of them. What is not answered within two
 seconds is asked again. The journal has what a next process needs to go on. Ends with 0 if nothing came otherwise than said.
 Python's library only.
 """
 import argparse
 import json
+import math
 import os
+import re
 import pathlib
 import signal
 import sys
@@ -27,15 +34,24 @@ from serve_client import Client  # noqa: E402
 
 PATIENCE = 2.0
 ASKS = ("do", "start", "refused")
+NEAR, ROUNDS = 0.4, 20
 
 
 class Step:
     def __init__(self, line, number):
         line, _, report = line.partition(" gets ")
-        self.number, self.report = number, report.strip() or "OK"
+        self.number, self.report, self.line = number, report.strip() or "OK", line
         self.verb, _, rest = line.strip().partition(" ")
         self.text = rest.strip()
         self.service, _, self.input = self.text.partition(" ")
+
+    def with_values(self, values):
+        """This step of a procedure that is called with them."""
+        if "$" not in self.text:
+            return self
+        filled = Step(re.sub(r"\$(\d)", lambda m: values[int(m[1]) - 1], self.line), self.number)
+        filled.report = self.report
+        return filled
 
 
 def read(path):
@@ -52,10 +68,11 @@ def read(path):
 class Executive:
     def __init__(self, level, procedures, journal):
         self.level, self.procedures, self.journal = level, procedures, journal
-        self.stack = [["mission", 0]]  # procedure, next step
+        self.stack = [["mission", 0, []]]  # procedure, next step, its values
         self.finished = {}             # service -> its last final report
         self.open = []                 # started and not ended
         self.now, self.surprises, self.loses = 0.0, 0, False
+        self.rounds = {}               # of each `until`
         self.told = None               # (service, report) that came last
         level.ask("subscribe", ports=["masterTimer.tick"], requests=True)
         self.accepted = set()          # numbers of requests that are activities now
@@ -71,7 +88,7 @@ class Executive:
         print(f"{self.now:8.2f}  {text}", flush=True)
 
     def expect(self, step, report):
-        if report != step.report:
+        if report not in step.report.split("|"):
             self.surprises += 1
             self.log(f"surprise in line {step.number}: {report}, not {step.report}")
 
@@ -132,13 +149,13 @@ class Executive:
 
     def run(self):
         while self.stack:
-            name, at = self.stack[-1]
+            name, at, values = self.stack[-1]
             steps = self.procedures[name]
             if at == len(steps):
                 self.stack.pop()
                 continue
             self.stack[-1][1] += 1
-            self.step(steps[at])
+            self.step(steps[at].with_values(values))
             self.write_journal()
         self.log(f"procedures over, {self.surprises} surprises")
 
@@ -154,11 +171,19 @@ class Executive:
         elif step.verb == "await":
             self.expect(step, self.wait(service))
         elif step.verb == "call":
-            self.stack.append([step.text, 0])
+            self.call(step.text.split())
         elif step.verb == "if":
-            watched, _, procedure = step.text.split()
-            if self.finished.pop(watched, None) == "OK":
-                self.stack.append([procedure, 0])
+            watched, verb, *rest = step.text.split()
+            if verb == "is":
+                split = rest.index("else")
+                self.call(rest[1:split] if self.held(watched) == rest[0] else rest[split + 1:])
+            elif self.finished.pop(watched, None) == "OK":
+                self.call(rest)
+        elif step.verb == "while":
+            self.hold(step.text)
+        elif step.verb == "until":
+            _, x, y, *rest = step.text.split()
+            self.approach(step, float(x), float(y), rest)
         elif step.verb in ("sleep", "window"):
             numbers = [float(n) for n in step.text.split()]
             until = self.now + numbers[0] if step.verb == "sleep" else numbers[0]
@@ -176,6 +201,45 @@ class Executive:
             os.kill(os.getpid(), signal.SIGKILL)
         else:
             sys.exit(f"line {step.number}: `{step.verb}` is no step")
+
+    def call(self, words):
+        self.stack.append([words[0], 0, words[1:]])
+
+    def approach(self, step, x, y, words):
+        """Calls, with this step to be looked at again, until the rover is there."""
+        place = self.poster("POM.Pos")["data"]
+        rounds = self.rounds.pop(step.number, 0) + 1
+        if math.hypot(place["x"] - x, place["y"] - y) < NEAR:
+            return
+        if rounds > ROUNDS:
+            self.expect(step, "NEVER-THERE")
+            return
+        self.rounds[step.number] = rounds
+        self.stack[-1][1] -= 1
+        self.call(words)
+
+    def poster(self, name):
+        answer = self.level.ask("poster", poster=name)
+        if not answer["ok"]:
+            sys.exit(f"poster {name}: {answer['error']}")
+        return answer["value"]
+
+    def held(self, name):
+        """What a member of a poster holds, as text."""
+        module, poster, member = name.split(".")
+        return str(self.poster(f"{module}.{poster}")["data"][member])
+
+    def hold(self, text):
+        service, _, name, _, value, _, seconds = text.split()
+        since = None
+        while service in self.open and (since is None or self.now < since + float(seconds)):
+            if self.held(name) != value:
+                since = None
+            elif since is None:
+                since = self.now
+            begin = self.now
+            while self.now < begin + 0.2:
+                self.listen()
 
     # ---- for whoever comes after
     def write_journal(self):

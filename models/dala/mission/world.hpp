@@ -26,7 +26,7 @@ struct World {
   double now = 0;
   double x = 0, y = 0, heading = 0;      // truth
   double v = 0, turn = 0;                // what the wheels do
-  double wanted_v = 0, wanted_turn = 0;  // NDD's speed reference
+  double wanted_v = 0, wanted_turn = 0;  // the newer one of the speed references of NDD and P3D
   double goal_x = 0, goal_y = 0, blocked_since = -1;
   bool is_tracking = false, is_mapping = false, is_scanning = false;
   std::array<double, kRays> scan{}, map{};  // distances round the rover, from its heading on
@@ -42,6 +42,7 @@ struct World {
   std::array<Disc, 4> obstacles{{{2.0, 0.1, 0.35}, {4.4, 1.2, 0.4}, {1.2, 2.2, 0.3}, {3.6, 2.6, 0.35}}};
   std::array<Window, 2> windows{{{20, 75}, {79, 400}}};
   double driven = 0, nearest = kRange;
+  double steepest = 0;  // of how the chassis has tilted
 
   [[nodiscard]] bool orbiter_is_visible() const {
     return std::any_of(windows.begin(), windows.end(), [&](const Window& w) { return w.from <= now && now < w.to; });
