@@ -94,6 +94,13 @@ std::string method_text(const Compilation& c, const verify::Question& question, 
             return fmt::format(": proved by counting {} with {} {}\n", count_of(evidence.local_states, "local state"),
                                count_of(evidence.sums.size(), "weighted sum"), size);
           },
+          [&](const verify::RegionProof& evidence) {
+            const std::string neighbourhoods =
+                evidence.neighbourhoods == 0 ? "" : " of " + count_of(evidence.neighbourhoods, "neighbourhood");
+            return fmt::format(": proved by regions of values: {} with {}{} {}\n",
+                               count_of(evidence.local_states, "local state"),
+                               count_of(evidence.implications, "implication"), neighbourhoods, size);
+          },
           [](const verify::Counterexample&) { return std::string(); },
           [](const std::monostate&) { return std::string(); },
       },
@@ -122,6 +129,10 @@ std::string free_text(const Compilation& c, const verify::Question& question, co
                       sum.initially, sum.in_bad_states);
       add_lines(text, sum.weights, [](const std::string& line) { return "  " + line; });
     }
+  }
+  if (const auto* proof = std::get_if<verify::RegionProof>(&d.evidence)) {
+    add_lines(text, proof->reasons, [](const std::string& line) { return line; });
+    if (proof->implications > proof->reasons.size()) text += "  …\n";
   }
   return text;
 }
@@ -210,6 +221,12 @@ nlohmann::ordered_json verdict_json(const VerdictText& v, const verify::Question
                    json["method"] = "counting";
                    json["local_states"] = evidence.local_states;
                    json["sums"] = evidence.sums.size();
+                 },
+                 [&](const verify::RegionProof& evidence) {
+                   json["method"] = "regions";
+                   json["local_states"] = evidence.local_states;
+                   json["implications"] = evidence.implications;
+                   json["neighbourhoods"] = evidence.neighbourhoods;
                  },
                  [](const verify::Counterexample&) {},
                  [](const std::monostate&) {},

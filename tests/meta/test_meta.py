@@ -197,7 +197,7 @@ def check_switches_list_all_kinds():
 STATEMENT_FILTERS = {"compiler/syntax/validate_syntax.cpp", "compiler/syntax/print_action.cpp", "compiler/migrate/translate_code.cpp",
                      "compiler/emit_cpp/functions.cpp", "compiler/system/validate_code.cpp", "compiler/verify/net/live_variables.cpp",
                      "compiler/verify/net/abstract_code.cpp", "compiler/verify/symbolic/symbolic_code.cpp",
-                     "compiler/verify/invariants/affine_code.cpp", "compiler/verify/invariants/intervals.cpp"}
+                     "compiler/verify/invariants/affine_code.cpp", "compiler/verify/invariants/interval_domain.hpp"}
 
 
 def check_statements_are_switched_over():

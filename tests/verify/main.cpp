@@ -1,7 +1,7 @@
 // bip-verify-check: random systems, each asked three questions (deadlock, run-time errors, a random property), the
 // prover's verdicts against a visit of all states.
 //
-//   bip-verify-check --from S --count N [--states N] [--seconds S] [--out DIR] [--sort nets|models|sizes|equal]
+//   bip-verify-check --from S --count N [--states N] [--seconds S] [--out DIR] [--sort nets|models|sizes|equal|levels]
 //
 // Of every fourth seed (--sort sizes: of all) a system with an array is asked, too, and answered by what small
 // instances of it teach; a proof must agree with the visit.
@@ -9,6 +9,9 @@
 // Of every fourth seed (--sort equal: of all) a system with equal components is asked, and answered by searches up to
 // symmetry: their verdicts must be those of the visit of all states. So must proofs by counting, of these systems and
 // of voters and candidates who count votes (tests/verify/quorum_net.hpp).
+//
+// Of every fourth seed (--sort levels: of all) processes that wait for each other level by level are asked, and
+// answered by regions of values alone, as all other systems are, too: what these prove must hold in all states.
 //
 // Of every fifth seed the questions are asked again with kept proofs: as they were left, damaged, and forged under a
 // right hash. Answers must be the same; what forged proofs led to is given to certcheck, too.
@@ -35,9 +38,11 @@
 #include "compiler/verify/portfolio/local_deadlock_search.hpp"
 #include "compiler/verify/portfolio/induction_engines.hpp"
 #include "compiler/verify/portfolio/local_lemma_engine.hpp"
+#include "compiler/verify/portfolio/region_engine.hpp"
 #include "compiler/verify/portfolio/search_engines.hpp"
 #include "compiler/verify/portfolio/search_symmetry.hpp"
 #include "compiler/verify/portfolio/small_instance_engine.hpp"
+#include "tests/verify/level_net.hpp"
 #include "tests/verify/quorum_net.hpp"
 #include "tests/verify/random_property.hpp"
 #include "tests/verify/relevance_oracle.hpp"
@@ -57,7 +62,7 @@ struct Options {
   std::uint64_t from = 1, count = 100, states = 5000;
   double seconds = 1;
   std::string out, print;
-  bool nets = true, models = true, sizes = true, equal = true;
+  bool nets = true, models = true, sizes = true, equal = true, levels = true;
 };
 struct Totals {
   std::uint64_t systems = 0, questions = 0, too_large = 0, holds = 0, violated = 0, open_proofs = 0, unknown = 0,
@@ -74,6 +79,8 @@ struct Totals {
   std::uint64_t counted = 0, counted_few = 0, counted_violated = 0;
   // Questions about voters; those that hold; proofs of these by counting, and of other systems with equal components.
   std::uint64_t votes = 0, votes_hold = 0, by_counting = 0, equal_by_counting = 0;
+  // Questions about levels; those that hold; proofs of these by regions of values, and of other systems.
+  std::uint64_t levels = 0, levels_hold = 0, by_regions = 0, others_by_regions = 0;
   std::uint64_t reused = 0, whole = 0, rows = 0, forged_rows = 0;
   verify::test::RelevanceCounts relevance;
 };
@@ -170,6 +177,38 @@ class Check {
       ++t_.votes;
       t_.votes_hold += holds ? 1 : 0;
       t_.by_counting += is_proved_by_counting(c, question, asked, holds, file + std::to_string(number++)) ? 1 : 0;
+      t_.others_by_regions += is_proved_by_regions(c, question, asked, holds) ? 1 : 0;
+    }
+  }
+
+  // Processes and levels: proofs by regions of values against a visit of all states.
+  void levels(const std::string& name, std::uint64_t seed) {
+    name_ = name;
+    const verify::test::LevelNet net = verify::test::level_net(seed);
+    const gen::Compiled c = gen::compile_texts({net.text});
+    if (!is_compiled(c)) return;
+    ++t_.systems;
+    const interp::Interpreter interpreter(*c.lowered);
+    std::vector<std::string> asked{""};
+    asked.insert(asked.end(), net.properties.begin(), net.properties.end());
+    for (const std::string& property : asked) {
+      verify::Question question;
+      if (!property.empty()) {
+        std::optional<verify::Property> parsed = read_property(property, *c.system);
+        if (!parsed) return;
+        question.what = verify::QuestionKind::State;
+        question.property = std::move(*parsed);
+      }
+      const verify::SearchResult all = verify::search(verify::build_net(*c.system), c.lowered->image,
+                                                      verify::goal_of(question), {}, limits_of_visit());
+      if (all.end == verify::SearchEnd::Limit) {
+        ++t_.too_large;
+        continue;
+      }
+      const bool holds = all.end == verify::SearchEnd::Exhausted;
+      ++t_.levels;
+      t_.levels_hold += holds ? 1 : 0;
+      t_.by_regions += is_proved_by_regions(c, question, property.empty() ? "deadlock" : property, holds) ? 1 : 0;
     }
   }
 
@@ -318,6 +357,21 @@ class Check {
     return is_proved;
   }
 
+  // `holds`: in all states.
+  bool is_proved_by_regions(const gen::Compiled& c, const verify::Question& question, const std::string& asked,
+                            bool holds) {
+    verify::SystemParts parts(*c.system, c.lowered->image, verify::StateAccess::Searchable, [] { return true; });
+    verify::PortfolioLimits limits;
+    limits.cancellation = verify::within_seconds(5);
+    const verify::Report report = [](const char*, std::uint64_t, const char*) {};
+    verify::ProofContext context{parts, question, limits, report, nullptr, {}, {}};
+    if (!verify::kRegionEngine.applies_to(context)) return false;
+    const verify::EngineResult found = verify::kRegionEngine.attempt(context, {}, limits.cancellation);
+    const bool is_proved = found.outcome == verify::Outcome::Holds;
+    if (is_proved && !holds) fail(asked + ": proved by regions of values, but a bad state is reachable");
+    return is_proved;
+  }
+
   // A property with a quantifier: if the first conditions stand for all, they have the answer of all.
   void ask_first_conditions(const gen::Compiled& c, const std::string& asked) {
     Result<verify::ParsedProperty> parsed = verify::PropertyReader(*c.system).read(asked);
@@ -375,6 +429,8 @@ class Check {
     t_.too_large += is_known ? 0 : 1;
     const bool is_violated = all.end == verify::SearchEnd::Found;
     (is_violated ? t_.violated : t_.holds) += is_known ? 1 : 0;
+    const std::string told = question.what == verify::QuestionKind::State ? question.property.text : "deadlock";
+    if (is_known) t_.others_by_regions += is_proved_by_regions(c, question, told, !is_violated) ? 1 : 0;
 
     for (const bool with_search : {false, true}) {
       verify::PortfolioLimits decide;
@@ -507,6 +563,7 @@ int main(int argc, char** argv) {
       o.models = std::strcmp(value, "models") == 0;
       o.sizes = std::strcmp(value, "sizes") == 0;
       o.equal = std::strcmp(value, "equal") == 0;
+      o.levels = std::strcmp(value, "levels") == 0;
     }
   }
   Totals t;
@@ -522,6 +579,7 @@ int main(int argc, char** argv) {
       check.equal("equal" + std::to_string(seed), seed);
       check.quorum("quorum" + std::to_string(seed), seed);
     }
+    if (o.levels && o.print.empty() && (seed % 4 == 0 || !o.nets)) check.levels("levels" + std::to_string(seed), seed);
     if (o.sizes && o.print.empty() && (seed % 4 == 0 || !o.nets)) check.sized("sizes" + std::to_string(seed), seed);
     if (o.models) check.system("model" + std::to_string(seed), gen::print_packages(gen::generate(seed)), seed);
   }
@@ -561,6 +619,12 @@ int main(int argc, char** argv) {
   if (t.votes >= kManySymmetric && (t.by_counting == 0 || t.by_counting > t.votes_hold || t.votes_hold == t.votes)) {
     ++t.failed;
     std::printf("FAILED: of %llu properties of voters none of each kind\n", n(t.votes));
+  }
+  std::printf("regions: %llu questions about levels, %llu hold, %llu proved; %llu of other systems proved\n",
+              n(t.levels), n(t.levels_hold), n(t.by_regions), n(t.others_by_regions));
+  if (t.levels >= kManySymmetric && (t.by_regions == 0 || t.by_regions > t.levels_hold || t.levels_hold == t.levels)) {
+    ++t.failed;
+    std::printf("FAILED: of %llu questions about levels none of each kind\n", n(t.levels));
   }
   // Of so many systems some have answers; a run without is no test.
   constexpr std::uint64_t kMany = 20;

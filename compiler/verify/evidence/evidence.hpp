@@ -50,6 +50,12 @@ struct CountingProof {
   std::size_t local_states = 0;
   std::string rows;  // of the certificate, if one is wanted
 };
+/// Holds: regions of values that components cannot be in together exclude every bad state, by a sum that is checked in
+/// integers. Nothing of it is written to certificates.
+struct RegionProof {
+  std::size_t local_states = 0, neighbourhoods = 0, implications = 0;
+  std::vector<std::string> reasons;  // some of the implications
+};
 /// Violated: the numbers of the candidates taken from the initial state, which end in the bad state or in the fault.
 struct Counterexample {
   std::vector<std::uint64_t> choices;
@@ -58,7 +64,7 @@ struct Counterexample {
 
 /// monostate: no verdict.
 using Evidence = std::variant<std::monostate, InvariantProof, InductiveProof, ReachedStates, StateCount, CountingProof,
-                              Counterexample>;
+                              RegionProof, Counterexample>;
 
 /// Makes one visitor of several lambdas, one per kind of evidence.
 template <class... Visitors>

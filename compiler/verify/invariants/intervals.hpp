@@ -5,21 +5,13 @@
 // initial values with widening to thresholds: a bound that goes on growing jumps to the next constant of the code, then
 // to the end of int. No narrowing. Cost: a few passes over the code of all instances.
 #pragma once
-#include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "compiler/system/system_ids.hpp"
+#include "compiler/verify/invariants/interval_domain.hpp"
 #include "runtime/include/bip/image.hpp"
 
 namespace bip::verify {
-
-struct Range {
-  std::int64_t low = 0, high = 0;
-  [[nodiscard]] bool is_empty() const { return low > high; }
-  friend bool operator==(const Range&, const Range&) = default;
-};
-inline constexpr Range kAnyInt{std::numeric_limits<std::int32_t>::min(), std::numeric_limits<std::int32_t>::max()};
 
 /// Returns the range of each variable, by row among all variables of the image (atoms', then connectors' own). Ranges
 /// of floats and FFI values have no meaning.

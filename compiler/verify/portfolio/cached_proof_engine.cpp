@@ -107,6 +107,7 @@ void store_proof(const ProofContext& context, const Decision& decision) {
                      [](const StateCount&) { return CachedProof(); },
                      // Its time is that of the steps by local states, which a check of the weights needs as well.
                      [](const CountingProof&) { return CachedProof(); },
+                     [](const RegionProof&) { return CachedProof(); },
                      [&](const Counterexample& evidence) {
                        if (!stores_all && decision.states < kCheapStates && decision.frames == 0) return CachedProof();
                        CachedProof result;

@@ -38,6 +38,7 @@ bool is_evidence_sound(const SystemParts& parts, const Question& question, const
                                  std::all_of(evidence.sums.begin(), evidence.sums.end(),
                                              [](const auto& sum) { return sum.initially < sum.in_bad_states; });
                         },
+                        [&](const RegionProof&) { return holds(); },
                         [&](const Counterexample& evidence) {
                           if (decision.outcome != Outcome::Violated) return false;
                           // Which atoms wait for ever is not to be seen in the last state alone.

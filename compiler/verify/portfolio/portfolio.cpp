@@ -9,6 +9,7 @@
 #include "compiler/verify/portfolio/counting_engine.hpp"
 #include "compiler/verify/portfolio/induction_engines.hpp"
 #include "compiler/verify/portfolio/local_lemma_engine.hpp"
+#include "compiler/verify/portfolio/region_engine.hpp"
 #include "compiler/verify/portfolio/search_engines.hpp"
 #include "compiler/verify/portfolio/search_symmetry.hpp"
 #include "compiler/verify/portfolio/small_instance_engine.hpp"
@@ -41,6 +42,13 @@ struct PortfolioRow {
 bool has_no_plainer_proof(ProofContext& context) {
   return context.cached.method != ProofMethod::Invariants && context.cached.method != ProofMethod::Induction;
 }
+// Where regions of values may have an answer, they have it sooner than ports distinguished by many numbers.
+bool may_wait_for_regions(ProofContext& context) {
+  return has_no_plainer_proof(context) && kRegionEngine.applies_to(context);
+}
+bool has_no_plainer_proof_nor_regions(ProofContext& context) {
+  return has_no_plainer_proof(context) && !kRegionEngine.applies_to(context);
+}
 // Up to permutations of equal components the states may be few, however many components there are.
 bool is_symmetric(ProofContext& context) {
   if (!context.is_symmetric) {
@@ -67,11 +75,14 @@ constexpr Share kFirstTurn{ShareOf::TimeOfLongEngines, 1.0 / 64, 1},
 constexpr PortfolioRow kRows[] = {
     {&kLocalDeadlockEngine, {}, WhenOver::Attempt},
     {&kCachedProofEngine, {ShareOf::TimeLeft, 1.0 / 3}, WhenOver::Attempt},
-    {&kPortUseEngine, {ShareOf::TimeLeft, 1.0 / 4}, WhenOver::Attempt, has_no_plainer_proof},
+    {&kPortUseEngine, {ShareOf::TimeLeft, 1.0 / 4}, WhenOver::Attempt, has_no_plainer_proof_nor_regions},
+    {&kPortUseEngine, {ShareOf::TimeLeft, 1.0 / 12}, WhenOver::Attempt, may_wait_for_regions},
     {&kInvariantEngine, {}, WhenOver::Attempt},
     {&kFirstSearchEngine, {}, WhenOver::Attempt},
     {&kExhaustiveEngine, kFirstTurn, WhenOver::Skip, is_symmetric},
     {&kCountingEngine, {ShareOf::TimeLeft, 1.0 / 3, 20}, WhenOver::Skip, may_have_like_components},
+    {&kRegionEngine, {ShareOf::TimeLeft, 1.0 / 6, 10}},
+    {&kPortUseEngine, {ShareOf::TimeLeft, 1.0 / 4}, WhenOver::Skip, may_wait_for_regions},
     {&kFewFollowedEngine, {ShareOf::TimeOfLongEngines, 1.0 / 3}},
     {&kAffineEngine, kThird},
     {&kExhaustiveEngine, kFirstTurn},
@@ -79,6 +90,7 @@ constexpr PortfolioRow kRows[] = {
     {&kLocalLemmaEngine, {ShareOf::TimeLeft, 2.0 / 3, 40}},
     {&kLocalizedEngine, {ShareOf::TimeOfLongEngines, 1.0 / 3}},
     {&kPairLemmaEngine, {ShareOf::TimeLeft, 1.0 / 3, 30}},
+    {&kRegionEngine, {ShareOf::TimeLeft, 1.0 / 2}},
     {&kRandomRunsEngine, {ShareOf::TimeLeft, 1.0 / 8, 5}},
     {&kSmallInstanceEngine, {ShareOf::TimeLeft, 3.0 / 4}, WhenOver::Skip, is_not_symmetric},
     {&kSmallInstanceEngine, {ShareOf::TimeLeft, 1.0 / 4}, WhenOver::Skip, is_symmetric},
