@@ -60,10 +60,14 @@ class PropertyRanges {
       case PropertyKind::HappensPort:
       case PropertyKind::Temporal: return any;
     }
-    const Type operands = property_.nodes[node.a].type;
-    const Range &a = ranges[node.a], &b = ranges[node.b];
-    if (operands == Type::Float || is_ffi(operands) || node.type == Type::Float || a.is_empty() || b.is_empty())
+    // Of floats and FFI values nothing is known; an int may be compared with a float.
+    const auto has_range = [&](u32 operand) {
+      const Type type = property_.nodes[operand].type;
+      return type != Type::Float && !is_ffi(type) && !ranges[operand].is_empty();
+    };
+    if (node.type == Type::Float || !has_range(node.a) || (operand_count(node.op) == 2 && !has_range(node.b)))
       return any;
+    const Range &a = ranges[node.a], &b = ranges[node.b];
     switch (operand_count(node.op)) {
       case 1:
         if (node.op == Op::Not) return {1 - a.high, 1 - a.low};

@@ -239,6 +239,8 @@ TEST_CASE("regions: locks by levels, and locks that are none") {
   CHECK(Lock("3", "process.level == level.level", "process.me").ask("").proof);
   // All of them are said to be process 0.
   CHECK_FALSE(Lock("3", kGuard, "0 * process.me").ask("never process[1]@CRITICAL && process[2]@CRITICAL").proof);
+  // A float may be beyond all ints.
+  CHECK_FALSE(lock.ask("never 2147483647 < 3000000000.0 && process[0].level >= 0").proof);
   // An end of the time is no answer.
   const Result<Property> property = parse_property(exclusion, *lock.compiled.system);
   REQUIRE(property);
