@@ -35,11 +35,9 @@ constexpr double kMostFollowed = 0.5;
 // One attempt of either engine. `share` ends the attempt, `whole_` the question.
 class Induction {
  public:
-  Induction(ProofContext& context, const CancellationToken& share, const CancellationToken& whole)
-      : context_(context),
-        whole_(whole),
-        machine_(context.parts.transition_system(context.limits.megabytes)),
-        image_(context.parts.image()) {
+  Induction(ProofContext& context, TransitionSystem& machine, const CancellationToken& share,
+            const CancellationToken& whole)
+      : context_(context), whole_(whole), machine_(machine), image_(context.parts.image()) {
     problem_.system = &machine_;
     problem_.cancellation = share;
     problem_.report = [this](u32 frame, std::size_t lemmas) {
@@ -297,8 +295,10 @@ EngineResult attempt_induction(ProofContext& context, const Budget& budget, cons
                                LemmaReduction reduction = LemmaReduction::None) {
   if (cancellation.is_over() || !is_inductive(context)) return {};
   // The circuit is not part of the attempt's share: it is built once for all attempts.
-  (void)context.parts.transition_system(context.limits.megabytes);
-  return Induction(context, cancellation.within(budget.seconds), cancellation).run(effort, guesses, reduction);
+  TransitionSystem* const machine = context.parts.transition_system(context.limits.megabytes, cancellation);
+  if (machine == nullptr) return {};
+  return Induction(context, *machine, cancellation.within(budget.seconds), cancellation)
+      .run(effort, guesses, reduction);
 }
 
 }  // namespace

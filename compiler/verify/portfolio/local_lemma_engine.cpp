@@ -102,8 +102,9 @@ std::vector<Exclusion> find_exclusions(ProofContext& context) {
   if (!context.facts.proof) return exclusions;
   const Net& net = context.parts.net();
   const Proof& proof = *context.facts.proof;
-  const ModeSignals modes =
-      mode_signals(net, proof, context.parts.transition_system(context.limits.megabytes), context.parts.image());
+  TransitionSystem* const machine = context.parts.transition_system(context.limits.megabytes, {});
+  BIP_ENSURE(machine != nullptr, "without a limit of time the transition system is built");
+  const ModeSignals modes = mode_signals(net, proof, *machine, context.parts.image());
   for (const TokenInvariant& invariant : proof.invariants) {
     bool is_one_token = invariant.kind != InvariantKind::Trap && invariant.total == 1;
     for (std::size_t k = 0; k < invariant.modes.size(); ++k)

@@ -25,9 +25,13 @@ bool SystemParts::has_code() {
   return code_ == Code::Ready;
 }
 
-TransitionSystem& SystemParts::transition_system(std::size_t megabytes) {
-  if (!transition_system_) transition_system_ = build_transition_system(system_, image_, megabytes);
-  return *transition_system_;
+TransitionSystem* SystemParts::transition_system(std::size_t megabytes, const CancellationToken& cancellation) {
+  if (!transition_system_) {
+    TransitionSystem built = build_transition_system(system_, image_, megabytes, cancellation);
+    if (built.is_stopped) return nullptr;
+    transition_system_ = std::move(built);
+  }
+  return &*transition_system_;
 }
 
 bool ProofContext::wants_minimal(ProofMethod method, const Proof& proof) const {

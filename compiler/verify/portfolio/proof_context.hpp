@@ -40,8 +40,8 @@ class SystemParts {
   /// Prepares the code on first use. Returns whether states can be visited and counterexamples replayed.
   [[nodiscard]] bool has_code();
   /// Builds the transition system on first use; it may be unsupported (TransitionSystem::unsupported), for example
-  /// because its circuit takes more than `megabytes`.
-  [[nodiscard]] TransitionSystem& transition_system(std::size_t megabytes);
+  /// because its circuit takes more than `megabytes`. Null: the time is over before it is built.
+  [[nodiscard]] TransitionSystem* transition_system(std::size_t megabytes, const CancellationToken& cancellation);
   /// Returns null if no engine has needed it.
   [[nodiscard]] const TransitionSystem* built_transition_system() const {
     return transition_system_ ? &*transition_system_ : nullptr;

@@ -357,8 +357,12 @@ void TransitionSystemBuilder::add_connector(rt::InteractionId interaction, u32 c
 }
 
 void TransitionSystemBuilder::add_connectors() {
+  constexpr std::size_t kConnectorsBetweenLooks = 16;
+  std::size_t count = 0;
   for (const rt::InteractionId interaction : tables_.interactions_of_connectors()) {
     if (!transition_system_.unsupported.empty() || aig_.is_full()) break;
+    transition_system_.is_stopped = count++ % kConnectorsBetweenLooks == 0 && cancellation_.is_over();
+    if (transition_system_.is_stopped) break;
     add_connector(interaction, tables_.interactions[interaction].row);
   }
 }

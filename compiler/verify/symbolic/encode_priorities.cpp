@@ -87,7 +87,7 @@ TransitionSystem TransitionSystemBuilder::build() {
   add_state();
   add_ports();
   add_connectors();
-  if (!transition_system_.unsupported.empty()) return std::move(transition_system_);
+  if (!transition_system_.unsupported.empty() || transition_system_.is_stopped) return std::move(transition_system_);
   add_internal_ports();
   apply_priorities();
   transition_system_.connector_can.assign(system_.connectors.size(), kFalse);
@@ -135,8 +135,9 @@ Signal TransitionSystemBuilder::final_state() {
   return final;
 }
 
-TransitionSystem build_transition_system(const System& system, const rt::Image& image, std::size_t megabytes) {
-  return TransitionSystemBuilder(system, image, megabytes).build();
+TransitionSystem build_transition_system(const System& system, const rt::Image& image, std::size_t megabytes,
+                                         const CancellationToken& cancellation) {
+  return TransitionSystemBuilder(system, image, megabytes, cancellation).build();
 }
 
 }  // namespace bip::verify

@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "compiler/verify/solver/cancellation.hpp"
 #include "compiler/verify/symbolic/aig.hpp"
 #include "compiler/verify/invariants/intervals.hpp"
 #include "compiler/verify/symbolic/symbolic_code.hpp"
@@ -55,12 +56,14 @@ struct TransitionSystem {
   std::vector<Signal> connector_can;  // by connector: it has a candidate that nothing hides (none if it exports a port)
   bool starts_with_fault = false;
   std::string unsupported;  // not empty: why there is no transition system
+  bool is_stopped = false;  // the time was over before it was complete: of no use
   std::set<Imprecision> imprecisions;
 };
 
 /// `system` and `image` are of one compilation. Code of the image is not called. A circuit that takes more than
-/// `megabytes` is unsupported.
+/// `megabytes` is unsupported, and one that is not complete when the time is over is stopped.
 [[nodiscard]] TransitionSystem build_transition_system(const System& system, const rt::Image& image,
-                                                       std::size_t megabytes = 2048);
+                                                       std::size_t megabytes = 2048,
+                                                       const CancellationToken& cancellation = {});
 
 }  // namespace bip::verify

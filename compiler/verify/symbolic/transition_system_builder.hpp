@@ -14,13 +14,15 @@ namespace bip::verify {
 
 class TransitionSystemBuilder {
  public:
-  TransitionSystemBuilder(const System& system, const rt::Image& image, std::size_t megabytes)
+  TransitionSystemBuilder(const System& system, const rt::Image& image, std::size_t megabytes,
+                          const CancellationToken& cancellation)
       : system_(system),
         image_(image),
         tables_(rt::link(image, rt::MaximalProgress::On)),
         aig_(transition_system_.aig),
         code_(aig_, system.code),
-        megabytes_(megabytes) {
+        megabytes_(megabytes),
+        cancellation_(cancellation) {
     aig_.set_bound(std::min(Aig::kMostNodes, megabytes * 1000000 / Aig::kBytesPerNode));
   }
   TransitionSystem build();
@@ -111,6 +113,7 @@ class TransitionSystemBuilder {
   Aig& aig_;
   SymbolicCode code_;
   std::size_t megabytes_;
+  CancellationToken cancellation_;
   std::vector<Local> now_;                      // by atom
   std::vector<std::vector<Signal>> enabled_;    // by atom, by transition
   std::vector<std::optional<Post>> posts_;      // by port: fired from the state as it is

@@ -10,6 +10,7 @@
 
 #include "compiler/interp/interp.hpp"
 #include "compiler/verify/portfolio/portfolio.hpp"
+#include "compiler/verify/portfolio/proof_context.hpp"
 #include "compiler/verify/solver/solver.hpp"
 #include "tests/unit/base/scratch_folder.hpp"
 #include "tools/gen/compiled.hpp"
@@ -197,4 +198,18 @@ TEST_CASE("a proof whose time is over is not interrupted") {
   CHECK(decision.outcome == Outcome::Unknown);
   CHECK(decision.reason.find("interrupted") == std::string::npos);
   CHECK(decision.reason.find("time") != std::string::npos);
+}
+
+TEST_CASE("a transition system is not built when the time is over, and is built once when there is time") {
+  const gen::Compiled compiled = gen::compile_texts({kLock});
+  REQUIRE(compiled.problem.empty());
+  verify::SystemParts parts(*compiled.system, compiled.lowered->image, verify::StateAccess::Searchable,
+                            [] { return true; });
+  constexpr std::size_t kMegabytes = 100;
+  CHECK(parts.transition_system(kMegabytes, verify::within_seconds(0)) == nullptr);
+  CHECK(parts.built_transition_system() == nullptr);
+  const verify::TransitionSystem* const built = parts.transition_system(kMegabytes, {});
+  REQUIRE(built != nullptr);
+  CHECK_FALSE(built->steps.empty());
+  CHECK(parts.transition_system(kMegabytes, verify::within_seconds(0)) == built);
 }
