@@ -19,6 +19,21 @@ CLI::Validator is_no_empty_property() {
       "");
 }
 
+void add_fair(CLI::App& command, verify::Fairness& fairness) {
+  command
+      .add_option_function<std::string>(
+          "--fair", [&fairness](const std::string& name) { fairness = *verify::read_fairness(name); },
+          "runs that count for a property of runs: all (none, default), those in which whatever stays possible happens "
+          "(weak), or whatever is possible again and again (strong); for each interaction, or for each component")
+      ->check(CLI::Validator(
+          [](std::string& text) {
+            return verify::read_fairness(text) ? std::string()
+                                               : not_one_of(text, "none|weak|strong|weak:atoms|strong:atoms");
+          },
+          ""))
+      ->type_name("none|weak|strong|weak:atoms|strong:atoms");
+}
+
 }  // namespace
 
 void add_verify(CLI::App& app, VerifyArguments& a) {
@@ -36,18 +51,7 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
       ->add_option("--properties", a.properties_path,
                    "read more properties of the model from PATH: `property NAME { … }` as in a compound")
       ->type_name("PATH");
-  command
-      ->add_option_function<std::string>(
-          "--fair", [&a](const std::string& name) { a.fairness = *verify::read_fairness(name); },
-          "runs that count for a property of runs: all (none, default), those in which whatever stays possible happens "
-          "(weak), or whatever is possible again and again (strong); for each interaction, or for each component")
-      ->check(CLI::Validator(
-          [](std::string& text) {
-            return verify::read_fairness(text) ? std::string()
-                                               : not_one_of(text, "none|weak|strong|weak:atoms|strong:atoms");
-          },
-          ""))
-      ->type_name("none|weak|strong|weak:atoms|strong:atoms");
+  add_fair(*command, a.fairness);
   add_number(*command, "--timeout", a.timeout,
              "give up after SECONDS of processor time, of all threads together (default: 60)", "SECONDS");
   add_number(*command, "--wall-timeout", a.wall_timeout,
@@ -266,6 +270,7 @@ void add_export(CLI::App& app, ExportArguments& a) {
           "states (default: deadlock)")
       ->check(is_no_empty_property())
       ->type_name("PROPERTY");
+  add_fair(*command, a.fairness);
   command
       ->add_option("--max-size", a.max_size,
                    "refuse a Petri net (pnml) of more than N transitions (default: 1000000), or a Markov chain (prism) "

@@ -147,7 +147,8 @@ Result<std::string> promela(const Compilation& c, const ExportArguments& argumen
   const verify::Formula formula = is_formula ? formula_of(question) : verify::Formula{};
   return exchange::promela(*c.system, {.maximal_progress = arguments.maximal_progress,
                                        .root_name = c.root_name,
-                                       .formula = is_formula ? &formula : nullptr});
+                                       .formula = is_formula ? &formula : nullptr,
+                                       .fairness = arguments.fairness});
 }
 
 Result<std::string> exported(Compilation& c, const ExportArguments& arguments, const verify::Question& question) {
@@ -169,6 +170,10 @@ int command_export(const ExportArguments& arguments) {
   if (!arguments.property.empty() && arguments.format != ExportFormat::Aiger &&
       arguments.format != ExportFormat::Promela) {
     return usage_error("`--property` is for `--format=promela` and `--format=aiger`");
+  }
+  if (arguments.fairness.kind != verify::FairnessKind::None &&
+      (arguments.property.empty() || arguments.format != ExportFormat::Promela)) {
+    return usage_error("`--fair` is for a `--property` in `--format=promela`");
   }
   Compilation c(arguments.compile);
   if (arguments.compile.emit != EmitKind::None) {

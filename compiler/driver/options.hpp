@@ -178,7 +178,8 @@ struct ExportArguments {
   std::string file;
   std::string output;  // empty: standard output
   ExportFormat format = ExportFormat::Promela;
-  std::string property;  // Aiger: what is bad; empty: a deadlock
+  std::string property;       // Aiger: what is bad; empty: a deadlock
+  verify::Fairness fairness;  // Promela: the runs of which the property is asked
   // Transitions of a Petri net, states of a Markov chain; none: the format's default.
   std::optional<std::uint32_t> max_size;
   bool maximal_progress = true;

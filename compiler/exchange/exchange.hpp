@@ -9,6 +9,7 @@
 
 #include "compiler/base/result.hpp"
 #include "compiler/system/system_ids.hpp"
+#include "compiler/verify/property/fairness.hpp"
 #include "compiler/verify/property/formula.hpp"
 
 namespace bip::exchange {
@@ -25,6 +26,7 @@ struct Options {
   std::size_t max_transitions = kMaxTransitions;  // of PNML
   /// Of Promela: what SPIN is asked instead of deadlocks; null: nothing.
   const verify::Formula* formula = nullptr;
+  verify::Fairness fairness = {};  // of the runs that it is asked of
 };
 
 /// Writes int, bool and string data, guards, transfers, internal transitions and priorities as one Promela process.

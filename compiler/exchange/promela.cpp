@@ -17,6 +17,7 @@
 #include "compiler/exchange/plain_name.hpp"
 #include "compiler/exchange/promela_code.hpp"
 #include "compiler/exchange/promela_formula.hpp"
+#include "compiler/exchange/promela_runs.hpp"
 #include "compiler/system/inner_priorities.hpp"
 #include "compiler/system/system.hpp"
 #include "compiler/system/uses_time.hpp"
@@ -59,7 +60,7 @@ class PromelaWriter {
   [[nodiscard]] std::string marked(AtomId atom, const std::vector<u32>& places) const;
   [[nodiscard]] std::string end() const;
   [[nodiscard]] std::string not_hidden(const Step& step) const;
-  [[nodiscard]] std::string property();
+  [[nodiscard]] std::string property(const PromelaRuns& runs, MayFault may_fault);
   [[nodiscard]] std::string enabled(AtomId atom, const Transition& t);
   [[nodiscard]] std::string both(AtomId atom, const Transition& a, const Transition& b);
   [[nodiscard]] std::string move(AtomId atom, const Transition& t, const std::string& indent);
@@ -265,7 +266,8 @@ void PromelaWriter::add_settle(AtomId atom) {
   }
   if (!ports_twice.empty())
     inlines_ += fmt::format("  if\n  :: ({}) -> fault = true;\n  :: else -> skip;\n  fi;\n", ports_twice);
-  if (internals.empty() && ports_twice.empty()) inlines_ += "  skip;\n";
+  // SPIN refuses a loop at the end of a `d_step`: what leaves it would lead outside.
+  if (ports_twice.empty()) inlines_ += "  skip;\n";
   inlines_ += "}\n";
 }
 
@@ -538,7 +540,7 @@ std::string PromelaWriter::not_hidden(const Step& step) const {
 
 // The formula of the runs from the first stable state on; runs that end in an error are none. After the last step the
 // state repeats, in SPIN (stutter extension) as here.
-std::string PromelaWriter::property() {
+std::string PromelaWriter::property(const PromelaRuns& runs, MayFault may_fault) {
   if (options_.formula == nullptr) return {};
   const ConditionNames names{.marked = [this](AtomId atom, u32 place) { return "(" + marked(atom, {place}) + ")"; },
                              .variable = [this](AtomId atom, u32 variable) { return variable_name(atom, variable); },
@@ -551,12 +553,12 @@ std::string PromelaWriter::property() {
                                    }
                                    return "(" + some + ")";
                                  }};
-  const Result<std::string> text = ltl_text(*options_.formula, names, macros_);
+  const Result<std::string> text = ltl_text(*options_.formula, names, runs, macros_);
   if (!text) {
     code_.refuse(text.error());
     return {};
   }
-  return fmt::format("\nltl property {{ (! ready) U (ready && ((<> fault) || {})) }}\n", *text);
+  return fmt::format("\nltl property {{ {}{} }}\n", runs.premise(may_fault), *text);
 }
 
 Result<std::string> PromelaWriter::run() {
@@ -579,32 +581,45 @@ Result<std::string> PromelaWriter::run() {
   BIP_ASSERT(std::all_of(steps_.begin(), steps_.end(), [&](const Step& step) { return step.tree < trees_.size(); }),
              "a step of none of {} trees", trees_.size());
   add_priorities();
+  std::vector<StepText> all;
+  std::vector<std::string> effects;  // of each, after its condition
   for (const Step& step : steps_) {
-    alternatives += fmt::format("  :: d_step {{ !fault && {} ->\n     printf(\"{}\\n\");\n{}     }}\n",
-                                not_hidden(step), told(step), effect(step));
+    const InteractionTree& tree = trees_[step.tree];
+    StepText text{not_hidden(step), step.connector, {}};
+    for (u32 leaf : step.leaves) text.ports.emplace_back(tree.nodes[leaf].atom, tree.nodes[leaf].port);
+    all.push_back(std::move(text));
+    effects.push_back(fmt::format("     printf(\"{}\\n\");\n{}", told(step), effect(step)));
   }
   for (u32 row = 0; row < system_.atoms.size(); ++row) {
     const AtomId atom(row);
     for (u32 port = 0; port < type_of(atom).ports.size(); ++port) {
       if (type_of(atom).ports[port].exported) continue;
       const std::string name = plain_name(system_.atoms[atom].path) + '.' + plain_name(type_of(atom).ports[port].name);
-      alternatives += fmt::format("  :: d_step {{ !fault && {} ->\n     printf(\"{}\\n\");\n{}{}     }}\n",
-                                  port_name(atom, port), name, record(atom, port), fire(atom, port));
+      all.push_back({port_name(atom, port), std::nullopt, {{atom, port}}});
+      effects.push_back(fmt::format("     printf(\"{}\\n\");\n{}{}", name, record(atom, port), fire(atom, port)));
     }
   }
-  const std::string asked = property();
+  const PromelaRuns runs(all, options_.formula != nullptr ? *options_.formula : verify::Formula{}, options_.fairness);
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    alternatives +=
+        fmt::format("  :: d_step {{ {} ->\n{}{}     }}\n", runs.before_step(k), effects[k], runs.after_step(k));
+  }
+  alternatives += runs.alternatives();
+  const auto faults = [](const std::string& text) { return text.find("fault = true") != std::string::npos; };
+  const std::string asked =
+      property(runs, faults(initial) || faults(inlines_) || faults(alternatives) ? MayFault::Yes : MayFault::No);
+  if (options_.formula != nullptr) macros_ += runs.declarations();
   if (!refusal_.empty()) return Failure{refusal_};
   const bool is_asked = !asked.empty();
   return fmt::format(
       "/* {} by bipc export. {}:\n"
       "   spin -a m.pml && cc -O2 -fwrapv {}-o pan pan.c && ./pan {}-m1000000, then spin -t m.pml */\n"
-      "{}bool fault = false; /* a run-time error: the end, no deadlock */\n{}\n{}\n{}\n"
+      "{}bool fault = false; /* a run-time error: the end, no deadlock */\n{}\n{}\n"
       "init {{\n  d_step {{\n{}    {};\n  }}\n  do\n  :: fault -> break\n{}{}  od\n}}\n{}",
       plain_name(options_.root_name),
       is_asked ? "A run that violates the property is an acceptance cycle" : "Deadlocks are invalid end states",
-      is_asked ? "" : "-DSAFETY ", is_asked ? "-a " : "", declarations_,
-      is_asked ? "bool ready = false; /* is the initial state reached? */\n" : "", macros_, inlines_, initial,
-      is_asked ? "ready = true" : "skip", is_asked ? "" : end(), alternatives, asked);
+      is_asked ? "" : "-DSAFETY ", is_asked ? "-a " : "", declarations_, macros_, inlines_, initial,
+      is_asked ? runs.start() : "skip", is_asked ? "" : end(), alternatives, asked);
 }
 
 }  // namespace

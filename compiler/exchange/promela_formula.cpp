@@ -46,10 +46,29 @@ std::string condition_text(const Property& condition, const ConditionNames& name
   return texts[condition.root];
 }
 
+// Is a condition or `next` reached by operators of a point alone?
+bool speaks_of_first_point(const verify::Formula& formula, std::uint32_t row) {
+  const FormulaNode& node = formula.nodes[row];
+  switch (node.kind) {
+    case FormulaKind::State:
+    case FormulaKind::Step:
+    case FormulaKind::Next: return true;
+    case FormulaKind::Not: return speaks_of_first_point(formula, node.a);
+    case FormulaKind::And:
+    case FormulaKind::Or: return speaks_of_first_point(formula, node.a) || speaks_of_first_point(formula, node.b);
+    case FormulaKind::Constant:
+    case FormulaKind::Until:
+    case FormulaKind::Release:
+    case FormulaKind::Previously:
+    case FormulaKind::Since: break;
+  }
+  return false;
+}
+
 }  // namespace
 
-Result<std::string> ltl_text(const verify::Formula& formula, const ConditionNames& names, std::string& macros) {
-  if (!formula.steps.empty()) return Failure{"`happens`: Promela's formulas are about states"};
+Result<std::string> ltl_text(const verify::Formula& formula, const ConditionNames& names, const PromelaRuns& runs,
+                             std::string& macros) {
   std::string wrong;
   for (std::size_t k = 0; k < formula.states.size(); ++k)
     macros += fmt::format("#define c{} ({})\n", k, condition_text(formula.states[k], names, wrong));
@@ -62,7 +81,7 @@ Result<std::string> ltl_text(const verify::Formula& formula, const ConditionName
     switch (node.kind) {
       case FormulaKind::Constant: text = node.value ? "true" : "false"; break;
       case FormulaKind::State: text = fmt::format("c{}", node.row); break;
-      case FormulaKind::Step: break;
+      case FormulaKind::Step: text = runs.happens(formula.steps[node.row]); break;
       case FormulaKind::Not: text = fmt::format("(! {})", left()); break;
       case FormulaKind::And: text = fmt::format("({} && {})", left(), right()); break;
       case FormulaKind::Or: text = fmt::format("({} || {})", left(), right()); break;
@@ -70,19 +89,23 @@ Result<std::string> ltl_text(const verify::Formula& formula, const ConditionName
       case FormulaKind::Since:
         wrong = "`previously`, `once`, `historically` and `since`: its formulas look ahead";
         break;
-      case FormulaKind::Next: wrong = "`next`, which its partial order reduction does not keep"; break;
+      case FormulaKind::Next: text = runs.next(left()); break;
       case FormulaKind::Until:
-        text = left() == "true" ? fmt::format("(<> {})", right()) : fmt::format("({} U {})", left(), right());
+        text = left() == "true" ? fmt::format("(<> (at && {}))", right())
+                                : fmt::format("(((! at) || {}) U (at && {}))", left(), right());
         break;
       case FormulaKind::Release:
-        text = left() == "false" ? fmt::format("([] {})", right()) : fmt::format("({} V {})", left(), right());
+        text = left() == "false" ? fmt::format("([] ((! at) || {}))", right())
+                                 : fmt::format("((at && {}) V ((! at) || {}))", left(), right());
         break;
     }
     if (text.size() > kLongest) return Failure{"a property of this size"};
     texts.push_back(std::move(text));
   }
   if (!wrong.empty()) return Failure{wrong};
-  return texts[formula.root];
+  // `[]`, `<>`, `U` and `V` find the first point by themselves.
+  if (!speaks_of_first_point(formula, formula.root)) return texts[formula.root];
+  return fmt::format("((! at) U (at && {}))", texts[formula.root]);
 }
 
 }  // namespace bip::exchange

@@ -5,6 +5,7 @@
 
 #include "compiler/base/result.hpp"
 #include "compiler/exchange/exchange.hpp"
+#include "compiler/exchange/promela_runs.hpp"
 #include "compiler/verify/property/formula.hpp"
 
 namespace bip::exchange {
@@ -17,9 +18,9 @@ struct ConditionNames {
   std::function<std::string(ConnectorId connector)> can_connector;
 };
 
-/// Returns the formula over macros `c0`, `c1`, …, whose definitions are added to `macros`. Failure: `happens`, `next`,
-/// what looks back, and data that Promela lacks.
+/// Returns the formula over macros `c0`, `c1`, …, whose definitions are added to `macros`. Failure: what looks back,
+/// and data that Promela lacks.
 [[nodiscard]] Result<std::string> ltl_text(const verify::Formula& formula, const ConditionNames& names,
-                                           std::string& macros);
+                                           const PromelaRuns& runs, std::string& macros);
 
 }  // namespace bip::exchange
