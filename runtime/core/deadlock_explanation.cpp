@@ -98,9 +98,11 @@ class DeadlockExplainer {
     tail += ")\n";
     std::string out = "deadlock[V0001]: ";
     if (waiting_.empty() && guards_.empty()) {
-      out += listening_.empty() ? "no component offers a port: all have come to an end"
-                                : "no component offers a port, and no event waits";
-      return out + tail + listeners();
+      const std::string guards = false_guards();
+      out += !listening_.empty() ? "no component offers a port, and no event waits"
+             : guards.empty()    ? "no component offers a port: all have come to an end"
+                                 : "no component offers a port: guards are false";
+      return out + tail + guards + listeners();
     }
     const std::vector<u32> cycle = shortest_cycle();
     if (!cycle.empty()) {
@@ -143,6 +145,7 @@ class DeadlockExplainer {
     append_rest(out, waiting_.size());
     for (std::size_t i = 0; i < guards_.size() && i < kLinesShown; ++i) {
       out += "  connector " + image_.connectors[guards_[i]].path() + ": " + why_no_candidate(guards_[i]);
+      append_connector_data(out, guards_[i]);
       append_place(out, image_.connectors[guards_[i]].loc);
       out += '\n';
     }
@@ -193,12 +196,38 @@ class DeadlockExplainer {
     }
     out += '\n';
   }
+  // Is a guard all that keeps a transition from being taken?
+  [[nodiscard]] bool is_kept_by_guard(u32 atom, const Transition& t) const {
+    return t.guard != kNone &&
+           std::all_of(t.from.begin(), t.from.end(), [&](u32 place) { return core_.is_marked(atom, place); });
+  }
+  // "  a at `S`  m.bip:9: the guard of go is false (n = 2)": of each component, where none offers a port.
+  [[nodiscard]] std::string false_guards() const {
+    std::string out;
+    std::size_t count = 0;
+    for (u32 atom = 0; atom < image_.atoms.size; ++atom) {
+      const AtomType& type = tables_.atom_type(atom);
+      if (type.time != nullptr) continue;
+      for (const Transition& t : type.transitions) {
+        if (t.port >= type.ports.size || !is_kept_by_guard(atom, t)) continue;
+        if (count++ < kLinesShown) {
+          out += "  ";
+          append_atom(out, atom);
+          append_place(out, t.loc);
+          append_guard_data(out, atom, t.port);
+          out += '\n';
+        }
+        break;
+      }
+    }
+    append_rest(out, count);
+    return out;
+  }
   // ": its guard is false (n = 6, square = 36)", where a guard is all that keeps the port from being offered.
   void append_guard_data(std::string& out, u32 atom, u32 port) const {
     const AtomType& type = tables_.atom_type(atom);
     const bool is_guarded = std::any_of(type.transitions.begin(), type.transitions.end(), [&](const Transition& t) {
-      return t.port == port && t.guard != kNone &&
-             std::all_of(t.from.begin(), t.from.end(), [&](u32 place) { return core_.is_marked(atom, place); });
+      return t.port == port && is_kept_by_guard(atom, t);
     });
     if (!is_guarded || type.time != nullptr) return;
     out += std::string(": the guard of ") + type.ports[port].name + " is false";
@@ -210,6 +239,27 @@ class DeadlockExplainer {
     const u32 plan = tables_.interactions[tables_.interaction_of(connector)].plan();
     const bool has_inner_rules = plan != kNone && !tables_.plans[plan].witnesses.empty();
     return has_inner_rules ? "a guard is false, or a priority hides what it binds" : "its guard is false";
+  }
+
+  // " (left: level = 3; right: level = 4)": data of the components that the connector binds itself.
+  void append_connector_data(std::string& out, u32 connector) const {
+    std::vector<u32> atoms;
+    for (const DefineNode& node : tables_.connector_type(connector).define) {
+      if (!node.is_leaf) continue;
+      const PortRef& ref = tables_.port_ref(connector, node.param);
+      if (ref.choice == kNone && ref.atom != kNone && std::find(atoms.begin(), atoms.end(), ref.atom) == atoms.end())
+        atoms.push_back(ref.atom);
+    }
+    std::string all;
+    for (std::size_t i = 0; i < atoms.size() && i < kMissingKept; ++i) {
+      const bool has_time = tables_.atom_type(atoms[i]).time != nullptr;
+      const std::string data = has_time ? std::string() : data_of(core_, atoms[i]);
+      if (data.empty()) continue;
+      all += all.empty() ? " (" : "; ";
+      append_relative(all, image_.atoms[atoms[i]]);
+      all += ": " + data;
+    }
+    if (!all.empty()) out += all + ')';
   }
 
   // What is available, and what is missing where it is not; connectors come after those they are bound to.
