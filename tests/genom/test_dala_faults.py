@@ -279,63 +279,71 @@ class Level:
         shutil.rmtree(self.socket.parent)
 
 
-def measure(work):
-    """{fact: (with rules and watchdog, without)}"""
-    found, problems = {"kept": {}, "free": {}, "apart": {}, "threads": {}}, []
-    options = {"apart": ["--processes"], "threads": ["--processes", "--task-threads"]}
-    ways = {"apart": Level.go_apart, "threads": Level.go_in_threads}
+def go_together(names, start, go):
+    """{name: what go(name, level) finds} of the levels start(name), at once."""
+    found, problems = {}, []
 
     def one(name):
         level = None
         try:
-            level = Level(work / name, name != "free", *options.get(name, []))
-            found[name] = ways.get(name, Level.go)(level)
+            level = start(name)
+            found[name] = go(name, level)
         except Exception as problem:  # of a thread: told by who waits for it
             problems.append(f"{name}: {problem!r}")
         finally:
             if level is not None:
                 level.end()
 
-    work.mkdir(exist_ok=True)
-    threads = [threading.Thread(target=one, args=(name,)) for name in found]
+    threads = [threading.Thread(target=one, args=(name,)) for name in names]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
     if problems:
         raise AssertionError("; ".join(problems))
+    return found
+
+
+def measure(work):
+    """{fact: (with rules and watchdog, without)}"""
+    options = {"apart": ["--processes"], "threads": ["--processes", "--task-threads"]}
+    ways = {"apart": Level.go_apart, "threads": Level.go_in_threads}
+    work.mkdir(exist_ok=True)
+    found = go_together(("kept", "free", "apart", "threads"), lambda name: Level(work / name, name != "free", *options.get(name, [])),
+                        lambda name, level: ways.get(name, Level.go)(level))
     # Without rules and processes it is the same fault.
     found["free"] |= dict.fromkeys((APART, THREADS), found["free"][CRASH])
     found["kept"] |= found["apart"] | found["threads"]
     return {fact: (found["kept"][fact], found["free"][fact]) for fact in FACTS}
 
 
-def print_table(table):
-    print(f"{'fault':<52} {'with':>6} {'without':>8}  (rules and watchdog)")
+def print_table(table, facts_of=None, kept_by="rules and watchdog"):
+    print(f"{'fault':<58} {'with':>6} {'without':>8}  ({kept_by})")
     for fact, (kept, free) in table.items():
-        print(f"{fact:<52} {kept:>6.2f} {free:>8.2f}  {FACTS[fact][0]}")
+        print(f"{fact:<58} {kept:>6.2f} {free:>8.2f}  {(facts_of or FACTS)[fact][0]}")
 
 
-def main():
-    arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+def judge(name, what, facts_of, kept_by, measured):
+    """Prints the table that `measured` makes in a folder of its own, and whether each fact holds with the rules and is broken without."""
+    arguments = argparse.ArgumentParser(description=what)
     arguments.add_argument("--table", action="store_true")
     options = arguments.parse_args()
-    with tempfile.TemporaryDirectory(prefix="faults-") as work:
+    with tempfile.TemporaryDirectory(prefix=f"{name}-") as work:
         try:
-            table = measure(pathlib.Path(work))
+            table = measured(pathlib.Path(work))
         except AssertionError as problem:
-            print(f"{problem}\nfaults: 0 passed, 1 failed")
+            print(f"{problem}\n{name}: 0 passed, 1 failed")
             return 1
-    print_table(table)
-    bad = [f"{fact}: {kept:.2f} with, {free:.2f} without, at most {FACTS[fact][1]} and at least {FACTS[fact][2]}" for fact, (kept, free) in table.items()
-           if kept > FACTS[fact][1] or free < FACTS[fact][2]]
+    print_table(table, facts_of, kept_by)
+    bad = [f"{fact}: {kept:.2f} with, {free:.2f} without, at most {facts_of[fact][1]} and at least {facts_of[fact][2]}" for fact, (kept, free) in table.items()
+           if kept > facts_of[fact][1] or free < facts_of[fact][2]]
     if options.table:
         return 0
     for line in bad:
         print(line)
-    print(f"faults: {len(table) - len(bad)} passed, {len(bad)} failed")
+    print(f"{name}: {len(table) - len(bad)} passed, {len(bad)} failed")
     return 1 if bad else 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(judge("faults", __doc__.splitlines()[0], FACTS, "rules and watchdog", measure))

@@ -8,15 +8,11 @@ Two levels, fourteen modules under `bipc serve`, one of them without rules, go t
 vision, with the rules; each fact has to hold with them and to be broken without them, else the test shows nothing. --table prints it only.
 Python's library, and g++ for the rover. The last line is "terrain: N passed, N failed".
 """
-import argparse
 import math
-import pathlib
 import subprocess
 import sys
-import tempfile
-import threading
 
-from test_dala_faults import DALA, DRIVEN, EXPOSES_PAIR, LASER_AGE, MAP_AGE, MOVES, NOW, TILT, V, VISION_AGE, X, Y, Level
+from test_dala_faults import DALA, DRIVEN, EXPOSES_PAIR, LASER_AGE, MAP_AGE, MOVES, NOW, TILT, V, VISION_AGE, X, Y, Level, go_together, judge
 
 SHARP = 0.25    # m/s: above it pairs of images are blurred (mission/vision.hpp)
 FOUND = 0.35    # s: so old is a reference that its module still writes
@@ -144,55 +140,9 @@ class Rover(Level):
 
 def measure(work):
     """{fact: (with rules, without)}"""
-    found, problems = {}, []
-
-    def one(name):
-        level = None
-        try:
-            level = Rover(work / name, name == "kept")
-            found[name] = level.go()
-        except Exception as problem:  # of a thread: told by who waits for it
-            problems.append(f"{name}: {problem!r}")
-        finally:
-            if level is not None:
-                level.end()
-
-    threads = [threading.Thread(target=one, args=(name,)) for name in ("kept", "free")]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    if problems:
-        raise AssertionError("; ".join(problems))
+    found = go_together(("kept", "free"), lambda name: Rover(work / name, name == "kept"), lambda _, rover: rover.go())
     return {fact: (found["kept"][fact], found["free"][fact]) for fact in FACTS}
 
 
-def print_table(table):
-    print(f"{'fault':<58} {'with':>6} {'without':>8}  (rules)")
-    for fact, (kept, free) in table.items():
-        print(f"{fact:<58} {kept:>6.2f} {free:>8.2f}  {FACTS[fact][0]}")
-
-
-def main():
-    arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    arguments.add_argument("--table", action="store_true")
-    options = arguments.parse_args()
-    with tempfile.TemporaryDirectory(prefix="terrain-") as work:
-        try:
-            table = measure(pathlib.Path(work))
-        except AssertionError as problem:
-            print(f"{problem}\nterrain: 0 passed, 1 failed")
-            return 1
-    print_table(table)
-    bad = [f"{fact}: {kept:.2f} with, {free:.2f} without, at most {FACTS[fact][1]} and at least {FACTS[fact][2]}" for fact, (kept, free) in table.items()
-           if kept > FACTS[fact][1] or free < FACTS[fact][2]]
-    if options.table:
-        return 0
-    for line in bad:
-        print(line)
-    print(f"terrain: {len(table) - len(bad)} passed, {len(bad)} failed")
-    return 1 if bad else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(judge("terrain", __doc__.splitlines()[0], FACTS, "rules", measure))

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 
+#include "compiler/verify/counting/class_combinations.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
@@ -12,9 +13,6 @@ namespace {
 
 constexpr std::size_t kMostCombinations = 20'000;
 constexpr std::size_t kMostBad = 200;
-
-// By component the classes of its local states that are meant: one bad combination, or several that were joined.
-using Combination = std::vector<std::vector<u32>>;
 
 // What the property sees of a component in the state that the core is in.
 std::vector<rt::u64> view_of(const rt::Core& core, u32 atom, const Property& property) {
@@ -26,23 +24,6 @@ std::vector<rt::u64> view_of(const rt::Core& core, u32 atom, const Property& pro
     else view.push_back(core.cell(core.image().atoms[atom].variable(node.row)).bits);
   }
   return view;
-}
-
-// Joins combinations that agree in all components but one.
-void join(std::vector<Combination>& bad, std::size_t component) {
-  std::map<Combination, std::vector<u32>> joined;
-  for (Combination& combination : bad) {
-    std::vector<u32> classes = std::move(combination[component]);
-    combination[component].clear();
-    std::vector<u32>& all = joined[combination];
-    all.insert(all.end(), classes.begin(), classes.end());
-  }
-  bad.clear();
-  for (auto& [combination, classes] : joined) {
-    std::sort(classes.begin(), classes.end());
-    bad.push_back(combination);
-    bad.back()[component] = std::move(classes);
-  }
 }
 
 }  // namespace
@@ -66,7 +47,7 @@ std::optional<std::vector<BadPlaces>> find_bad_places(CountedNetBuilder& builder
     combinations *= classes.back().size();
     if (combinations > kMostCombinations) return std::nullopt;
   }
-  std::vector<Combination> bad;
+  std::vector<ClassCombination> bad;
   std::vector<u32> chosen(atoms.size(), 0), places(atoms.size(), 0);
   for (std::size_t number = 0; number < combinations; ++number) {
     std::size_t rest = number;
@@ -77,14 +58,14 @@ std::optional<std::vector<BadPlaces>> find_bad_places(CountedNetBuilder& builder
     }
     if (!builder.enter_atoms(atoms, places)) return std::nullopt;
     if (!is_bad(builder.core())) continue;
-    Combination combination;
+    ClassCombination combination;
     for (const u32 row : chosen) combination.push_back({row});
     bad.push_back(std::move(combination));
   }
-  for (std::size_t k = 0; k < atoms.size(); ++k) join(bad, k);
+  for (std::size_t k = 0; k < atoms.size(); ++k) join_combinations(bad, k);
   if (bad.size() > kMostBad) return std::nullopt;
   std::vector<BadPlaces> result;
-  for (const Combination& combination : bad) {
+  for (const ClassCombination& combination : bad) {
     BadPlaces of_this;
     for (std::size_t k = 0; k < atoms.size(); ++k) {
       std::vector<u32> all;

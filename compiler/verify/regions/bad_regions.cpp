@@ -5,6 +5,7 @@
 #include <map>
 
 #include "compiler/model/code_uses.hpp"
+#include "compiler/verify/counting/class_combinations.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
@@ -81,24 +82,6 @@ class PropertyRanges {
   const Property& property_;
   const std::vector<LocalSpace>& spaces_;
 };
-
-// By component numbers of its classes of states: one bad combination, or several that differ in one component.
-using RegionCombination = std::vector<std::vector<u32>>;
-
-void join_regions(std::vector<RegionCombination>& bad, std::size_t component) {
-  std::map<RegionCombination, std::vector<u32>> joined;
-  for (RegionCombination& combination : bad) {
-    std::vector<u32> classes = std::move(combination[component]);
-    combination[component].clear();
-    std::vector<u32>& all = joined[combination];
-    all.insert(all.end(), classes.begin(), classes.end());
-  }
-  bad.clear();
-  for (auto& [combination, classes] : joined) {
-    bad.push_back(combination);
-    bad.back()[component] = std::move(classes);
-  }
-}
 
 // ---- deadlock ---------------------------------------------------------------------------------------------------
 
@@ -296,11 +279,11 @@ std::optional<std::vector<BadRegions>> find_bad_regions(const RegionNet& net, co
     combinations *= classes.back().size();
     if (combinations > kMostRegionCombinations) return std::nullopt;
   }
-  std::vector<RegionCombination> bad;
+  std::vector<ClassCombination> bad;
   std::map<u32, u32> state_of;
   for (std::size_t number = 0; number < combinations; ++number) {
     std::size_t rest = number;
-    RegionCombination combination;
+    ClassCombination combination;
     for (std::size_t k = 0; k < atoms.size(); ++k) {
       combination.push_back({static_cast<u32>(rest % classes[k].size())});
       rest /= classes[k].size();
@@ -308,10 +291,10 @@ std::optional<std::vector<BadRegions>> find_bad_regions(const RegionNet& net, co
     }
     if (ranges.may_be_bad(state_of)) bad.push_back(std::move(combination));
   }
-  for (std::size_t k = 0; k < atoms.size(); ++k) join_regions(bad, k);
+  for (std::size_t k = 0; k < atoms.size(); ++k) join_combinations(bad, k);
   if (bad.size() > kMostBadRegions) return std::nullopt;
   std::vector<BadRegions> result;
-  for (const RegionCombination& combination : bad) {
+  for (const ClassCombination& combination : bad) {
     BadRegions& one = result.emplace_back();
     one.atoms = atoms;
     for (std::size_t k = 0; k < atoms.size(); ++k) {
