@@ -163,7 +163,7 @@ void report_contradictions(Compilation& c, const rules::RuleFile& file, const st
   const rules::Reduced reduced = rules::reduce(modules, checked.constraints);
   const InterruptCancellation interrupt;
   const ContradictionChecker checker(reduced, checked, file.rules.size(), interrupt.token().within(seconds));
-  // Promises first: whoever wrote them waits for an answer, and the other questions may take all the time there is.
+  // Promises first: the user has written them and wants them decided, and the other questions may take all the time.
   const std::vector<verify::Outcome> outcomes =
       file.promises.empty() ? std::vector<verify::Outcome>{} : checker.promises();
   const std::vector<bool> all(file.rules.size(), true);

@@ -368,7 +368,8 @@ bool NodeProcess::has_taken_many() {
   const bool writes_texts = writes_ && !says_interactions_;
   const bool is_compiled = !writes_texts && scheduler_.is_uniform() && node_.has_compiled();
   const u64 most = steps_before_collection(node_.core(), std::min(credit_, writes_texts ? kMostTold : chunk_));
-  // So do steps of which the launcher has not been told yet: nothing was said or heard since the first of them.
+  // The node has neither sent nor received anything since the first step that the launcher does not know yet, so these
+  // steps and the next ones share a number.
   const u64 step = fired_.count() != 0 ? fired_step_ : step_at(station_.tick_clock(), setup_.self);
   const u64 done = is_compiled ? node_.take_compiled(scheduler_.prng(), most, drawn_) : take_whole_steps(step, most);
   BIP_ASSERT(done <= most, "{} steps of {}", done, most);

@@ -167,17 +167,12 @@ class Check {
       verify::Question question;
       question.what = verify::QuestionKind::State;
       question.property = std::move(*parsed);
-      const verify::SearchResult all = verify::search(verify::build_net(*c.system), c.lowered->image,
-                                                      verify::goal_of(question), {}, limits_of_visit());
-      if (all.end == verify::SearchEnd::Limit) {
-        ++t_.too_large;
-        continue;
-      }
-      const bool holds = all.end == verify::SearchEnd::Exhausted;
+      const std::optional<bool> holds = holds_in_all_states(c, question);
+      if (!holds) continue;
       ++t_.votes;
-      t_.votes_hold += holds ? 1 : 0;
-      t_.by_counting += is_proved_by_counting(c, question, asked, holds, file + std::to_string(number++)) ? 1 : 0;
-      t_.others_by_regions += is_proved_by_regions(c, question, asked, holds) ? 1 : 0;
+      t_.votes_hold += *holds ? 1 : 0;
+      t_.by_counting += is_proved_by_counting(c, question, asked, *holds, file + std::to_string(number++)) ? 1 : 0;
+      t_.others_by_regions += is_proved_by_regions(c, question, asked, *holds) ? 1 : 0;
     }
   }
 
@@ -199,16 +194,11 @@ class Check {
         question.what = verify::QuestionKind::State;
         question.property = std::move(*parsed);
       }
-      const verify::SearchResult all = verify::search(verify::build_net(*c.system), c.lowered->image,
-                                                      verify::goal_of(question), {}, limits_of_visit());
-      if (all.end == verify::SearchEnd::Limit) {
-        ++t_.too_large;
-        continue;
-      }
-      const bool holds = all.end == verify::SearchEnd::Exhausted;
+      const std::optional<bool> holds = holds_in_all_states(c, question);
+      if (!holds) continue;
       ++t_.levels;
-      t_.levels_hold += holds ? 1 : 0;
-      t_.by_regions += is_proved_by_regions(c, question, property.empty() ? "deadlock" : property, holds) ? 1 : 0;
+      t_.levels_hold += *holds ? 1 : 0;
+      t_.by_regions += is_proved_by_regions(c, question, property.empty() ? "deadlock" : property, *holds) ? 1 : 0;
     }
   }
 
@@ -292,6 +282,14 @@ class Check {
     return std::nullopt;
   }
 
+  // Nothing: the states are too many, which is counted.
+  std::optional<bool> holds_in_all_states(const gen::Compiled& c, const verify::Question& question) {
+    const verify::SearchResult all = verify::search(verify::build_net(*c.system), c.lowered->image,
+                                                    verify::goal_of(question), {}, limits_of_visit());
+    if (all.end != verify::SearchEnd::Limit) return all.end == verify::SearchEnd::Exhausted;
+    ++t_.too_large;
+    return std::nullopt;
+  }
   verify::SearchLimits limits_of_visit() const {
     return {.cancellation = verify::within_seconds(20), .megabytes = 1000, .states = o_.states, .report = {}};
   }

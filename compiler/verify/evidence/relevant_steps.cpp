@@ -40,7 +40,7 @@ class Replayer {
   std::vector<StepLabel> read(const std::vector<std::uint64_t>& choices) {
     std::vector<StepLabel> labels;
     std::unordered_map<std::string, std::size_t> first;  // state -> steps before it
-    const std::size_t bytes = state_key(begin() ? core_.snapshot() : rt::State{}).size();
+    const std::size_t bytes = state_key_bytes(begin() ? core_.snapshot() : rt::State{});
     const bool cuts_loops = bytes != 0 && choices.size() <= kStoredBytes / (2 * bytes);
     for (const std::uint64_t choice : choices) {
       if (cuts_loops) {
@@ -256,10 +256,6 @@ class RunAtoms {
   std::vector<rt::Participant> participants_;
 };
 
-std::size_t bytes_of(const rt::State& state) {
-  return state.places.size() * sizeof(u32) + (state.marks.size() + state.data.size()) * sizeof(std::uint64_t);
-}
-
 // Searches for a run that avoids the goal: it ends elsewhere, or goes on for ever. One that goes on for ever counts
 // only if it does so with atoms of the run, or if these can do nothing again and again: that others move beside them is
 // no way out. Strong components by depth-first search (Tarjan 1972); an edge is *fair* if it makes its component one in
@@ -304,7 +300,7 @@ class Avoidance {
         if (leave()) return found(way_out);
         continue;
       }
-      if (nodes_.size() > kAvoidingStates || nodes_.size() * bytes_of(states_.front()) > kStoredBytes ||
+      if (nodes_.size() > kAvoidingStates || nodes_.size() * state_key_bytes(states_.front()) > kStoredBytes ||
           token_.is_cancelled())
         return Answer::Unknown;
       const Edge edge = frame.is_touching || !frame.has_touching ? Edge::Fair : Edge::OfOthers;
@@ -496,7 +492,7 @@ std::optional<DecidingStep> deciding_step(const rt::Image& image, const SearchGo
   rt::Core core(image);
   constexpr std::size_t kMostSteps = 10'000;
   if (choices.empty() || choices.size() > kMostSteps || !core.initialize()) return std::nullopt;
-  if (choices.size() * bytes_of(core.snapshot()) > kStoredBytes) return std::nullopt;
+  if (choices.size() * state_key_bytes(core.snapshot()) > kStoredBytes) return std::nullopt;
   RunAtoms atoms(image);
   // Of every kStride-th step; those between are taken again when they are asked for.
   constexpr std::size_t kStride = 16;

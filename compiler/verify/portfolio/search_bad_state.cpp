@@ -291,9 +291,13 @@ class Search {
 
 }  // namespace
 
+std::size_t state_key_bytes(const rt::State& state) {
+  return state.places.size() * sizeof(u32) + (state.marks.size() + state.data.size()) * sizeof(std::uint64_t);
+}
+
 std::string state_key(const rt::State& state) {
   std::string key;
-  key.reserve(state.places.size() * sizeof(u32) + (state.marks.size() + state.data.size()) * sizeof(std::uint64_t));
+  key.reserve(state_key_bytes(state));
   append_bytes(key, state.places);
   append_bytes(key, state.marks);
   append_bytes(key, state.data.rows());

@@ -48,6 +48,8 @@ struct SearchLimits {
 
 /// Returns a text that is equal for equal states only; of images without FFI data and time.
 [[nodiscard]] std::string state_key(const rt::State& state);
+/// Returns the size of that text.
+[[nodiscard]] std::size_t state_key_bytes(const rt::State& state);
 
 /// Replays the choices: do they lead from the initial state to the goal? Choices may come from anywhere, a cache file
 /// included. The image must have its code.
