@@ -428,7 +428,8 @@ def test_bench(folder):
     on_processes = rows["processes"]
     check(on_processes["in_flight"][0]["messages"] == 2, "messages on processes", done.stdout)
     check({row["format"] for row in on_processes["traced"]} == {"binary", "json"} and len(on_processes["local"]) == 1, "local steps", done.stdout)
-    check(on_processes["far"][0]["interaction_ms"] > 0, "steps through a relay", done.stdout)
+    # With no delay, 36 interactions take less than two starts differ by: what they took may come out below 0.
+    check(on_processes["far"][0]["interactions"] == 40, "steps through a relay", done.stdout)
 
 
 def test_errors(folder):
