@@ -47,6 +47,8 @@ bool add_certificate(const VerifyRequest& request, Compilation& c, const verify:
   return true;
 }
 
+constexpr const char* kErrorsNotLookedAt = "note: runs that end in a run-time error were not looked at\n";
+
 std::string fairness_text(const verify::Fairness& fairness) {
   const std::string unit = fairness.unit == verify::FairnessUnit::Atoms ? "components" : "interactions";
   switch (fairness.kind) {
@@ -98,7 +100,17 @@ std::string proof_text(const verify::Question& question, const VerifyRequest& re
           : fmt::format("holds: `{}`: true of all runs, by k-liveness: at most {} on {}{} ({})\n",
                         question.formula.text, rt::counted(proof.rounds, "round"), part, rest,
                         fairness_text(request.fairness));
-  if (proof.may_have_errors) text += "note: runs that end in a run-time error were not looked at\n";
+  if (proof.may_have_errors) text += kErrorsNotLookedAt;
+  return text;
+}
+
+std::string neighbourhood_text(const verify::Question& question, const VerifyRequest& request,
+                               const verify::NeighbourhoodProof& proof) {
+  const std::string rest = proof.needs_endless_runs ? ", and no run ends" : "";
+  std::string text = fmt::format("holds: `{}`: true of all runs, by {} and at most {} beside{} ({})\n",
+                                 question.formula.text, rt::counted(proof.cases, "case"),
+                                 rt::counted(proof.neighbours, "component"), rest, fairness_text(request.fairness));
+  if (proof.may_have_errors) text += kErrorsNotLookedAt;
   return text;
 }
 
@@ -133,6 +145,7 @@ Verdict decide_liveness(const VerifyRequest& request, Compilation& c, const veri
     return verdict;
   // Null as well for what is true of any run.
   const verify::KLivenessProof* proof = decision.proof && decision.proof->atoms != 0 ? &*decision.proof : nullptr;
+  const std::optional<verify::NeighbourhoodProof>& around = decision.by_neighbourhoods;
   nlohmann::ordered_json json{{"format", "bipc-verdict"}, {"version", 1}};
   const std::string states = rt::counted(found.states, "reachable state");
   // Finite runs decide it, so fairness does not matter.
@@ -141,13 +154,14 @@ Verdict decide_liveness(const VerifyRequest& request, Compilation& c, const veri
     case verify::Outcome::Holds:
       verdict.exit_code = kOk;
       verdict.text =
-          proof != nullptr    ? proof_text(question, request, *proof, c.system->atoms.size())
+          around              ? neighbourhood_text(question, request, *around)
+          : proof != nullptr  ? proof_text(question, request, *proof, c.system->atoms.size())
           : found.states == 0 ? fmt::format("holds: `{}`: true of any run of any model\n", question.formula.text)
           : is_invariant
               ? fmt::format("holds: `{}`: true at each point of all runs through {}\n", question.formula.text, states)
               : fmt::format("holds: `{}`: true of all runs through {} ({})\n", question.formula.text, states,
                             fairness_text(request.fairness));
-      if (found.has_errors && proof == nullptr) verdict.text += kEndsInError;
+      if (found.has_errors && proof == nullptr && !around) verdict.text += kEndsInError;
       json["verdict"] = "holds";
       break;
     case verify::Outcome::Violated:
@@ -166,14 +180,19 @@ Verdict decide_liveness(const VerifyRequest& request, Compilation& c, const veri
   if (decision.outcome == verify::Outcome::Holds && c.system->code.has_cpp()) verdict.text += kCppReturns;
   json["property"] = question.formula.text;
   if (!is_invariant) json["fairness"] = verify::name_of(request.fairness);
-  if (decision.outcome == verify::Outcome::Holds) json["method"] = proof != nullptr ? "k-liveness" : "runs";
+  if (decision.outcome == verify::Outcome::Holds)
+    json["method"] = around ? "neighbourhoods" : proof != nullptr ? "k-liveness" : "runs";
+  if (around) {
+    json["cases"] = around->cases;
+    json["neighbours"] = around->neighbours;
+  }
   if (proof != nullptr) {
     if (!is_invariant) json["rounds"] = proof->rounds;
     json["components"] = proof->atoms;
     if (proof->finite_ports != 0) json["finite_ports"] = proof->finite_ports;
   }
   // Of a proof on the circuit no states are known.
-  if (found.states != 0 && proof == nullptr) json["states"] = found.states;
+  if (found.states != 0 && proof == nullptr && !around) json["states"] = found.states;
   if (decision.outcome == verify::Outcome::Violated) {
     json["steps"] = found.choices.size();
     json["choices"] = found.choices;

@@ -1,6 +1,7 @@
-// bip-prove-runs [--finite] FILE [SECONDS [ROUNDS [CERTIFICATE]]]: properties of runs of a model, each asked of the
-// circuit alone (compiler/verify/liveness/k_liveness.hpp; --finite: finite_moves.hpp). Reads lines "FAIRNESS PROPERTY";
-// prints for each `holds ROUNDS ATOMS`, or `unknown REASON`. With CERTIFICATE that of the proof of line N is written to
+// bip-prove-runs [--finite | --neighbourhoods] FILE [SECONDS [ROUNDS [CERTIFICATE]]]: properties of runs of a model,
+// each asked of the circuit alone (compiler/verify/liveness/k_liveness.hpp; --finite: finite_moves.hpp), or of
+// neighbourhoods (neighbourhood_runs.hpp). Reads lines "FAIRNESS PROPERTY"; prints for each `holds ROUNDS ATOMS`,
+// `holds CASES NEIGHBOURS`, or `unknown REASON`. With CERTIFICATE that of the proof of line N is written to
 // the file CERTIFICATE.N; the proof is then another one. test_liveness.py compares the answers with its oracle.
 #include <algorithm>
 #include <cstdint>
@@ -14,23 +15,43 @@
 
 #include "compiler/verify/evidence/certificate.hpp"
 #include "compiler/verify/liveness/finite_moves.hpp"
+#include "compiler/verify/liveness/neighbourhood_runs.hpp"
 #include "tools/gen/compiled.hpp"
 
 namespace {
 
+using namespace bip;
+
 constexpr std::size_t kMegabytes = 2048;
 
+void print_proof_by_neighbourhoods(const verify::Formula& formula, const System& system, const rt::Image& image,
+                                   const verify::RunCircuit& circuit, const verify::KLivenessOptions& asked) {
+  if (!verify::has_neighbourhoods(system, image)) {
+    std::printf("unknown no neighbourhoods\n");
+    return;
+  }
+  verify::NeighbourhoodOptions options;
+  options.fairness = asked.fairness;
+  options.cancellation = asked.cancellation;
+  options.never_ends = [&] {
+    return circuit.problem.empty() && verify::is_never(circuit, circuit.machine.ended, asked.cancellation);
+  };
+  const verify::NeighbourhoodProof proof = verify::prove_by_neighbourhoods(formula, system, image, options);
+  if (proof.is_proved) std::printf("holds %u %u\n", proof.cases, proof.neighbours);
+  else std::printf("unknown a case stays open\n");
 }
 
+}  // namespace
+
 int main(int argc, char** argv) {
-  using namespace bip;
-  const bool is_finite = argc > 1 && std::string(argv[1]) == "--finite";
-  if (is_finite) {
+  const std::string engine = argc > 1 && std::string(argv[1]).starts_with("--") ? argv[1] : "";
+  const bool is_finite = engine == "--finite", is_local = engine == "--neighbourhoods";
+  if (is_finite || is_local) {
     --argc;
     ++argv;
   }
   if (argc < 2 || argc > 5) {
-    std::fprintf(stderr, "bip-prove-runs [--finite] FILE [SECONDS [ROUNDS [CERTIFICATE]]]\n");
+    std::fprintf(stderr, "bip-prove-runs [--finite | --neighbourhoods] FILE [SECONDS [ROUNDS [CERTIFICATE]]]\n");
     return 2;
   }
   const double seconds = argc > 2 ? std::strtod(argv[2], nullptr) : 5;
@@ -62,6 +83,10 @@ int main(int argc, char** argv) {
     options.cancellation = verify::within_seconds(seconds);
     const rt::Image& image = c.lowered->image;
     const verify::RunCircuit circuit = verify::make_run_circuit(*c.system, image, kMegabytes, options.cancellation);
+    if (is_local) {
+      print_proof_by_neighbourhoods(parsed->formula, *c.system, image, circuit, options);
+      continue;
+    }
     const verify::KLivenessProof proof =
         is_finite ? verify::prove_by_finite_moves(parsed->formula, *c.system, image, circuit, options)
                   : verify::prove_by_k_liveness(parsed->formula, *c.system, image, circuit, options);

@@ -43,7 +43,8 @@ ROWS = {
         ("unread_cpp.golden", ["--property", "never a.n > 5"], "accepted", "method induction")],
     "properties of runs, invariants that look back": [
         ("liveness/philosophers_queue.bip", ["--root", "Table(3)", "--property", "phil[0]@HUNGRY leads to phil[0]@EATS", "--fair", "weak"], "accepted", "state "),
-        ("runs_k_liveness.golden", ["--property", "p[3]@WAITS leads to p[3]@BUSY", "--fair", "strong", "--memory", "20"], "accepted", "rounds ")],
+        ("runs_k_liveness.golden", ["--property", "p[3]@WAITS leads to p[3]@BUSY", "--fair", "strong", "--memory", "20"], "accepted", "rounds "),
+        ("scaling/filter_lock.bip", ["--root", "Lock(6)", "--timeout", "4", "--memory", "50", "--fair", "weak", "--property", "process[0]@ENTERS leads to process[0]@CRITICAL"], "unknown", None)],
     "the same, of a model with time": [
         ("timed/train_gate.bip", ["--root", "Crossing(2)"], "accepted", "method zones"),
         ("fail_certificate_of_time.golden", ["--root", "Weighs()"], "refused", None),

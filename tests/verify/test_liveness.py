@@ -12,7 +12,7 @@ certificates: it must accept them for exactly those kinds of fairness, and the n
 without one of its states. Prints the text of
 a system with another answer. BIPC names the program, JOBS the number of processes. Python's library only. To see it go red: let
 `covers` in compiler/verify/liveness/automaton.cpp ignore `postponed`, or count no unit in `is_accepting` of components.cpp, or
-let `is_each_step_finite` of finite_moves.cpp and `has_no_end` return true, or
+let `is_each_step_finite` of finite_moves.cpp and `has_no_end` return true, or let `is_sure` of neighbourhood_steps.cpp return true for a guard, or
 let `add_end` of round_monitor.cpp add no step, or `fair_part` in tools/certcheck/runs.cpp return nothing.
 """
 import collections
@@ -510,20 +510,20 @@ def problem_of_certificate(folder, graph, formula, asked, fairness, r, kinds):
     return ""
 
 
-def problems_of_finite_moves(path, asked_of_circuit, kinds):
-    """What is proved by ports that move finitely often must be what the oracle says."""
-    done = subprocess.run([PROVER, "--finite", path], input="".join(f"{fairness} {asked}\n" for fairness, asked, *_ in asked_of_circuit),
+def problems_of_engine(option, name, path, asked_of_circuit, kinds):
+    """What is proved by ports that move finitely often, or by neighbourhoods, must be what the oracle says."""
+    done = subprocess.run([PROVER, option, path], input="".join(f"{fairness} {asked}\n" for fairness, asked, *_ in asked_of_circuit),
                           capture_output=True, text=True, timeout=240)
     answers = done.stdout.splitlines()
     if len(answers) != len(asked_of_circuit):
-        return [f"bip-prove-runs --finite: {len(answers)} answers\n{done.stderr}"]
+        return [f"bip-prove-runs {option}: {len(answers)} answers\n{done.stderr}"]
     problems = []
     for (fairness, asked, expected, is_invariant, _), answer in zip(asked_of_circuit, answers):
         is_proved = answer.startswith("holds")
         if is_proved and expected:
-            problems.append(f"`{asked}` --fair={fairness}: by finite moves `{answer}`, the oracle says violated")
+            problems.append(f"`{asked}` --fair={fairness}: by {name} `{answer}`, the oracle says violated")
         if not expected and not is_invariant:
-            kinds.append(f"finite moves, {fairness.split(':')[0]}: {'proved' if is_proved else 'open'}")
+            kinds.append(f"{name}, {fairness.split(':')[0]}: {'proved' if is_proved else 'open'}")
     return problems
 
 
@@ -639,7 +639,8 @@ def check(seed):
         rest = random.Random(f"one run {seed}")
         if problem := problem_of_possible(path, atoms, connectors, graph, rest.choice(FAIRNESS[1:]), rest, kinds):
             problems.append(problem)
-        problems += problems_of_finite_moves(path, asked_of_circuit, kinds)
+        problems += problems_of_engine("--finite", "finite moves", path, asked_of_circuit, kinds)
+        problems += problems_of_engine("--neighbourhoods", "neighbourhoods", path, asked_of_circuit, kinds)
         done = subprocess.run([PROVER, path], input="".join(f"{fairness} {asked}\n" for fairness, asked, *_ in asked_of_circuit),
                               capture_output=True, text=True, timeout=120)
         if seed % CERTIFICATES_EVERY == 0 and os.path.exists(CERTCHECK):
@@ -683,6 +684,9 @@ def main():
     if count >= 100 and kinds["finite moves, none: proved"] == 0:
         bad += 1
         print("nothing was proved by finite moves")
+    if count >= 100 and any(kinds[f"neighbourhoods, {kind}: proved"] < count // 30 for kind in ("none", "weak", "strong")):
+        bad += 1
+        print("neighbourhoods proved too few")
     if count >= 100 and (kinds["large"] > count or any(kinds[kind] < count // 20 for kind in needed)):
         bad += 1
         print("too few questions of some kind")

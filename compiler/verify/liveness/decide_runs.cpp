@@ -7,6 +7,7 @@
 
 #include "compiler/system/system.hpp"
 #include "compiler/verify/liveness/finite_moves.hpp"
+#include "compiler/verify/portfolio/portfolio.hpp"
 #include "runtime/core/link/tables.hpp"
 #include "runtime/include/bip/assert.hpp"
 
@@ -14,7 +15,7 @@ namespace bip::verify {
 
 namespace {
 
-enum class RunsEngine : std::uint8_t { Graph, KLiveness, FiniteMoves };
+enum class RunsEngine : std::uint8_t { Graph, Neighbourhoods, KLiveness, FiniteMoves };
 struct RunsTurn {
   RunsEngine engine;
   double fraction = 1;               // of the time that is left
@@ -24,11 +25,15 @@ struct RunsTurn {
 // What is small is visited at once. A graph is made anew in its second turn.
 constexpr RunsTurn kRunsTurns[] = {
     {RunsEngine::Graph, 1.0 / 8, 1.0 / 8, 3},
+    {RunsEngine::Neighbourhoods, 1.0 / 2, 1.0 / 2, 120},
     {RunsEngine::KLiveness, 1.0 / 4, 1.0 / 2, 120},
     {RunsEngine::FiniteMoves, 3.0 / 4, 3.0 / 4, 180},
     {RunsEngine::Graph, 2.0 / 3},
     // An attempt has more time now than in the first turn; or the graph gave up for memory.
     {RunsEngine::KLiveness}};
+
+// Of the time of neighbourhoods, for the question whether runs end.
+constexpr double kShareOfDeadlock = 1.0 / 2;
 
 class RunsPortfolio {
  public:
@@ -44,17 +49,17 @@ class RunsPortfolio {
     may_split_ =
         options_.add_state == nullptr && rt::link(image_, rt::MaximalProgress::On).port_atom.size() <= kMostMovingPorts;
     for (const RunsTurn& turn : kRunsTurns) {
+      if (!is_due(turn.engine)) continue;
       const bool is_graph = turn.engine == RunsEngine::Graph;
-      const bool is_split = turn.engine == RunsEngine::FiniteMoves;
-      if (!(is_graph ? may_visit_ : is_split ? may_split_ : may_prove_)) continue;
       const double left = options_.cancellation.seconds_left();
       // Questions that need little time are answered in the first turns. If the graph cannot grow, all time that is
       // left is for the proof.
-      const bool is_last = !is_graph && !is_split && !may_visit_;
+      const bool is_last = turn.engine == RunsEngine::KLiveness && !may_visit_;
       const double fraction = may_split_ ? turn.fraction : turn.fraction_alone;
       const double seconds = is_last ? left : std::min(left * fraction, turn.at_most);
       BIP_ASSERT(seconds <= std::max(left, 0.0), "{} s of {} s for a turn", seconds, left);
       if (is_graph) visit(seconds);
+      else if (turn.engine == RunsEngine::Neighbourhoods) look_around(seconds);
       else prove(seconds, turn.engine);
       if (decision_.outcome != Outcome::Unknown) return std::move(decision_);
       if (options_.cancellation.is_over()) break;
@@ -66,6 +71,40 @@ class RunsPortfolio {
   }
 
  private:
+  [[nodiscard]] bool is_due(RunsEngine engine) const {
+    switch (engine) {
+      case RunsEngine::Graph: return may_visit_;
+      // They have no certificate.
+      case RunsEngine::Neighbourhoods: return options_.add_state == nullptr && has_neighbourhoods(system_, image_);
+      case RunsEngine::KLiveness: return may_prove_;
+      case RunsEngine::FiniteMoves: return may_split_;
+    }
+    BIP_UNREACHABLE("an engine of runs");
+  }
+  void look_around(double seconds) {
+    NeighbourhoodOptions options;
+    options.fairness = options_.fairness;
+    options.cancellation = options_.cancellation.within(seconds);
+    options.never_ends = [&] { return never_ends(options.cancellation); };
+    const NeighbourhoodProof proof = prove_by_neighbourhoods(formula_, system_, image_, options);
+    if (!proof.is_proved) return;
+    decision_.outcome = Outcome::Holds;
+    decision_.by_neighbourhoods = proof;
+  }
+  // A run that ends where each atom is final is no deadlock: some atom never is.
+  bool never_ends(const CancellationToken& cancellation) {
+    const bool may_be_final = std::none_of(system_.atoms.begin(), system_.atoms.end(), [&](const Atom& atom) {
+      return system_.atom_types[atom.type].final_places.empty();
+    });
+    if (may_be_final) return false;
+    PortfolioLimits limits;
+    limits.cancellation = cancellation.within(cancellation.seconds_left() * kShareOfDeadlock);
+    limits.megabytes = options_.megabytes;
+    const auto access = may_visit_ ? StateAccess::Searchable : StateAccess::Undetermined;
+    Portfolio portfolio(
+        system_, image_, access, [] { return true; }, options_.report);
+    return portfolio.decide(Question{}, limits).outcome == Outcome::Holds;
+  }
   void visit(double seconds) {
     LivenessOptions options = options_;
     options.cancellation = options_.cancellation.within(seconds);

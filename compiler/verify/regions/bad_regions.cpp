@@ -6,6 +6,7 @@
 
 #include "compiler/model/code_uses.hpp"
 #include "compiler/verify/counting/class_combinations.hpp"
+#include "compiler/verify/regions/property_ranges.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
@@ -16,72 +17,6 @@ constexpr std::size_t kMostRegionCombinations = 50'000;
 constexpr std::size_t kMostBadRegions = 8;
 constexpr std::size_t kMostGuardedPairs = 40'000;  // of states of two components that a guard is evaluated for
 constexpr std::size_t kConnectorsBetweenLooks = 64;
-
-// ---- a property -------------------------------------------------------------------------------------------------
-
-class PropertyRanges {
- public:
-  PropertyRanges(const Property& property, const std::vector<LocalSpace>& spaces)
-      : property_(property), spaces_(spaces) {}
-
-  // What a node about one component is in one of its states.
-  [[nodiscard]] Range of_state(const PropertyNode& node, u32 state) const {
-    const LocalSpace& space = spaces_[node.owner];
-    if (node.kind == PropertyKind::At) {
-      const bool is_marked = space.is_marked(state, node.row);
-      return truth_range(!is_marked, is_marked);
-    }
-    if (node.kind == PropertyKind::CanPort)
-      return truth_range(!space.surely_offers(state, node.row), space.may_offer(state, node.row));
-    return space.range(state, node.row);
-  }
-  // May the property be violated if each component is in this state?
-  [[nodiscard]] bool may_be_bad(const std::map<u32, u32>& state_of) const {
-    std::vector<Range> ranges;
-    for (const PropertyNode& node : property_.nodes) ranges.push_back(evaluate(node, ranges, state_of));
-    const std::int64_t bad = property_.is_never ? 1 : 0;
-    const auto may_be = [&](u32 row, std::int64_t value) {
-      return ranges[row].low <= value && ranges[row].high >= value;
-    };
-    return may_be(property_.root, bad) || (property_.fault != Property::kNoRow && may_be(property_.fault, 1));
-  }
-
- private:
-  [[nodiscard]] Range evaluate(const PropertyNode& node, const std::vector<Range>& ranges,
-                               const std::map<u32, u32>& state_of) const {
-    const Range any = node.type == Type::Bool ? kAnyBool : kAnyInt;
-    switch (node.kind) {
-      case PropertyKind::Constant: return node.type == Type::Float ? any : Range{node.int_value, node.int_value};
-      case PropertyKind::At:
-      case PropertyKind::Data:
-      case PropertyKind::CanPort: return of_state(node, state_of.at(node.owner));
-      case PropertyKind::Operator: break;
-      case PropertyKind::CanConnector:
-      case PropertyKind::HappensConnector:
-      case PropertyKind::HappensPort:
-      case PropertyKind::Temporal: return any;
-    }
-    // Of floats and FFI values nothing is known; an int may be compared with a float.
-    const auto has_range = [&](u32 operand) {
-      const Type type = property_.nodes[operand].type;
-      return type != Type::Float && !is_ffi(type) && !ranges[operand].is_empty();
-    };
-    if (node.type == Type::Float || !has_range(node.a) || (operand_count(node.op) == 2 && !has_range(node.b)))
-      return any;
-    const Range &a = ranges[node.a], &b = ranges[node.b];
-    switch (operand_count(node.op)) {
-      case 1:
-        if (node.op == Op::Not) return {1 - a.high, 1 - a.low};
-        if (node.op == Op::Neg) return fitted({-a.high, -a.low});
-        return any;
-      case 2: return IntervalDomain::apply(node.op, a, b);
-      default: return any;
-    }
-  }
-
-  const Property& property_;
-  const std::vector<LocalSpace>& spaces_;
-};
 
 // ---- deadlock ---------------------------------------------------------------------------------------------------
 
@@ -260,7 +195,7 @@ std::optional<std::vector<BadRegions>> find_bad_regions(const RegionNet& net, co
   if (atoms.empty() || !connectors_of(property).empty()) return std::nullopt;
   BIP_ASSERT(spaces.size() == net.connectors.size(), "{} spaces of {} components", spaces.size(),
              net.connectors.size());
-  const PropertyRanges ranges(property, spaces);
+  const PropertyRanges ranges(property, [&spaces](u32 atom) -> const LocalSpace& { return spaces[atom]; });
   std::vector<std::vector<std::vector<u32>>> classes;  // by component and class: states that the property sees alike
   std::size_t combinations = 1;
   for (const u32 atom : atoms) {
@@ -289,7 +224,7 @@ std::optional<std::vector<BadRegions>> find_bad_regions(const RegionNet& net, co
       rest /= classes[k].size();
       state_of[atoms[k]] = classes[k][combination.back().front()].front();
     }
-    if (ranges.may_be_bad(state_of)) bad.push_back(std::move(combination));
+    if (ranges.may_be(property.is_never, state_of)) bad.push_back(std::move(combination));
   }
   for (std::size_t k = 0; k < atoms.size(); ++k) join_combinations(bad, k);
   if (bad.size() > kMostBadRegions) return std::nullopt;
