@@ -6,10 +6,11 @@ import queue
 import subprocess
 import threading
 
+from patience import LONG as TIMEOUT
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BUILD = pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build")
 BIPC = pathlib.Path(os.environ.get("BIPC") or BUILD / "bipc")
-TIMEOUT = 60
 
 
 class Gone(Exception):

@@ -1,10 +1,12 @@
-"""What the tests of `bipc serve` share: where things are, the client, checks that are counted."""
+"""What the tests of `bipc serve` share: where things are, the client, waiting, checks that are counted."""
 import os
 import pathlib
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(ROOT / "tools/python/bipc"))
+sys.path.insert(0, str(ROOT / "tests"))
+from patience import LONG, PATIENCE, until  # noqa: E402, F401
 from serve import Client  # noqa: E402, F401
 
 BIPC = os.environ.get("BIPC") or str(pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build") / "bipc")

@@ -5,7 +5,6 @@ A robot module with codels in C++, served by `bipc serve` and by a built program
 the same steps, the functions of its C++ found by their names (safe_stop, inputs, posters), the first answer after less than a second of a
 processor; a socket that another program listens at is refused; and a program of a module in a process of its own outlives a codel that crashes.
 """
-import json
 import os
 import pathlib
 import signal
@@ -14,7 +13,7 @@ import sys
 import tempfile
 import time
 
-from checks import BIPC, Client, check, finish, processes_below, runs
+from checks import BIPC, LONG, Client, check, finish, processes_below, runs, until
 
 MODULE = """module arm { number: 7; internal_data: DATA; };
 request Lift { type: exec; exec_task: Motion; codel_main: armLift; codel_inter: armBrake; };
@@ -57,16 +56,14 @@ class Served:
         self.log = open(work / (name + ".log"), "w+", encoding="utf-8")
         self.process = subprocess.Popen([*command, "--socket", self.path, "--asap", "--policy", "fair", "--seed", "3", *options], cwd=work, stdout=self.log, stderr=self.log)
         # `bipc serve` compiles the codels first.
-        for _ in range(15000):
-            if os.path.exists(self.path):
-                break
-            assert self.process.poll() is None, (work / (name + ".log")).read_text(encoding="utf-8")
+        while "listening" not in (told := (work / (name + ".log")).read_text(encoding="utf-8")):
+            assert self.process.poll() is None, told
             time.sleep(0.02)
-        self.client = Client(self.path, timeout=60)
+        self.client = Client(self.path, timeout=LONG)
 
     def end(self):
         self.client.ask("shutdown")
-        code = self.process.wait(timeout=60)
+        code = self.process.wait(timeout=LONG)
         self.log.seek(0)
         return code, self.log.read()
 
@@ -75,7 +72,7 @@ def final(client, service, text=""):
     """The report of the final reply."""
     number = client.ask("request", service=service, input=text).get("request")
     while True:
-        note = client.note(timeout=60)
+        note = client.note(timeout=LONG)
         if note.get("note") == "request" and note.get("request") == number and note["reply"] == "final":
             return note["report"]
 
@@ -86,10 +83,7 @@ def same_steps(commands, work):
         trace = work / f"steps{k}.json"
         served = Served(command, work, f"t{k}", "--paused", "--trace", str(trace))
         served.client.ask("step", count=STEPS)
-        for _ in range(3000):
-            if served.client.ask("state", atoms=[])["steps"] == STEPS:
-                break
-            time.sleep(0.02)
+        check("all steps are taken", until(lambda: served.client.ask("state", atoms=[])["steps"] == STEPS))
         code, _ = served.end()
         check("a served model ends with 0", code == 0, code)
         traces.append(trace.read_text(encoding="utf-8"))
@@ -107,9 +101,9 @@ def same_answers(commands, work):
         c = served.client
         heard = [c.ask("hello"), final(c, "arm.Weigh"), c.ask("request", service="arm.Fly")["error"]]
         number = c.ask("request", service="arm.Lift")["request"]
-        while c.note(timeout=60).get("reply") != "intermediate":
+        while c.note(timeout=LONG).get("reply") != "intermediate":
             pass
-        heard += [final(c, "arm.Stop"), c.note(timeout=60).get("report"), number]
+        heard += [final(c, "arm.Stop"), c.note(timeout=LONG).get("report"), number]
         heard += [c.ask("poster", poster="arm.State").get("value"), c.ask("poster", poster="arm.Wings").get("ok")]
         heard += [row["calls"] > 0 for row in c.ask("codels").get("codels", [])[:1]]
         # The exception of a codel leaves a zombie, so it comes last.
@@ -130,7 +124,7 @@ def starts_at_once(program, work):
     other = subprocess.run([program, "--socket", served.path], capture_output=True, text=True)
     check("a socket at which a program listens is refused", other.returncode == 2 and served.path in other.stderr, other.stderr)
     served.process.send_signal(signal.SIGTERM)
-    check("SIGTERM ends it with 0", served.process.wait(timeout=60) == 0, served.process.returncode)
+    check("SIGTERM ends it with 0", served.process.wait(timeout=LONG) == 0, served.process.returncode)
 
 
 def other_safe_stop(program, work):
@@ -159,7 +153,7 @@ def apart(work):
     code, log = served.end()
     check("the program ends with 0", code == 0, code)
     check("safe_stop is called when the process has died", "STOP `armFall` of arm.Fall: the process of module arm ended by SIGABRT" in log, log)
-    check("the processes end with the program", not [name for name, pid in now.items() if runs(pid)], now)
+    check("the processes end with the program", until(lambda: not [name for name, pid in now.items() if runs(pid)]), now)
 
 
 def build(folder, *options):

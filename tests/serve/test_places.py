@@ -13,7 +13,7 @@ import sys
 import tempfile
 import time
 
-from checks import BIPC, check, finish
+from checks import BIPC, LONG, check, finish, until
 
 MODEL = pathlib.Path(__file__).resolve().parent / "counter.bip"
 NOBODY = 65534
@@ -38,9 +38,9 @@ class Served:
             self.tokens[role] = re.search("([0-9a-f]{32})$", self.server.stderr.readline().strip()).group(1)
 
     def connect(self):
-        if self.tokens: return socket.create_connection(("127.0.0.1", self.port), 10)
+        if self.tokens: return socket.create_connection(("127.0.0.1", self.port), LONG)
         s = socket.socket(socket.AF_UNIX)
-        s.settimeout(10)
+        s.settimeout(LONG)
         s.connect(self.path)
         return s
 
@@ -51,7 +51,7 @@ class Served:
 
     def end(self):
         self.server.terminate()
-        self.server.wait(20)
+        self.server.wait(LONG)
         self.server.stderr.close()
 
 
@@ -79,7 +79,7 @@ def is_open(s):
     except OSError:
         return False
     finally:
-        s.settimeout(10)
+        s.settimeout(LONG)
 
 
 # Observers at TCP, all of them at work: the operator comes in, and no more observers than there are places for them.
@@ -92,8 +92,7 @@ operators = [served.hello("operator") for _ in range(PLACES - FOR_LOWER_ROLES)]
 check("operators come in", all(answer.get("role") == "operator" for _, answer in operators), operators)
 check("nobody at work has lost a place", all(is_open(s) for s, _ in observers[:FOR_LOWER_ROLES]))
 observers[0][0].close()
-time.sleep(0.3)
-check("a place that is given up is an observer's again", served.hello("observer")[1].get("ok"))
+check("a place that is given up is an observer's again", until(lambda: served.hello("observer")[1].get("ok")))
 served.end()
 
 # At a Unix socket all are the user's own: the idlest goes, not one that is at work.
@@ -108,30 +107,36 @@ check("the idlest has gone", not is_open(crowd[0][0]))
 check("the others stay", is_open(first) and all(is_open(s) for s, _ in crowd[1:]))
 served.end()
 
-# At TCP a stranger takes no place of a client that was heard a moment ago, and takes one that is idle.
-served = Served("--idle-after", "1500ms", tcp=True)
-began = time.monotonic()
-operators = [served.hello("operator") for _ in range(PLACES)]
-is_early, answer = time.monotonic() - began < 1, served.hello("operator")[1]
-if is_early: check("not yet idle", answer == {}, answer)
-time.sleep(2)
+# At TCP a stranger takes no place of a client that was heard a moment ago, and takes one that is idle. A machine that needs longer than the limit to connect all gets a longer limit.
+for idle_after in (1.5, 6, 24, 96):
+    served = Served("--idle-after", f"{idle_after * 1000:.0f}ms", tcp=True)
+    began = time.monotonic()
+    operators = [served.hello("operator") for _ in range(PLACES)]
+    stranger, answer = served.hello("operator")
+    if time.monotonic() - began < idle_after: break
+    served.end()
+check("a stranger comes while nobody is idle yet", time.monotonic() - began < idle_after, idle_after)
+check("and is not let in", answer == {}, answer)
+time.sleep(idle_after + 0.5)
 check("busy ones stay", said(operators[0][0], {"do": "state"}).get("ok"))
 check("an idle one makes room", served.hello("operator")[1].get("ok"))
-check("the idlest one", is_open(operators[0][0]) and sum(not is_open(s) for s, _ in operators) in ({1} if is_early else {1, 2}))
+check("the idlest one", is_open(operators[0][0]) and sum(not is_open(s) for s, _ in operators) == 1)
 served.end()
 
 # Who says nothing is closed, who has said something is not.
-served = Served("--close-after", "500ms")
+served, patient = Served("--close-after", "500ms"), Served("--close-after", "3600s")
 talker, answer = served.hello()
-silent = served.connect()
+waits = patient.connect()
 began = time.monotonic()
-silent.settimeout(10)
+silent = served.connect()
 check("a silent one is closed", silent.recv(1) == b"")
 waited = time.monotonic() - began
-check("not before its time", waited > 0.4, waited)
-check("not after the default", waited < 8, waited)
+check("not before its time", waited >= 0.5, waited)
+time.sleep(2)  # longer than the server takes to look for silent ones again
+check("nor where silence may last longer", is_open(waits))
 check("a talker is not", answer.get("ok") and is_open(talker) and said(talker, {"do": "state"}).get("ok"))
 served.end()
+patient.end()
 refused = subprocess.run([BIPC, "serve", "--close-after", "0", str(MODEL)], stdin=subprocess.DEVNULL, capture_output=True, text=True)
 check("no limit of nothing", refused.returncode == 2 and "less than 1ms" in refused.stderr, refused)
 
@@ -147,7 +152,7 @@ def answer_to(user, path):
             os.setgid(user)
             os.setuid(user)
             s = socket.socket(socket.AF_UNIX)
-            s.settimeout(10)
+            s.settimeout(LONG)
             s.connect(path)
             told = b"0"
             s.sendall(b'{"do":"hello"}\n')

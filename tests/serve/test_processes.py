@@ -11,7 +11,7 @@ import subprocess
 import tempfile
 import time
 
-from checks import BIPC, Client, check, finish, processes_below, runs
+from checks import BIPC, LONG, Client, check, finish, processes_below, runs, until
 
 EYE = """module eye { number: 1; internal_data: DATA; };
 request Init { type: init; exec_task: Look; codel_main: eyeInit; };
@@ -97,7 +97,7 @@ class Level:
             time.sleep(0.02)
         here = os.getcwd()
         os.chdir(work)  # the path of a socket is short
-        self.client = Client("s", 20)
+        self.client = Client("s", LONG)
         os.chdir(here)
         self.client.ask("subscribe", requests=True)
         self.replies = {}
@@ -110,17 +110,14 @@ class Level:
 
     def stopped(self, *parts, since=0):
         """Is the safe-stop function called with these words? It runs beside everything else."""
-        end = time.monotonic() + 20
-        while not (found := [e for e in self.events()[since:] if e.startswith("stop: ") and all(p in e for p in parts)]) and time.monotonic() < end:
-            time.sleep(0.02)
-        return bool(found)
+        return bool(until(lambda: [e for e in self.events()[since:] if e.startswith("stop: ") and all(p in e for p in parts)]))
 
     def begin(self, service, input=""):
         answer = self.client.ask("request", service=service, input=input)
         assert answer["ok"], answer
         return answer["request"]
 
-    def reply(self, number, kind="final", seconds=20):
+    def reply(self, number, kind="final", seconds=LONG):
         end = time.monotonic() + seconds
         while (number, kind) not in self.replies and time.monotonic() < end:
             try:
@@ -177,25 +174,20 @@ def apart(work, *options):
     before = level.processes()
     stops = len(level.events())
     os.kill(before["wheel"], signal.SIGKILL)
-    end = time.monotonic() + 20
     # Nothing calls it now: no activity runs there.
-    while ("the process of module wheel ended by SIGKILL" not in level.log() or level.processes().get("wheel") in (None, before["wheel"])) and time.monotonic() < end:
-        time.sleep(0.02)
-    check("a death is noticed without a call", level.log().count("warning[R0050]: the process of module wheel ended by SIGKILL") == 1 and level.processes()["wheel"] != before["wheel"], level.log())
+    until(lambda: "the process of module wheel ended by SIGKILL" in level.log() and level.processes().get("wheel") not in (None, before["wheel"]))
+    check("a death is noticed without a call", level.log().count("warning[R0050]: the process of module wheel ended by SIGKILL") == 1 and level.processes().get("wheel") not in (None, before["wheel"]), level.log())
     check("and the robot is stopped", level.stopped("stop: the process of module wheel", since=stops), level.events())
     check("a process that is killed is replaced", level.ask("wheel.Count")["report"] in ("OK", "ACTIVITY_FAILED") and level.ask("wheel.Abort") and level.ask("wheel.Count")["report"] == "OK", level.log())
     before = level.processes()
     os.kill(before["bip-modules"], signal.SIGKILL)
-    end = time.monotonic() + 20
-    while level.processes().get("bip-modules") in (None, before["bip-modules"]) and time.monotonic() < end:
-        time.sleep(0.02)
-    check("so is the one that starts them, without a call", level.processes().get("bip-modules") not in (None, before["bip-modules"]), level.processes())
+    check("so is the one that starts them, without a call", until(lambda: level.processes().get("bip-modules") not in (None, before["bip-modules"])), level.processes())
     level.ask("wheel.Count"), level.ask("wheel.Abort")
     check("so are all of them", (got := level.ask("wheel.Count"))["report"] == "OK" and {"eye", "wheel", "bip-modules"} <= set(level.processes()), (got, level.log()))
     pids = level.processes()
     level.client.ask("shutdown")
-    check("the server ends well", level.server.wait(20) == 0, level.log())
-    check("and the processes with it", not [name for name, pid in pids.items() if os.path.exists(f"/proc/{pid}")], pids)
+    check("the server ends well", level.server.wait(LONG) == 0, level.log())
+    check("and the processes with it", until(lambda: not [name for name, pid in pids.items() if runs(pid)]), pids)
 
 
 def orphans(work):
@@ -205,10 +197,7 @@ def orphans(work):
     pids = level.processes()
     level.server.kill()
     level.server.wait()
-    end = time.monotonic() + 20
-    while (left := [name for name, pid in pids.items() if runs(pid)]) and time.monotonic() < end:
-        time.sleep(0.02)
-    check("a controller that is killed leaves no process", len(pids) == 3 and not left, left)
+    check("a controller that is killed leaves no process", len(pids) == 3 and until(lambda: not [name for name, pid in pids.items() if runs(pid)]), pids)
 
 
 def together(work):
@@ -217,7 +206,7 @@ def together(work):
         level = Level(work / fault)
         level.ask("eye.Init")
         level.begin(f"eye.{fault}")
-        check(f"{fault} ends all", (got := level.server.wait(20)) == code, got)
+        check(f"{fault} ends all", (got := level.server.wait(LONG)) == code, got)
 
 
 def main():

@@ -13,7 +13,7 @@ import sys
 import tempfile
 import time
 
-from checks import BIPC, Client, check, finish
+from checks import BIPC, LONG, Client, check, finish, until
 
 MODULE = """module {0} {{ number: {1}; internal_data: DATA; }};
 request Go {{ type: exec; exec_task: Motion; codel_main: {0}Go; codel_inter: {0}Brake; }};
@@ -68,7 +68,7 @@ class Level:
                                        stdout=self.output, stderr=subprocess.PIPE, text=True)
         line = self.server.stderr.readline()
         assert "listening" in line, line + self.server.stderr.read()
-        self.client = Client(self.path, 20)
+        self.client = Client(self.path, LONG)
         self.replies = {}  # number: [(what, report), ...]
         self.thrown = {}   # number: what its final reply tells of an exception
         self.order = []    # numbers by their final replies
@@ -82,14 +82,14 @@ class Level:
         answer = self.client.ask(do, **more)
         return None if answer["ok"] else answer["error"]
 
-    def listen(self, until, seconds=10):
-        """Until `until()` holds; False after so many seconds."""
+    def listen(self, holds, seconds=LONG):
+        """Until `holds()`; False after so many seconds."""
         end = time.monotonic() + seconds
-        while not until():
+        while not holds():
             try:
                 note = self.client.note(timeout=max(0.01, end - time.monotonic()))
             except TimeoutError:
-                return until()
+                return holds()
             if note["note"] == "request":
                 self.replies.setdefault(note["request"], []).append((note["reply"], note["report"]))
                 if note["reply"] == "final":
@@ -104,12 +104,6 @@ class Level:
     def stands_still(self):
         """Requests wait meanwhile: else each is read as soon as it comes."""
         return StandStill(self.client)
-
-    def waits_for(self, holds, seconds=10):
-        end = time.monotonic() + seconds
-        while not (it_does := holds()) and time.monotonic() < end:
-            time.sleep(0.02)
-        return it_does
 
     def accepted(self, number):
         self.listen(lambda: number in self.replies)
@@ -148,7 +142,7 @@ def main():
             exceptions(level)
             over_budget(level)
             level.client.ask("shutdown")
-        check("it ends with 0", level.server.wait(20) == 0)
+        check("it ends with 0", level.server.wait(LONG) == 0)
         codels_of_genom3(work)
         level.output.seek(0)
         told = level.output.read()
@@ -253,7 +247,7 @@ genom_event turnStart(double speed, genom_context self) { (void)self; printf("tu
                                        ("arm.go(401)", {"count": 5}, "TOO-FAST"), ("arm.turn(2)", {"speed": 8}, "OK"), ("arm.turn(9)", "", "TOO-MANY")):
             check(f"`{service}` with {input}: {report}", (got := level.final(level.ask(service, input))) == report, got)
         level.client.ask("shutdown")
-    check("it ends with 0", level.server.wait(20) == 0)
+    check("it ends with 0", level.server.wait(LONG) == 0)
     level.output.seek(0)
     told = [line for line in level.output.read().splitlines() if " gets " in line]
     check("codels get what rules have judged", told == ["go gets 20 and 3", "go gets 21 and 3", "go gets 22 and 4", "go gets 23.5 and 3", "turn gets 8"], told)
@@ -306,11 +300,11 @@ def taken_back(level):
     check("a number is asked for", "`request` is a number" in level.refusal("cancel", request="x"))
     turn = level.ask("south.Turn")
     level.accepted(turn)
-    with Client(level.path, 20) as other:
+    with Client(level.path, LONG) as other:
         check("another client hears of all, if it wants", other.ask("subscribe", requests=True)["ok"])
         check("and sees what runs", [row["request"] for row in other.ask("requests")["requests"]] == [turn])
         check("and may end it", other.ask("cancel", request=turn)["ok"])
-        told = [other.note(timeout=10) for _ in range(2)]
+        told = [other.note() for _ in range(2)]
         check("it is told", [(n["note"], n["service"], n["report"]) for n in told if n["request"] == turn] == [("request", "south.Turn", "ACTIVITY_INTERRUPTED")], told)
     check("an activity that is not there", level.final(level.ask("south.Abort(Fly)")) == "UNKNOWN_ACTIVITY", level.replies)
 
@@ -320,12 +314,12 @@ def floods(level):
     turn = level.ask("north.Turn")
     go = level.ask("north.Go(1)")
     check("two run", level.accepted(turn) == level.accepted(go) == ("intermediate", "OK"), level.replies)
-    with contextlib.ExitStack() as several, Client(level.path, 20) as crowd:
+    with contextlib.ExitStack() as several, Client(level.path, LONG) as crowd:
         with level.stands_still():
             taken, said = flood(crowd, "north.Mark")
             check("a flood is refused to who floods", 500 <= taken <= 502 and said == "full: 500 requests of this client wait for `north`, 500 in all", (taken, said))
             check("another client has its room", level.refusal(service="north.Mark") is None)
-            many = [several.enter_context(Client(level.path, 20)) for _ in range(12)]
+            many = [several.enter_context(Client(level.path, LONG)) for _ in range(12)]
             shares = [flood(client, "north.Mark")[0] for client in many]
             check("nor are others while many flood", min(shares) == 10 and sum(shares) < 1000 - taken + 10 * len(shares), shares)
             twenty, said = flood(crowd, "north.Stop")
@@ -343,10 +337,10 @@ def floods(level):
     with level.stands_still():
         # Each time as a new client: who has left keeps little.
         for _ in range(12):
-            with Client(level.path, 20) as crowd:
+            with Client(level.path, LONG) as crowd:
                 flood(crowd, "north.Mark")
                 flood(crowd, "north.Stop")
-            check("most of what has left is gone", level.waits_for(lambda: len(level.client.ask("requests")["requests"]) <= 104, 2), len(level.client.ask("requests")["requests"]))
+            check("most of what has left is gone", until(lambda: len(level.client.ask("requests")["requests"]) <= 104), len(level.client.ask("requests")["requests"]))
         check("and there is room", level.refusal(service="north.Mark") is None and level.refusal(service="north.Stop") is None)
     empties(level)
 
@@ -361,7 +355,7 @@ def flood(client, service):
 
 
 def empties(level):
-    check("then nothing waits", level.waits_for(lambda: not level.client.ask("requests")["requests"], 30), level.client.ask("requests")["requests"][:3])
+    check("then nothing waits", until(lambda: not level.client.ask("requests")["requests"]), level.client.ask("requests")["requests"][:3])
 
 
 def set_back(level):

@@ -24,6 +24,9 @@ import threading
 import time
 
 HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent))
+from patience import LONG, PATIENCE, until  # noqa: E402
+
 BIPC = os.environ.get("BIPC") or str(pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or HERE.parent.parent / "build") / "bipc")
 count = int(sys.argv[1]) if len(sys.argv) > 1 else 20000
 seed = int(sys.argv[2]) if len(sys.argv) > 2 else 1
@@ -31,24 +34,21 @@ rng = random.Random(seed)
 path = os.path.join(tempfile.mkdtemp(), "s")
 server = subprocess.Popen([BIPC, "serve", "--backend", "interp", "--socket", path, str(HERE / "counter.bip")], stderr=subprocess.DEVNULL)
 atexit.register(lambda: server.kill())
-for _ in range(3000):
-    if os.path.exists(path):
-        break
-    assert server.poll() is None, "it does not begin"
-    time.sleep(0.02)
+until(lambda: os.path.exists(path) or server.poll() is not None)
+assert server.poll() is None, "it does not begin"
 
 
 def connect():
     s = socket.socket(socket.AF_UNIX)
-    s.settimeout(20)
-    for _ in range(500):
+    s.settimeout(LONG)
+    def is_connected():
         try:
             s.connect(path)
-            return s
         except ConnectionRefusedError:
-            # Bound, and not yet listening.
-            time.sleep(0.02)
-    raise AssertionError("nobody listens")
+            return False  # bound, and not yet listening
+        return True
+    assert until(is_connected), "nobody listens"
+    return s
 good = connect(); reader = good.makefile("rb")
 def ask(**request):
     good.sendall(json.dumps(request).encode() + b"\n")
@@ -94,7 +94,6 @@ is_over = threading.Event()
 def keep_asking():
     global asked, slowest
     s = connect()
-    s.settimeout(60)
     lines = s.makefile("rb")
     try:
         while not is_over.is_set():
@@ -120,7 +119,6 @@ while sent < count:
     assert not trouble, trouble
     if settled == 0 and sent >= count // 4: settled = memory()
     s = connect()
-    s.settimeout(5)
     try:
         how = rng.randrange(10)
         lines = [noise() for _ in range(rng.randrange(1, 200))]
@@ -154,8 +152,7 @@ good.sendall(b'{"do":"hello","id":' + b"[" * 16 + b"]" * 16 + b"}\n")
 assert "in one another" in json.loads(reader.readline())["error"]
 ask(do="resume")
 assert ask(do="post", port="c.add", values=[1])["ok"]
-time.sleep(0.5)
-assert ask(do="state", atoms=["ROOT.c"])["atoms"]["ROOT.c"]["data"]["count"] >= before + 1
+assert until(lambda: ask(do="state", atoms=["ROOT.c"])["atoms"]["ROOT.c"]["data"]["count"] >= before + 1)
 # Notes of one port alone, with its values.
 assert ask(do="subscribe", ports=["c.add"])["ok"]
 assert ask(do="subscribe", ports="c.add")["ok"] is False
@@ -169,14 +166,17 @@ assert ask(do="unsubscribe")["ok"]
 rss = memory()
 # Events that wait while others pause the model, and buffers of the largest lines: some MiB that do not become more.
 assert rss - settled < 12 * 1024, f"{settled} kB after a quarter of the lines, {rss} kB at the end"
-fds = len(os.listdir(f"/proc/{server.pid}/fd"))
+def open_files():
+    return len(os.listdir(f"/proc/{server.pid}/fd"))
+until(lambda: open_files() < 40)  # it may not have seen yet that the last clients are gone
+fds = open_files()
 assert fds < 40, f"{fds} files are open"
 assert ask(do="shutdown")["ok"]
-assert server.wait(10) == 0, server.returncode
+assert server.wait(LONG) == 0, server.returncode
 
 # More clients than files may be open: those who are in are answered, nothing spins, and when some leave others come in.
 # UBSan needs files of its own to look at objects, and takes what it cannot see for a bad one.
-if os.environ.get("BIPC_TEST_PATIENCE", "1") == "1":
+if PATIENCE == 1:
     path = os.path.join(tempfile.mkdtemp(), "s")
     server = subprocess.Popen([BIPC, "serve", "--backend", "interp", "--socket", path, str(HERE / "counter.bip")], stderr=subprocess.DEVNULL,
                               preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (32, 32)))
@@ -190,7 +190,7 @@ if os.environ.get("BIPC_TEST_PATIENCE", "1") == "1":
     crowd = []
     for _ in range(15):
         crowd.append(socket.socket(socket.AF_UNIX))
-        crowd[-1].settimeout(2)
+        crowd[-1].settimeout(LONG)
         crowd[-1].connect(path)
     time.sleep(0.2)
     before = ticks()
@@ -199,11 +199,16 @@ if os.environ.get("BIPC_TEST_PATIENCE", "1") == "1":
     assert spent < 30, f"{spent} ticks of the processor in a second, with nothing to do"
     assert ask(do="hello")["ok"]
     for s in crowd: s.close()
-    time.sleep(0.3)
-    good = connect(); reader = good.makefile("rb")
-    assert ask(do="hello")["ok"]
+    def is_let_in():
+        global good, reader
+        good = connect(); reader = good.makefile("rb")
+        try:
+            return ask(do="hello")["ok"]
+        except (OSError, ValueError):
+            return False  # the server has not seen yet that the others are gone
+    assert until(is_let_in), "nobody comes in when others have left"
     assert ask(do="shutdown")["ok"]
-    assert server.wait(10) == 0, server.returncode
+    assert server.wait(LONG) == 0, server.returncode
 # TCP: a port of this machine alone, the one that was asked for and no other; without being asked none is opened.
 def listening(process):
     """The TCP addresses at which it listens, as /proc has them: 0100007F is 127.0.0.1."""
@@ -225,7 +230,7 @@ assert re.fullmatch("[0-9a-f]{32}", token), told
 assert listening(server) == [f"0100007F:{port:04X}"], listening(server)
 def told_by(data):
     """What a new connection that sends the bytes is told until the server ends it."""
-    with socket.create_connection(("127.0.0.1", port), 5) as s:
+    with socket.create_connection(("127.0.0.1", port), LONG) as s:
         s.sendall(data)
         told = b""
         try:
@@ -240,14 +245,14 @@ for first in (b'{"do":"shutdown"}\n', b'{"do":"hello"}\n', b'{"do":"hello","toke
     assert answer.count(b"\n") == 1 and b'"ok":false' in answer and b"token" in answer, answer
 page = b"POST / HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n" + b'{"do":"hello","token":"%s"}\n{"do":"shutdown"}\n' % token.encode()
 assert told_by(page) == b"", "a web page is answered"
-good = socket.create_connection(("127.0.0.1", port), 20); reader = good.makefile("rb")
+good = socket.create_connection(("127.0.0.1", port), LONG); reader = good.makefile("rb")
 assert ask(do="hello", token=token)["role"] == "operator"
 roles = {}
 for _ in range(2):
     role, given = re.fullmatch("bipc: token of (requester|observer)s ([0-9a-f]{32})", server.stderr.readline().strip()).groups()
     roles[role] = given
 for role, may in (("observer", ["state"]), ("requester", ["state", "post"])):
-    some = socket.create_connection(("127.0.0.1", port), timeout=10).makefile("rw")
+    some = socket.create_connection(("127.0.0.1", port), timeout=LONG).makefile("rw")
     print(json.dumps({"do": "hello", "token": roles[role]}), file=some, flush=True)
     assert json.loads(some.readline())["role"] == role
     for request in ({"do": "state"}, {"do": "post", "port": "c.add", "values": [1]}, {"do": "pause"}, {"do": "restore", "snapshot": 0}, {"do": "shutdown"}, {"do": "hello", "role": "operator"}):
@@ -255,26 +260,26 @@ for role, may in (("observer", ["state"]), ("requester", ["state", "post"])):
         answer = json.loads(some.readline())
         assert answer["ok"] == (request["do"] in may), (role, request, answer)
     some.close()
-other = socket.create_connection(("127.0.0.1", port), 20)
+other = socket.create_connection(("127.0.0.1", port), LONG)
 other.sendall(b'{"do":"hello","token":"%s"}\n{"do":"post","port":"c.add","values":[1]' % token.encode())
 other.close()
 # Ninety who say nothing do not keep out who has the token.
-silent = [socket.create_connection(("127.0.0.1", port), 20) for _ in range(90)]
-late = socket.create_connection(("127.0.0.1", port), 20)
+silent = [socket.create_connection(("127.0.0.1", port), LONG) for _ in range(90)]
+late = socket.create_connection(("127.0.0.1", port), LONG)
 late.sendall(b'{"do":"hello","id":1,"token":"%s"}\n' % token.encode())
 assert json.loads(late.makefile("rb").readline())["ok"]
 assert ask(do="hello")["ok"]
 for s in silent + [late]: s.close()
 assert ask(do="post", port="c.add", values=[1])["ok"]
 assert ask(do="shutdown")["ok"]
-assert server.wait(10) == 0, server.returncode
+assert server.wait(LONG) == 0, server.returncode
 server = subprocess.Popen([BIPC, "serve", "--backend", "interp", str(HERE / "counter.bip")], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
 server.stdin.write(b'{"do":"hello"}\n')
 server.stdin.flush()
 assert json.loads(server.stdout.readline())["ok"]
 assert listening(server) == [], listening(server)
 server.stdin.close()
-assert server.wait(10) == 0, server.returncode
+assert server.wait(LONG) == 0, server.returncode
 # Texts of events are freed when no state refers to them any more: 100,000 of them took 61 MB.
 TEXTS = HERE / "texts.bip"
 server = subprocess.Popen([BIPC, "serve", "--backend", "interp", str(TEXTS)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
@@ -298,7 +303,7 @@ text = answer["atoms"]["ROOT.c"]["data"]["text"]
 assert text == text[:len(text) // 40] * 40 and text[:len(text) // 40].isdigit(), text
 server.stdin.close()
 server.stdout.read()
-assert server.wait(20) == 0, server.returncode
+assert server.wait(LONG) == 0, server.returncode
 # The socket is the user's alone; what is there already is not removed, unless it is a socket at which nobody listens.
 def serve_at(path, **more):
     return subprocess.Popen([BIPC, "serve", "--backend", "interp", "--socket", path, str(HERE / "counter.bip")], stderr=subprocess.PIPE, text=True, **more)
@@ -313,7 +318,7 @@ for content in ("file", "listener", "link"):
     if content == "link": os.symlink("/dev/null", path)
     before = os.lstat(path)
     server = serve_at(path)
-    said = server.communicate(timeout=20)[1]
+    said = server.communicate(timeout=LONG)[1]
     assert server.returncode == 2 and "cannot listen" in said, (content, server.returncode, said)
     assert os.lstat(path).st_ino == before.st_ino, content
     if content == "listener": busy.close()
@@ -323,7 +328,7 @@ dead.bind(path)
 dead.close()
 notify = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
 notify.bind(os.path.join(folder, "notify"))
-notify.settimeout(20)
+notify.settimeout(LONG)
 server = serve_at(path, stdin=subprocess.PIPE, env={**os.environ, "NOTIFY_SOCKET": os.path.join(folder, "notify")})
 assert notify.recv(100) == b"READY=1"
 assert os.stat(path).st_mode & 0o777 == 0o600, oct(os.stat(path).st_mode)
@@ -331,7 +336,7 @@ assert os.stat(path).st_mode & 0o777 == 0o600, oct(os.stat(path).st_mode)
 good = connect(); reader = good.makefile("rb")
 assert ask(do="hello")["ok"]
 server.stdin.close()
-assert server.wait(10) == 0, server.returncode
+assert server.wait(LONG) == 0, server.returncode
 assert not os.path.exists(path)
 # A client that cannot be told anything any more is gone: nothing is left that runs for nobody.
 for _ in range(5):
@@ -339,13 +344,13 @@ for _ in range(5):
     server.stdout.close()
     server.stdin.write(b'{"do":"subscribe"}\n' * 9)
     server.stdin.flush()
-    assert server.wait(10) == 0, server.returncode
+    assert server.wait(LONG) == 0, server.returncode
 # Answers to what was asked before `shutdown` come, and a terminal's flags are as before.
 first, second = socket.socketpair()
 server = subprocess.Popen([BIPC, "serve", "--backend", "interp", str(HERE / "counter.bip")], stdin=second, stdout=second, stderr=subprocess.DEVNULL)
-first.settimeout(20)
+first.settimeout(LONG)
 first.sendall(b"".join(b'{"do":"state","id":%d}\n' % k for k in range(100)) + b'{"do":"shutdown","id":100}\n')
-assert server.wait(10) == 0, server.returncode
+assert server.wait(LONG) == 0, server.returncode
 assert not fcntl.fcntl(second, fcntl.F_GETFL) & os.O_NONBLOCK
 second.close()
 assert sorted(json.loads(line)["id"] for line in first.makefile("rb")) == list(range(101))
@@ -353,7 +358,7 @@ for signal_ in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
     server = serve_at(path)
     server.stderr.readline()
     server.send_signal(signal_)
-    assert server.wait(10) == 0 and not os.path.exists(path), (signal_, server.returncode)
+    assert server.wait(LONG) == 0 and not os.path.exists(path), (signal_, server.returncode)
 # Other clients end while the answer to `shutdown` is on its way: it comes all the same. It was lost in 4 of 100 rounds.
 for _ in range(60):
     os.path.exists(path) and os.unlink(path)
@@ -372,7 +377,7 @@ for _ in range(60):
     for other in others[3:]:
         other.close()
     assert json.loads(reader.readline())["ok"]
-    assert server.wait(10) == 0, server.returncode
+    assert server.wait(LONG) == 0, server.returncode
 print("serve: 1 passed, 0 failed")
 print(f"{sent} lines in {time.time() - started:.1f} s, {settled} kB after a quarter of them, {rss} kB and {fds} files at the end, clean exit; "
       f"{asked} questions beside them, the slowest answer took {slowest * 1000:.0f} ms")

@@ -9,7 +9,7 @@ import subprocess
 import sys
 import tempfile
 
-from checks import BIPC, Client, ROOT, check, finish
+from checks import BIPC, LONG, Client, ROOT, check, finish
 
 
 class Served:
@@ -20,12 +20,12 @@ class Served:
         assert "listening" in self.server.stderr.readline(), self.server.stderr.read()
 
     def __enter__(self):
-        self.client = Client(self.path, 20)
+        self.client = Client(self.path, LONG)
         return self.client
 
     def __exit__(self, *_):
         self.client.ask("shutdown")
-        check("the server ends with 0", self.server.wait(20) == 0, self.server.returncode)
+        check("the server ends with 0", self.server.wait(LONG) == 0, self.server.returncode)
         self.server.stderr.close()
 
 
@@ -96,7 +96,7 @@ with Served(ROOT / "models/classic/philosophers.bip", "--paused") as model:
     saved = model.ask("snapshot")["snapshot"]
     check("a breakpoint", model.ask("break", ports=["phil[3].take_left"])["ok"])
     check("the model runs", model.ask("resume")["ok"])
-    note = model.note(20)
+    note = model.note()
     check("it pauses there", note["note"] == "break" and note["interaction"] == "ROOT.table.left[3]", note)
     answer = model.ask("state", atoms=["table.phil[3]"])
     check("the state after that step", answer["paused"] and answer["atoms"]["ROOT.table.phil[3]"]["place"] == "HAS_LEFT", answer)
@@ -106,16 +106,16 @@ with Served(ROOT / "models/classic/philosophers.bip", "--paused") as model:
 
     # Another client's breakpoint; then the deadlock ends the run, and who waits at a breakpoint is told.
     check("restored", model.ask("restore", snapshot=saved)["ok"])
-    with Client(model.socket.getpeername(), 20) as other:
+    with Client(model.socket.getpeername(), LONG) as other:
         check("a breakpoint of another client", other.ask("break", interactions=["table.left[3]"])["ok"])
         check("a step of this one", fire(model, "ROOT.table.left[3]")["ok"])
-        note = other.note(20)
+        note = other.note()
         check("the other one is told", note["note"] == "break" and note["interaction"] == "ROOT.table.left[3]", note)
         check("a breakpoint that is not reached", other.ask("break", interactions=["table.nobody"])["ok"])
         for k in (0, 1, 2, 4):
             check(f"left[{k}]", fire(model, f"ROOT.table.left[{k}]")["ok"])
         check("on to the end", model.ask("resume")["ok"])
-        note = other.note(20)
+        note = other.note()
         check("the end is told", note["note"] == "end" and note["outcome"] == "deadlock", note)
 
 with Served(ROOT / "models/tutorial/filter.bip", "--paused") as model:
@@ -132,7 +132,7 @@ with Served(ROOT / "models/classic/philosophers_safe.bip", "--paused", "--root",
     for k in range(3):
         check("it runs freely", model.ask("resume")["ok"])
         for _ in range(20_000):
-            model.note(20)
+            model.note()
         model.notes.clear()
         check("it pauses when it is asked to", model.ask("pause")["ok"])
         check("no more than those that waited are told before the answer", len(model.notes) < 30_000, len(model.notes))

@@ -1,23 +1,26 @@
 #!/usr/bin/env python3
 """Codels in threads, for which their tasks wait (`bipc genom --task-threads`, compiler/docs/genom.md): a slow one holds up its task and who needs its
 data, and nothing else. Both generations of GenoM, one lock a module and one a datum; without the option the same codels hold up everything,
-so that the test shows what it is for. Python's library only. The last line is "task threads: N passed, N failed".
+so that the test shows what it is for. A slow codel takes until the test lets it go (`Gate`), so no check depends on how fast the machine is. Python's library only. The last line is "task threads: N passed, N failed".
 """
 import os
 import pathlib
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 
-from checks import BIPC, Client, check, finish
+from checks import BIPC, LONG, Client, check, finish, until
+
+WCET = 2.0  # s of slowStart: far more than a codel of 100 ms takes on a loaded machine
 
 SLOW = """component slow {
   ids { long count; long other; };
   task heavy { period 500 ms; codel<start> slowTask(ids in other) yield pause::start; };
   activity think(in long ms, out long counted) {
     task heavy;
-    codel<start> slowStart(in ms, ids inout count, out counted) yield again, ether wcet 400 ms;
+    codel<start> slowStart(in ms, ids inout count, out counted) yield again, ether wcet 2000 ms;
     codel<again> slowAgain(ids inout count) yield pause::again, ether;
     codel<stop> slowStop(ids out count) yield ether;
     interrupts think;
@@ -39,18 +42,33 @@ when slow.think.late run slow.rest;
 """
 C = """#include "acslow.h"
 #include "acquick.h"
+#include <stdio.h>
 #include <time.h>
+#include <unistd.h>
 
 static void nap(long ms)
 {
   struct timespec t = { ms / 1000, ms % 1000 * 1000000 };
   nanosleep(&t, NULL);
 }
+static void touch(const char *name)
+{
+  FILE *file = fopen(name, "w");
+  if (file) fclose(file);
+}
+/* Until the test opens the gate; not for ever, if the test fails. */
+static void pass_gate(void)
+{
+  touch("inside");
+  for (int k = 0; k < 4000 && access("shut", F_OK) == 0; ++k) nap(5);
+  touch("left");
+}
 genom_event slowTask(int32_t other, genom_context self) { (void)other, (void)self; return slow_pause_start; }
 genom_event slowStart(int32_t ms, int32_t *count, int32_t *counted, genom_context self)
 {
   (void)self;
-  nap(ms);
+  if (access("shut", F_OK) == 0) pass_gate();
+  else nap(ms);
   *counted = ++*count;
   return ms >= 1000 ? slow_again : slow_ether;
 }
@@ -71,6 +89,8 @@ exec_task Fast { period: 1; codel_task_main: livelyFast; };
 CPP = """#include "old_codels.hpp"
 #include <atomic>
 #include <chrono>
+#include <cstdio>
+#include <filesystem>
 #include <thread>
 static std::atomic<int> ticks, naps, inside;
 static std::atomic<bool> overlaps;
@@ -79,9 +99,25 @@ static void nap(int ms) {
   std::this_thread::sleep_for(std::chrono::milliseconds(ms));
   --inside;
 }
+static bool is_shut() { return std::filesystem::exists("shut"); }
+static void touch(const char* name) {
+  if (std::FILE* file = std::fopen(name, "w")) std::fclose(file);
+}
+// Until the test opens the gate; not for ever, if the test fails.
+static void pass_gate() {
+  touch("inside");
+  if (++inside > 1) overlaps = true;
+  for (int k = 0; k < 4000 && is_shut(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  --inside;
+  touch("left");
+}
 int oldGo(int&) { nap(300); return 2; }
 int oldInter(int&) { return overlaps ? 201 : 0; }
-int oldMotion() { nap(++naps % 4 == 0 ? 250 : 1); return 0; }
+int oldMotion() {
+  if (is_shut()) pass_gate();
+  nap(++naps % 4 == 0 ? 250 : 1);
+  return 0;
+}
 int livelyCount(int&) { return 0; }
 int livelyFast() { ++ticks; return 0; }
 void request_asked(const char*, const char*) {}
@@ -94,15 +130,32 @@ extern "C" const char* bip_poster_value(const char* poster) {
 """
 
 
+class Gate:
+    """Holds the next slow codel; files in the folder in which the level runs."""
+
+    def __init__(self, work):
+        self.shut, self.inside, self.left = (pathlib.Path(work, name) for name in ("shut", "inside", "left"))
+        for file in (self.inside, self.left):
+            file.unlink(missing_ok=True)
+        self.shut.touch()
+
+    def holds(self):
+        """Is a codel inside? It would leave after 20 s if nobody opened the gate."""
+        return self.inside.exists() and not self.left.exists()
+
+    def open(self):
+        self.shut.unlink()
+
+
 class Level:
     def __init__(self, work, model):
-        self.notes = []
+        self.notes, self.work = [], work
         self.socket = os.path.join(work, "s")
         self.process = subprocess.Popen([BIPC, "serve", model, "--asap", "--policy", "fair", "--seed", "1", "--late-after", "0", "--socket", self.socket], cwd=work, stderr=subprocess.DEVNULL)
         while True:
             assert self.process.poll() is None, "bipc serve has ended"
             try:
-                self.client = Client(self.socket, 60)
+                self.client = Client(self.socket, LONG)
                 return
             except (FileNotFoundError, ConnectionRefusedError):
                 time.sleep(0.02)
@@ -117,7 +170,7 @@ class Level:
         def is_it(note):
             return note["note"] == "request" and note["request"] == number and note["reply"] == reply
         while not any(map(is_it, self.notes)):
-            self.notes.append(self.client.note(timeout=20))
+            self.notes.append(self.client.note(timeout=LONG))
         note = next(filter(is_it, self.notes))
         self.notes.remove(note)
         return note
@@ -147,16 +200,14 @@ def ticks_of_genom3(level):
     return level.ask("quick.get_ticks")["output"]["ticks"]
 
 
-def genom3(level):
-    """A codel sleeps for 1.2 s in a task of 500 ms; the other component counts every 10 ms."""
+def think(level):
+    """A codel that is held at a gate, in a task of 500 ms; the other component counts every 10 ms."""
     ticks_of_genom3(level)
+    gate = Gate(level.work)
     thinks = level.begin("slow.think", ms=1200)
     level.next(thinks, "intermediate")
-    time.sleep(0.6)  # its codel sleeps by now, and goes on for a while
-    began = time.monotonic()
-    before = ticks_of_genom3(level)
-    time.sleep(0.2)
-    return thinks, ticks_of_genom3(level) - before, time.monotonic() - began
+    check("a codel is slow", until(gate.holds))
+    return gate, thinks
 
 
 def model_of_genom3(work, *options):
@@ -167,13 +218,20 @@ def model_of_genom3(work, *options):
 
 
 def test_genom3(level):
-    thinks, counted, seconds = genom3(level)
-    check("another component goes on", counted >= 15 and seconds < 0.5, (counted, seconds))
-    began = time.monotonic()
-    check("its component answers what needs nothing that the codel has", level.ask("slow.get_other")["report"] == "OK" and time.monotonic() - began < 0.2)
-    got = level.ask("slow.get_count")
-    check("what needs its data waits for it", got["output"]["count"] == 1 and time.monotonic() - began > 0.02, got)
-    # Late by 800 ms: `rest` interrupts it.
+    gate, thinks = think(level)
+    begun = time.monotonic()
+    before = ticks_of_genom3(level)
+    check("another component goes on", until(lambda: ticks_of_genom3(level) >= before + 15) and gate.holds(), before)
+    check("its component answers what needs nothing that the codel has", level.ask("slow.get_other")["report"] == "OK" and gate.holds())
+    time.sleep(max(0, begun + WCET + 0.1 - time.monotonic()))
+    counts = level.begin("slow.get_count")
+    time.sleep(0.3)
+    check("what needs its data waits for it", any(row["request"] == counts for row in level.client.ask("requests")["requests"]) and gate.holds(), level.client.notes)
+    gate.open()
+    got = level.next(counts, "final")
+    # -1 if its stop codel was there first.
+    check("until it has returned", got["output"]["count"] in (1, -1), got)
+    # Late: `rest` interrupts it.
     ended = level.next(thinks, "final")
     check("a rule hears that it was late", ended["report"] == "interrupted" and ended["output"]["counted"] == 1, ended)
     check("and its stop codel has run", level.ask("slow.get_count")["output"]["count"] == -1)
@@ -187,8 +245,15 @@ def test_genom3(level):
 
 
 def test_without(level):
-    thinks, counted, seconds = genom3(level)
-    check("without threads all wait for the codel", seconds > 0.4, (counted, seconds))
+    gate, thinks = think(level)
+    answers = []
+    asks = threading.Thread(target=lambda: answers.append(ticks_of_genom3(level)))
+    asks.start()
+    time.sleep(WCET + 0.1)
+    check("without threads all wait for the codel", not answers and gate.holds(), answers)
+    gate.open()
+    asks.join()
+    check("until it has returned", len(answers) == 1, answers)
     level.next(thinks, "final")
     check("it ends, too", level.end() == 0)
 
@@ -207,15 +272,13 @@ def model_of_genom2(work, lock, *options):
 def test_genom2(level, lock):
     goes = level.begin("old.Go")
     level.next(goes, "intermediate")
-    time.sleep(0.5)
-    before, most = ticks_of_genom2(level), 0
-    for _ in range(10):
-        began = time.monotonic()
-        report = level.ask("lively.Count")["report"]
-        most = max(most, time.monotonic() - began) if report == "OK" else 100
-        time.sleep(0.05)
-    counted = ticks_of_genom2(level) - before
-    check(f"lock {lock}: a module goes on while codels of another sleep for longer than their period", counted >= 40 and most < 0.2, (counted, most))
+    gate = Gate(level.work)
+    check(f"lock {lock}: a codel of the task sleeps", until(gate.holds))
+    before = ticks_of_genom2(level)
+    reports = [level.ask("lively.Count")["report"] for _ in range(10)]
+    goes_on = until(lambda: ticks_of_genom2(level) >= before + 40)
+    check(f"lock {lock}: a module goes on while codels of another sleep for longer than their period", reports == ["OK"] * 10 and goes_on and gate.holds(), reports)
+    gate.open()
     stopped = level.ask("old.Stop")
     ended = level.next(goes, "final")
     check(f"lock {lock}: it can be stopped, and its codels never overlap", stopped["report"] == "OK" and ended["report"] == "ACTIVITY_INTERRUPTED", (stopped, ended))
