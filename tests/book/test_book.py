@@ -30,7 +30,7 @@ BOOK = ROOT / "compiler/docs/book"
 INSTALL = "sudo apt install ./bipc_*.deb"
 COPY = f"cp -r {os.environ.get('BIPC_MODELS') or ROOT / 'models'}/tutorial models && cd models"
 MOST_COMMANDS = 12
-MOST_SECONDS = 60  # of each walk: 1 or 2 here, more under sanitizers
+MOST_SECONDS = 120 * float(os.environ.get("BIPC_TEST_PATIENCE") or 1)  # of each command, so that one which hangs is reported
 DEADLOCK = r"2 components wait for each other"
 # An editor's work: Bob begins with the knife.
 REPAIR = "sed -i 's/bob.take_first, board/bob.take_first, knife/; s/bob.take_second, knife/bob.take_second, board/' kitchen.bip"
@@ -87,8 +87,6 @@ def test_walks():
         start = time.monotonic()
         problem = problem_of_walk(commands)
         seconds = time.monotonic() - start
-        if not problem and seconds > MOST_SECONDS:
-            problem = f"takes {seconds:.0f} s, more than {MOST_SECONDS}"
         print(f"  {name}: {len(commands)} commands, {seconds:.1f} s")
         yield name, problem
 

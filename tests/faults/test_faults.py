@@ -466,7 +466,7 @@ def inputs():
         reader = subprocess.Popen(["cat", str(place.files / "pipe")], stdout=copy)
         done = place.run("build -O0 -o pipe m.bip")
         if done.returncode != 0 or not (place.files / "pipe").is_fifo(): reader.kill()
-        reader.wait(timeout=60)
+        reader.wait(timeout=TIMEOUT)
     good("a program is written into a pipe", done.returncode == 0 and (place.files / "program").read_bytes()[:4] == b"\x7fELF" and not place.litter(), f"{done.returncode} {done.stderr}")
     # A folder that is removed before it is written has no input of the command in it, and is one that it has made.
     (place.files / "left/ffi").mkdir(parents=True)
@@ -563,10 +563,10 @@ def waits_for_events():
         time.sleep(0.2)
         child.send_signal(how)
         try:
-            child.wait(timeout=10)
+            child.wait(timeout=TIMEOUT)
         except subprocess.TimeoutExpired:
             child.kill()
-            return fail(what, "it has not ended 10 s later")
+            return fail(what, f"it has not ended {TIMEOUT} s later")
         finally:
             to.close()
         out = child.stdout.read()
@@ -652,7 +652,7 @@ def killed_record(place):
     (place.files / "slowly").write_text(events)
     child = subprocess.Popen([BIPC, *"run --backend interp --silent --relaxed --speed 1 --events slowly --record killed e.bip".split()], cwd=place.files, env=place.environment,
                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    record, until = place.files / "killed", time.monotonic() + 60
+    record, until = place.files / "killed", time.monotonic() + TIMEOUT
     while not (record.exists() and record.read_bytes().count(b"c.add") >= 8) and child.poll() is None and time.monotonic() < until: time.sleep(0.02)
     recorded = record.read_bytes().count(b"c.add")
     child.kill()

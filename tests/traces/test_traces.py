@@ -24,6 +24,8 @@ from mcap import Mcap
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 sys.path.insert(0, str(ROOT / "tools"))
+sys.path.insert(0, str(ROOT / "tests"))
+from patience import LONG, until  # noqa: E402
 from serve_client import Client  # noqa: E402
 
 BIPC = os.environ.get("BIPC") or str(pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build") / "bipc")
@@ -46,11 +48,15 @@ def served(model, limit, form, folder):
     path, socket = folder / form, str(folder / "socket")
     server = subprocess.Popen([BIPC, "serve", "--backend", "interp", "--seed", "5", "--asap", "--speed", "1000", "--paused", "--socket", socket,
                                "--trace", str(path), "--trace-format", form, str(ROOT / model)])
-    while not os.path.exists(socket):
+    def connected():
         assert server.poll() is None, "serve has ended"
-        time.sleep(0.02)
-    time.sleep(0.1)
-    with Client(socket, 60) as client:
+        try:
+            return Client(socket, LONG)
+        except (FileNotFoundError, ConnectionRefusedError):
+            return None
+    client = until(connected)
+    assert client, "nobody listens"
+    with client:
         def walk(count):
             before = client.ask("state", atoms=[])["steps"]
             assert client.ask("step", count=count)["ok"]
@@ -61,7 +67,7 @@ def served(model, limit, form, folder):
         assert client.ask("restore", snapshot=first)["ok"]
         walk(limit)
         assert client.ask("shutdown")["ok"]
-    assert server.wait(20) == 0
+    assert server.wait(LONG) == 0
     os.unlink(socket) if os.path.exists(socket) else None
     return path.read_bytes()
 
@@ -158,7 +164,7 @@ def check_read_back(run, folder):
     lines, rng = (folder / "json").read_bytes(), random.Random(7)
 
     def bipc(*arguments):
-        return subprocess.run([BIPC, "trace", *arguments[:1], model, *arguments[1:], *options], capture_output=True, timeout=60)
+        return subprocess.run([BIPC, "trace", *arguments[:1], model, *arguments[1:], *options], capture_output=True, timeout=LONG)
 
     for form, more in (("mcap", []), ("mcap", ["--compress"]), ("perfetto", [])):
         out, back = folder / "exported", folder / "back"

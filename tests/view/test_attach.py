@@ -18,7 +18,7 @@ import tempfile
 import threading
 import time
 
-from web_client import Model, Page, Run, Served
+from web_client import LONG, Model, Page, Run, Served
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(ROOT / "tools/python/bipc"))
@@ -63,7 +63,7 @@ class Watched:
 
     def until(self, what, holds):
         """Reads notes until it holds."""
-        end = time.monotonic() + 20
+        end = time.monotonic() + LONG
         while not holds():
             if time.monotonic() > end:
                 check(what, False, self.model, self.run.texts()[-5:], self.run.candidates[-1:])
@@ -141,7 +141,7 @@ def deadlock():
         other = Watched(served)
         other.until("a second page has the run", lambda: other.model == w.model and len(other.run.steps) == len(w.run.steps))
         check("and its names", other.run.names == w.run.names and other.run.steps == w.run.steps)
-        with Client(model.where, 20) as client:
+        with Client(model.where, LONG) as client:
             before = w.model["steps"]
             check("another client steps", client.ask("step", count=1)["ok"])
             for page in (w, other):
@@ -192,9 +192,9 @@ def running():
         w.until("it runs again", lambda: not w.model["paused"])
         w.page.close()
         # The model ends, and with it the page's server.
-        with Client(model.where, 20) as client:
+        with Client(model.where, LONG) as client:
             client.ask("shutdown")
-        check("the page's server ends with the model", served.process.wait(20) == 0, served.process.returncode)
+        check("the page's server ends with the model", served.process.wait(LONG) == 0, served.process.returncode)
 
 
 def texts():
@@ -202,7 +202,7 @@ def texts():
     def resident(process):
         return int(re.search(r"VmRSS:\s+(\d+)", pathlib.Path(f"/proc/{process.pid}/status").read_text())[1])
 
-    with Model(BIPC, TEXTS) as model, Served(BIPC, "--attach", model.where, TEXTS) as served, Client(model.where, 20) as client:
+    with Model(BIPC, TEXTS) as model, Served(BIPC, "--attach", model.where, TEXTS) as served, Client(model.where, LONG) as client:
         w = Watched(served)
         w.until("the model is seen", lambda: w.model and w.first)
         before = []
@@ -220,7 +220,7 @@ def texts():
 
 def clocks():
     """Clocks of a model with time: what a page computes from its notes is what the model says, after each of its steps."""
-    with Model(BIPC, TRAINS, "--paused") as model, Served(BIPC, "--attach", model.where, TRAINS) as served, Client(model.where, 20) as client:
+    with Model(BIPC, TRAINS, "--paused") as model, Served(BIPC, "--attach", model.where, TRAINS) as served, Client(model.where, LONG) as client:
         w = Watched(served)
         w.until("the candidates of the initial state come", lambda: w.model and w.choices())
         shown = client.ask("state")["atoms"]
@@ -251,7 +251,7 @@ def clocks():
 
 def large():
     """A model of which only the components that moved are asked for: what the page has is the model's state, after steps, undone steps and a burst."""
-    with Model(BIPC, SAFE, "--paused", "--root", "Table(60)") as model, Served(BIPC, "--attach", model.where, "--root", "Table(60)", SAFE) as served, Client(model.where, 20) as client:
+    with Model(BIPC, SAFE, "--paused", "--root", "Table(60)") as model, Served(BIPC, "--attach", model.where, "--root", "Table(60)", SAFE) as served, Client(model.where, LONG) as client:
         w = Watched(served)
         w.until("the model is seen", lambda: w.model and w.choices())
         paths = [path for path, _ in json.loads(re.search(r'type="application/json">(.*?)</script>', served.get(f"/{served.token}/"))[1])["atoms"]]
@@ -325,7 +325,7 @@ def odd_servers():
                                  ("an atom is missing", answers(state={**state, "atoms": {"ROOT.c": atoms["ROOT.c"]}}), "no component `ROOT.l`"), ("another atom", answers(state={**state, "atoms": {**atoms, "ROOT.x": {}}}), "a component `ROOT.x`"),
                                  ("another place", answers(state={**state, "atoms": {**atoms, "ROOT.l": {"place": "ODD"}}}), "is at `ODD`")):
         server = Odd(answer)
-        done = subprocess.run([BIPC, "view", "--attach", server.where, str(COUNTER)], capture_output=True, text=True, timeout=60)
+        done = subprocess.run([BIPC, "view", "--attach", server.where, str(COUNTER)], capture_output=True, text=True, timeout=LONG)
         check(what, done.returncode == 1 and "error[B5090]" in done.stderr and wanted in done.stderr, done)
     # What comes later may be anything; the page goes on.
     notes = ["", "x", "[]", "7", "null", '{"note":7}', '{"note":"step"}', '{"note":"step","step":-1,"time":"x","interaction":[],"ports":{}}', '{"note":"step","step":1e300,"ports":[1,null,"","x","ROOT.c.add","ROOT.c.","..",{}],"values":[]}',

@@ -2,11 +2,16 @@
 import base64
 import json
 import os
+import pathlib
 import re
 import socket
 import struct
 import subprocess
+import sys
 import tempfile
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
+from patience import LONG  # noqa: E402
 
 
 class Served:
@@ -25,12 +30,12 @@ class Served:
 
     def __exit__(self, *_):
         self.process.terminate()
-        self.code = self.process.wait(20)
+        self.code = self.process.wait(LONG)
         self.process.stdout.close()
         self.process.stderr.close()
 
     def connect(self):
-        return socket.create_connection(("127.0.0.1", self.port), timeout=20)
+        return socket.create_connection(("127.0.0.1", self.port), timeout=LONG)
 
     def request(self, text):
         """Sends bytes; returns what comes until the server closes."""
@@ -68,7 +73,7 @@ class Model:
 
     def __exit__(self, *_):
         self.process.terminate()
-        self.process.wait(20)
+        self.process.wait(LONG)
         self.process.stderr.close()
         self.folder.cleanup()
 
