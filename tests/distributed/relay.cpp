@@ -5,7 +5,7 @@
 // Lines on standard input (a link is its number or `all`):
 //   delay MS           what comes from now on arrives so much later
 //   spin US            keeps its processor for so long before something is due: then no timer makes it late
-//   cut LINK MS        nothing passes for so long; connections stay
+//   cut LINK MS        nothing passes for so long; connections stay; 0 ends a cut
 //   break LINK MS      connections are reset, and nobody connects for so long
 //   faults N MS        N random ones, one each so many milliseconds on average; then `done N` is written
 //   report             writes `late MEAN MOST` since the last report: microseconds from when something was due to when

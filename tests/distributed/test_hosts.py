@@ -22,12 +22,14 @@ import threading
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+sys.path.insert(0, str(ROOT / "tests"))
+from patience import LONG, PATIENCE, until  # noqa: E402
+
 BUILD = pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build")
 BIPC = os.environ.get("BIPC") or str(BUILD / "bipc")
 MODEL, TABLE = ROOT / "models/bench/philosophers.bip", "Table(16)"
 NODES = 4
 MOST_LOCAL = 40  # faults of the run whose steps are mostly of one node: its trace grows by a million steps in a tenth of a second
-PATIENCE = float(os.environ.get("BIPC_TEST_PATIENCE") or 1)  # of sanitized builds
 NAMES = ["lab", "field", "mast", "rover"]
 OTHER_MODEL = """package m
   port type P()
@@ -118,14 +120,21 @@ def run_ip(*words):
     subprocess.run(["ip", *words], check=True, capture_output=True)
 
 
-def free_ports(count):
+def free_ports(address, count):
     held = [socket.socket() for _ in range(count)]
     for one in held:
-        one.bind(("127.0.0.1", 0))
+        one.bind((address, 0))
     ports = [one.getsockname()[1] for one in held]
     for one in held:
         one.close()
     return ports
+
+
+def free_network():
+    """The first byte pairs of addresses that no other test on this machine has."""
+    taken = subprocess.run(["ip", "-o", "address"], check=True, capture_output=True, text=True).stdout
+    first = os.getpid() % 100
+    return next(two for two in (f"10.{77 + (first + k) % 100}" for k in range(100)) if f" {two}." not in taken)
 
 
 class Hosts:
@@ -136,6 +145,7 @@ class Hosts:
         self.keepers, self.devices = [], []
         tag = f"{os.getpid() % 100000:05}"
         if in_namespaces:
+            two = free_network()
             for k in range(NODES):
                 keeper = subprocess.Popen(["unshare", "-n", "sleep", "infinity"])
                 self.keepers.append(keeper)
@@ -145,16 +155,18 @@ class Hosts:
                 run_ip("link", "add", outer, "type", "veth", "peer", "name", inner)
                 self.devices.append(outer)
                 run_ip("link", "set", inner, "netns", str(keeper.pid))
-                run_ip("address", "add", f"10.77.{k}.1/24", "dev", outer)
+                run_ip("address", "add", f"{two}.{k}.1/24", "dev", outer)
                 run_ip("link", "set", outer, "up")
-                for words in (["address", "add", f"10.77.{k}.2/24", "dev", inner], ["link", "set", inner, "up"], ["link", "set", "lo", "up"]):
+                for words in (["address", "add", f"{two}.{k}.2/24", "dev", inner], ["link", "set", inner, "up"], ["link", "set", "lo", "up"]):
                     subprocess.run(["nsenter", "-n", "-t", str(keeper.pid), "ip", *words], check=True)
-            self.real = [f"10.77.{k}.2:7701" for k in range(NODES)]
-            self.seen = {(a, b): f"10.77.{a}.1:{7800 + b}" for a in range(NODES) for b in range(NODES) if a != b}
+            self.real = [f"{two}.{k}.2:7701" for k in range(NODES)]
+            self.seen = {(a, b): f"{two}.{a}.1:{7800 + b}" for a in range(NODES) for b in range(NODES) if a != b}
         else:
-            ports = free_ports(NODES + NODES * NODES)
-            self.real = [f"127.0.0.1:{port}" for port in ports[:NODES]]
-            self.seen = {(a, b): f"127.0.0.1:{ports[NODES + NODES * a + b]}" for a in range(NODES) for b in range(NODES) if a != b}
+            # An address of this process: nobody else takes a port there while it is free.
+            own = f"127.{os.getpid() >> 16 & 127 | 128}.{os.getpid() >> 8 & 255}.{os.getpid() & 255}"
+            ports = free_ports(own, NODES + NODES * NODES)
+            self.real = [f"{own}:{port}" for port in ports[:NODES]]
+            self.seen = {(a, b): f"{own}:{ports[NODES + NODES * a + b]}" for a in range(NODES) for b in range(NODES) if a != b}
         program = folder / "relay"
         if not program.exists():
             subprocess.run(["c++", "-std=c++20", "-O1", str(ROOT / "tests/distributed/relay.cpp"), "-o", str(program)], check=True)
@@ -174,7 +186,7 @@ class Hosts:
 
     def end(self):
         self.relay.stdin.close()
-        self.relay.wait(10)
+        self.relay.wait(LONG)
         for keeper in self.keepers:
             keeper.kill()
             keeper.wait()
@@ -218,10 +230,8 @@ class Process:
         for line in file:
             self.text += line
 
-    def wait_for(self, words, seconds=30):
-        end = time.monotonic() + seconds
-        while words not in self.text and time.monotonic() < end and self.process.poll() is None:
-            time.sleep(0.01)
+    def wait_for(self, words, seconds=LONG):
+        until(lambda: words in self.text or self.process.poll() is not None, seconds)
         return words in self.text
 
     def end(self, seconds):
@@ -253,18 +263,18 @@ class Run:
     def text(self):
         return f"{' '.join(self.options)}\n" + "".join(f"---- {NAMES[node]}: exit {one.process.returncode}\n{one.text}" for node, one in sorted(self.nodes.items()))
 
-    def end(self, seconds=90):
-        code = self.nodes[0].end(seconds * PATIENCE)
+    def end(self):
+        code = self.nodes[0].end(2 * LONG)
         for one in self.nodes.values():
-            one.end(20)
+            one.end(LONG)
         return code
 
     def check_trace(self, what):
         done = subprocess.run([BIPC, "replay", "--silent", "--recorded", str(self.trace), str(self.deployed / "lab/model.bsys")], capture_output=True, text=True)
         return check(done.returncode == 0 and "agree" in done.stdout, f"{what}: the trace is no run of the model", self.text() + done.stdout + done.stderr)
 
-    def check(self, codes, what, seconds=90):
-        code = self.end(seconds)
+    def check(self, codes, what):
+        code = self.end()
         check(code in codes, f"{what}: exit {code}", self.text())
         self.check_trace(what)
 
@@ -280,15 +290,16 @@ def test_order(folder, hosts, deployed, draws):
 
 
 def test_end(folder, hosts, deployed):
-    """A short run ends when it is over: every node confirms the last message, for which the launcher would wait a second."""
+    """A short run ends when it is over: every node confirms the last message, for which the launcher would wait a second in each run. A busy machine makes some runs as slow."""
     taken = []
-    for _ in range(3):
+    while len(taken) < 20 and not (taken and min(taken) < 0.9):
         run = Run(folder, hosts, deployed, [0, 1, 2, 3], "--limit", "10")
         run.check({0}, "a short run")
         seconds, there = (re.search(text, run.nodes[0].text) for text in (r"seconds ([\d.]+)", r"there after ([\d.]+)"))
-        if check(seconds and there, "a short run is measured", run.text()):
-            taken.append(float(seconds[1]) - float(there[1]))
-    check(taken and min(taken) < 0.9 * PATIENCE, "a short run ends at once", str(taken))
+        if not check(seconds and there, "a short run is measured", run.text()):
+            return
+        taken.append(float(seconds[1]) - float(there[1]))
+    check(min(taken) < 0.9 * PATIENCE, "a short run ends at once", str(taken))
 
 
 def test_late(folder, hosts, deployed):
@@ -325,10 +336,7 @@ def test_cut(folder, hosts, deployed):
     time.sleep(3)
     size = run.trace.stat().st_size
     check(run.nodes[0].process.poll() is None, "a cut of 3 s ends nothing", run.text())
-    end = time.monotonic() + 15
-    while run.trace.stat().st_size <= size + 65536 and time.monotonic() < end:
-        time.sleep(0.1)
-    check(run.trace.stat().st_size > size + 65536, "the run goes on after a cut of 3 s", run.text())
+    check(until(lambda: run.trace.stat().st_size > size + 65536), "the run goes on after a cut of 3 s", run.text())
     run.nodes[0].process.send_signal(signal.SIGINT)
     run.check({130}, "a cut of 3 s")
     check("R0030" not in run.nodes[0].text, "a cut of 3 s: nobody is lost", run.text())
@@ -341,38 +349,38 @@ def test_loss(folder, hosts, deployed, draws):
         run.nodes[1].wait_for("the run begins")
         time.sleep(0.3 + draws.random() * 0.5)
         os.kill(run.nodes[victim].pid, signal.SIGKILL)
-        killed = time.monotonic()
-        check(run.nodes[0].wait_for("gave no sign for ", 8) or run.nodes[0].process.poll() is not None, "silence is told", run.text())
-        took = time.monotonic() - killed
+        check(run.nodes[0].wait_for("gave no sign for ") or run.nodes[0].process.poll() is not None, "silence is told", run.text())
         if how == "go-on":
             time.sleep(0.5)
             if run.nodes[0].process.poll() is None:
                 run.nodes[0].process.send_signal(signal.SIGINT)
         run.check({1} if how == "stop" else {1, 130}, f"a killed node, --on-loss={how}")
         check(f"R0030]: lost `{NAMES[victim]}`" in run.nodes[0].text, "who is lost is told", run.text())
-        check(took < 6, f"a loss is noticed after three beats, not {took:.1f} s", run.text())
+        # In the launcher's time, by default it would be 10 s.
+        silence = re.search(r"gave no sign for (\d+) s", run.nodes[0].text)
+        check(silence and 3 <= int(silence[1]) < 10, "a loss is noticed after three beats", run.text())
 
 
 def test_time(folder, hosts):
-    """Logical time over hosts: the cable of the camera's node is out for five seconds; the rover stops, says why, and goes on."""
+    """Logical time over hosts: the cable of the camera's node is out until it has been missed; the rover stops, says why, and goes on."""
     model = folder / "rover.bip"
     model.write_text(ROVER)
     place = "".join(f"node {name} host {address}\n" for name, address in zip(NAMES, hosts.real))
     place += "brain on lab\nspare on field\ncamera on mast\nwheels on rover\n"
     deployed = deploy(folder, hosts, "timed", model, None, place)
-    run = Run(folder, hosts, deployed, [0, 1, 2, 3], "--seed", "7")
+    run = Run(folder, hosts, deployed, [0, 1, 2, 3], "--seed", "7", "--lost-after", "60s", others=("--lost-after", "60s"))
     run.nodes[1].wait_for("the run begins")
     time.sleep(0.5)
     for link in hosts.numbers_of(2):
-        hosts.tell(f"cut {link} 5000")
-    check(run.nodes[0].wait_for("`mast` gives no sign for 3 s", 10), "why the rover stops is told", run.text())
+        hosts.tell(f"cut {link} 600000")
+    check(run.nodes[0].wait_for("`mast` gives no sign for 3 s"), "why the rover stops is told", run.text())
     size = run.trace.stat().st_size
     time.sleep(0.5)
     check(run.trace.stat().st_size == size, "time stops", f"{size} {run.trace.stat().st_size}")
-    check(run.nodes[0].wait_for("`mast` is heard again", 15), "that it goes on is told", run.text())
-    end = time.monotonic() + 15
-    while run.trace.stat().st_size <= size and time.monotonic() < end:
-        time.sleep(0.1)
+    for link in hosts.numbers_of(2):
+        hosts.tell(f"cut {link} 0")
+    check(run.nodes[0].wait_for("`mast` is heard again"), "that it goes on is told", run.text())
+    until(lambda: run.trace.stat().st_size > size)
     time.sleep(0.5)
     run.nodes[0].process.send_signal(signal.SIGINT)
     run.check({130}, "a cut in logical time")
@@ -387,10 +395,11 @@ def test_cable(folder, hosts, deployed):
     run.nodes[1].wait_for("the run begins")
     time.sleep(0.3)
     for link in hosts.numbers_of(2):
-        hosts.tell(f"cut {link} 12000")
+        hosts.tell(f"cut {link} 600000")
     run.check({1}, "a cable that stays out")
     check("R0030]: lost `mast`" in run.nodes[0].text, "who is lost is told", run.text())
     check("no word of the launcher" in run.nodes[2].text and run.nodes[2].process.returncode == 1, "who is alone ends", run.text())
+    hosts.tell("cut all 0")
     hosts.tell("break all 0")
 
 
@@ -400,18 +409,18 @@ def test_leave(folder, hosts, deployed):
     run.nodes[1].wait_for("the run begins")
     time.sleep(0.3)
     run.nodes[3].process.send_signal(signal.SIGTERM)
-    run.check({1}, "a node that is ended", seconds=8)
+    run.check({1}, "a node that is ended")
     check("`rover` ended by signal 15" in run.nodes[0].text, "why a node left is told", run.text())
     run = Run(folder, hosts, deployed, [0, 1, 2, 3])
     run.nodes[1].wait_for("the run begins")
     time.sleep(0.3)
     os.kill(run.nodes[2].pid, signal.SIGKILL)
-    run.nodes[2].end(5)
+    run.nodes[2].end(LONG)
     anew = Process(hosts.command(2, [BIPC, "node", str(deployed / NAMES[2])]), folder)
-    run.check({1}, "a node that is started anew", seconds=8)
+    run.check({1}, "a node that is started anew")
     check("`mast` was started anew" in run.nodes[0].text, "that a node was started anew is told", run.text())
     anew.process.send_signal(signal.SIGTERM)
-    check(anew.end(10) == 143, "a waiting node ends by a signal", anew.text)
+    check(anew.end(LONG) == 143, "a waiting node ends by a signal", anew.text)
 
 
 def test_launcher(folder, hosts, deployed):
@@ -436,7 +445,7 @@ def test_refused(folder, hosts, deployed):
     check(run.nodes[3].wait_for("`lab` has another model"), "who is refused knows", run.text())
     for one in run.nodes.values():
         one.process.send_signal(signal.SIGTERM)
-    run.end(20)
+    run.end()
     # Keys of another deployment: nobody hears it.
     shutil.rmtree(mixed / "rover")
     shutil.copytree(other / "rover", mixed / "rover")
@@ -446,7 +455,7 @@ def test_refused(folder, hosts, deployed):
     time.sleep(0.5)
     check("the run begins" not in run.text(), "another key takes no part", run.text())
     run.nodes[3].process.send_signal(signal.SIGTERM)
-    run.nodes[3].end(5)
+    run.nodes[3].end(LONG)
     run.nodes[3] = Process(hosts.command(3, [BIPC, "node", str(deployed / NAMES[3])]), folder)
     run.deployed = deployed
     run.check({0}, "the right key after a wrong one")

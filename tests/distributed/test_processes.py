@@ -20,7 +20,7 @@ import tempfile
 import time
 
 import test_hosts
-from test_hosts import BIPC, BUILD, PATIENCE, ROOT, check
+from test_hosts import BIPC, BUILD, LONG, PATIENCE, ROOT, check, until
 
 MODELS = ROOT / "models"
 # model, root, steps at most
@@ -66,6 +66,15 @@ def children(pid):
         return []
 
 
+def catches(pid, number):
+    """Has the process a handler for the signal?"""
+    try:
+        status = pathlib.Path(f"/proc/{pid}/status").read_text()
+    except OSError:
+        return False
+    return int(re.search(r"^SigCgt:\s+(\w+)", status, re.M)[1], 16) >> (number - 1) & 1
+
+
 def is_alive(pid):
     try:
         return "\nState:\tZ" not in pathlib.Path(f"/proc/{pid}/status").read_text()
@@ -80,22 +89,31 @@ class Run:
         self.trace, self.model, self.root = folder / "run.trace", model, ["--root", root] if root else []
         self.command = [BIPC, "run", "--engine=distributed", "--silent", "--stats", "--trace", str(self.trace), "--trace-format=binary", *options, *self.root, str(model)]
         self.resumed = None
-        self.process = subprocess.Popen(self.command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=folder)
+        self.said = folder / "run.err"
+        with open(self.said, "w", encoding="utf-8") as said:
+            self.process = subprocess.Popen(self.command, stdout=subprocess.PIPE, stderr=said, text=True, cwd=folder)
 
-    def nodes(self, count, seconds=20):
-        """Processes of the nodes, when all are there and a moment later."""
-        end = time.monotonic() + seconds
-        while len(children(self.process.pid)) < count and time.monotonic() < end and self.process.poll() is None:
-            time.sleep(0.01)
+    def is_over(self):
+        return self.process.poll() is not None
+
+    def nodes(self, count):
+        """Processes of the nodes, when all are there and the launcher handles signals."""
+        until(lambda: self.is_over() or len(children(self.process.pid)) >= count and catches(self.process.pid, signal.SIGINT))
         return children(self.process.pid)
 
-    def end(self, seconds=60):
+    def wait_for(self, words):
+        """Until it has said so."""
+        return until(lambda: words in self.said.read_text(encoding="utf-8") or self.is_over()) and words in self.said.read_text(encoding="utf-8")
+
+    def end(self):
+        hangs = ""
         try:
-            self.out, self.err = self.process.communicate(timeout=seconds * PATIENCE)
+            self.out, _ = self.process.communicate(timeout=5 * LONG)
         except subprocess.TimeoutExpired:
             self.process.kill()
-            self.out, self.err = self.process.communicate()
-            self.err += "\n(it did not end)"
+            self.out, _ = self.process.communicate()
+            hangs = "\n(it did not end)"
+        self.err = self.said.read_text(encoding="utf-8") + hangs
         return self.process.returncode
 
     def replay(self):
@@ -144,7 +162,6 @@ def test_kill(folder, draws, runs):
             time.sleep(draws.random() * 0.6)
             victim = draws.choice(processes)
             os.kill(victim, signal.SIGKILL)
-            killed_at = time.monotonic()
             if how == "go-on":
                 # It may go on for ever with what does not need the node; then Ctrl-C ends it.
                 time.sleep(0.4)
@@ -152,8 +169,6 @@ def test_kill(folder, draws, runs):
                     run.process.send_signal(signal.SIGINT)
             run.check({1} if how == "stop" else {1, 130}, f"a node is killed, --on-loss={how}")
             check("error[R0030]: lost `" in run.err and "killed by signal 9" in run.err, "who is lost is told", run.err)
-            if how == "stop":
-                check(time.monotonic() - killed_at < 10, "a loss ends the run", run.err)
 
 
 def test_interrupt(folder, draws):
@@ -176,12 +191,12 @@ def test_idle(folder):
     processes = run.nodes(3)
     time.sleep(0.3)
     os.kill(processes[0], signal.SIGSTOP)
-    time.sleep(1)
-    before = [wake_ups(pid) for pid in processes[1:]]
+    check(come_to_rest(processes[1:]), "nodes that wait for one that stands still come to rest")
+    before, begun = [wake_ups(pid) for pid in processes[1:]], time.monotonic()
     time.sleep(2)
-    woken = [now - then for now, then in zip((wake_ups(pid) for pid in processes[1:]), before)]
+    woken, seconds = [now - then for now, then in zip((wake_ups(pid) for pid in processes[1:]), before)], time.monotonic() - begun
     os.kill(processes[0], signal.SIGCONT)
-    check(max(woken) <= 200, "idle nodes sleep", f"wake-ups in two seconds: {woken}")
+    check(max(woken) <= 100 * seconds, "idle nodes sleep", f"wake-ups in {seconds:.1f} s: {woken}")
     run.process.send_signal(signal.SIGINT)
     run.check({130}, "a run that was idle")
 
@@ -192,15 +207,14 @@ def test_silence(folder):
     processes = run.nodes(4)
     time.sleep(0.3)
     os.kill(processes[1], signal.SIGSTOP)
-    time.sleep(4.5)
-    check(run.process.poll() is None, "silence ends no run")
+    run.wait_for("may wait for it")
+    time.sleep(0.5)
+    check(not run.is_over(), "silence ends no run")
     os.kill(processes[1], signal.SIGCONT)
-    time.sleep(1.5)
+    run.wait_for("is heard again")
     size = run.trace.stat().st_size
-    patience = time.monotonic() + 30  # a trace is written by 64 KiB, which a sanitized build takes seconds for
-    while run.trace.stat().st_size <= size and time.monotonic() < patience:
-        time.sleep(0.1)
-    check(run.trace.stat().st_size > size, "the run goes on", f"{size} bytes of the trace before, and after")
+    # It is written by 64 KiB.
+    check(until(lambda: run.trace.stat().st_size > size), "the run goes on", f"{size} bytes of the trace before, and after")
     run.process.send_signal(signal.SIGINT)
     run.check({130}, "a node that is stopped for a while")
     told = re.findall(r"bipc: node `(\d)` (gives no sign|is heard again)", run.err)
@@ -210,7 +224,7 @@ def test_silence(folder):
     check(waiting is not None and "ROOT." in waiting[1], "what may wait is told", run.err)
 
 
-LONG = """@cpp(include="long.hpp")
+LONG_ACTIONS = """@cpp(include="long.hpp")
 package long_actions
   extern function int work_for(const int milliseconds)
   port type P()
@@ -234,10 +248,11 @@ end
 
 def test_long_actions(folder):
     """An action that ends before the limit is no silence; a longer one is named, ends, and the run goes on to its limit."""
-    (folder / "long_actions.bip").write_text(LONG)
+    (folder / "long_actions.bip").write_text(LONG_ACTIONS)
     (folder / "long.hpp").write_text("#pragma once\n#include <chrono>\ninline int work_for(int milliseconds) {\n  const auto until = std::chrono::steady_clock::now() + std::chrono::milliseconds(milliseconds);\n"
                                      "  while (std::chrono::steady_clock::now() < until) {\n  }\n  return 1;\n}\n")
-    for milliseconds, steps in ((2000, 2), (3800, 1)):
+    # The limit is 3 s of silence: seconds are left for what a loaded machine adds on both sides.
+    for milliseconds, steps in ((1000, 4), (6000, 1)):
         run = Run(folder, folder / "long_actions.bip", f"Root({milliseconds})", "--nodes", "2", "--seed", "1", "--limit", str(steps))
         run.check({0}, f"an action of {milliseconds} ms")
         check(("gives no sign" in run.err) == (milliseconds > 3000), f"an action of {milliseconds} ms", run.err)
@@ -251,8 +266,7 @@ def test_orphans(folder):
     time.sleep(0.2)
     run.process.kill()
     run.end()
-    time.sleep(0.3)
-    check(not any(is_alive(pid) for pid in processes), "nodes end with their launcher")
+    check(until(lambda: not any(is_alive(pid) for pid in processes)), "nodes end with their launcher")
     for left in sockets():
         for file in left.iterdir():
             file.unlink()
@@ -266,9 +280,7 @@ def test_checkpoints(folder, draws, runs):
         first, second = folder / "first.checkpoint", folder / "second.checkpoint"
         run = Run(folder, model, root, "--nodes", "3", "--seed", str(k), "--checkpoint", "150ms", "--checkpoint-file", str(first))
         processes = run.nodes(3)
-        end = time.monotonic() + 20
-        while not first.exists() and time.monotonic() < end:
-            time.sleep(0.01)
+        until(first.exists)
         time.sleep(draws.random() * 0.4)
         os.kill(draws.choice(processes), signal.SIGKILL)
         run.check({1}, "a node is killed after a checkpoint")
@@ -276,10 +288,10 @@ def test_checkpoints(folder, draws, runs):
         run = Run(folder, model, root, "--nodes", str(2 + 3 * (k // 2)), "--seed", str(k), "--resume", str(first), "--checkpoint-file", str(second))
         run.resumed = first
         run.nodes(2 + 3 * (k // 2))
+        until(lambda: catches(run.process.pid, signal.SIGUSR1))
         time.sleep(0.3)
         run.process.send_signal(signal.SIGUSR1)
-        while not second.exists() and time.monotonic() < end + 20:
-            time.sleep(0.01)
+        until(lambda: second.exists() or run.is_over())
         run.process.send_signal(signal.SIGINT)
         run.check({130}, "a resumed run")
         check(second.exists(), "a signal asks for a checkpoint", run.err)
@@ -295,15 +307,13 @@ def cpu(pid):
     return sum(int((task / "schedstat").read_text().split()[0]) for task in pathlib.Path(f"/proc/{pid}/task").iterdir())
 
 
-def come_to_rest(processes, seconds=60):
+def come_to_rest(processes):
     """Waits until the processes take less than a hundredth of a processor."""
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
+    def rest():
         before = [cpu(pid) for pid in processes]
         time.sleep(0.5)
-        if all(cpu(pid) - then < 5_000_000 for pid, then in zip(processes, before)):
-            return True
-    return False
+        return all(cpu(pid) - then < 5_000_000 for pid, then in zip(processes, before))
+    return until(rest, 5 * LONG)
 
 
 def test_unwritten(folder):
@@ -347,11 +357,9 @@ def test_many_steps(folder):
         check(done.returncode == 0 and "limit: 1234567 steps" in done.stdout, f"{model}, {policy}: the limit is exact", done.stdout + done.stderr)
         saved = folder / "many.checkpoint"
         process = subprocess.Popen([*command, "--checkpoint", "100ms", "--checkpoint-file", str(saved), str(path)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        end = time.monotonic() + 30
-        while not saved.exists() and time.monotonic() < end:
-            time.sleep(0.01)
+        until(saved.exists)
         process.send_signal(signal.SIGINT)
-        out, err = process.communicate(timeout=60)
+        out, err = process.communicate(timeout=LONG)
         check(process.returncode == 130 and saved.exists(), f"{model}, {policy}: it is interrupted after a checkpoint", out + err)
         run = Run(folder, path, root, "--nodes", "4", "--seed", "3", "--limit", "2000", "--resume", str(saved))
         run.resumed = saved
@@ -362,7 +370,7 @@ def test_many_steps(folder):
 
 def test_lines(folder):
     """Step lines, which the launcher makes of the interactions that nodes send, are those of the recorded run; so are JSON lines. With time and with C++ nodes make them."""
-    (folder / "long_actions.bip").write_text(LONG)
+    (folder / "long_actions.bip").write_text(LONG_ACTIONS)
     (folder / "long.hpp").write_text("#pragma once\ninline int work_for(int milliseconds) { return milliseconds + 1; }\n")
     cases = [(MODELS / f"{name}.bip", root) for name, root in (
         ("classic/gas_station", None), ("classic/sensor_broadcast", None), ("classic/bus_priority", None), ("classic/atm", None), ("classic/two_phase_commit", None),

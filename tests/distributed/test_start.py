@@ -18,10 +18,9 @@ import socket
 import subprocess
 import sys
 import tempfile
-import time
 
 import test_hosts
-from test_hosts import BIPC, BUILD, MODEL, check
+from test_hosts import BIPC, BUILD, LONG, MODEL, check, until
 
 TABLE = "Table(6)"
 NAMES = ["lab", "field", "mast"]
@@ -119,17 +118,15 @@ class Hosts:
                 continue
         return found
 
-    def run(self, *options, seconds=60, environment=None):
-        return subprocess.run([self.folder / "robot/start", *options], capture_output=True, text=True, timeout=seconds, env=environment or self.environment, stdin=subprocess.DEVNULL)
+    def run(self, *options, environment=None):
+        return subprocess.run([self.folder / "robot/start", *options], capture_output=True, text=True, timeout=2 * LONG, env=environment or self.environment, stdin=subprocess.DEVNULL)
 
     def start(self, *options):
         return subprocess.Popen([self.folder / "robot/start", *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=self.environment, stdin=subprocess.DEVNULL,
                                 preexec_fn=hear_signals)
 
     def check_ended(self, what):
-        end = time.monotonic() + 20
-        while self.processes() and time.monotonic() < end:
-            time.sleep(0.02)
+        until(lambda: not self.processes())
         check(not self.processes(), f"{what}: a process goes on", "\n".join(self.processes()))
 
 
@@ -158,9 +155,7 @@ class OpenSsh(Hosts):
             self.made.mkdir(mode=0o755)
         with open(self.folder / "sshd.log", "w") as log:
             self.sshd = subprocess.Popen([find_sshd(), "-D", "-e", "-f", self.folder / "sshd_config"], stderr=log, stdin=subprocess.DEVNULL)
-        end = time.monotonic() + 20
-        while self.log().count("Server listening") < len(self.addresses) and time.monotonic() < end and self.sshd.poll() is None:
-            time.sleep(0.02)
+        until(lambda: self.log().count("Server listening") >= len(self.addresses) or self.sshd.poll() is not None)
 
     def log(self):
         return (self.folder / "sshd.log").read_text()
@@ -217,7 +212,7 @@ def test_again(hosts):
 
 def test_refused(hosts):
     """The first node refuses its options: the others, which wait for it, end."""
-    done = hosts.run("--on-loss", "sometimes", seconds=30)
+    done = hosts.run("--on-loss", "sometimes")
     check(done.returncode == 2 and "sometimes" in done.stderr, "options that are refused", told(done))
     hosts.check_ended("options that are refused")
 
@@ -227,12 +222,10 @@ def test_interrupt(hosts):
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         process = hosts.start("--silent", "--seed", "3", "--trace", "endless.trace", "--trace-format=binary")
         trace = hosts.home["lab"] / "endless.trace"
-        end = time.monotonic() + 30
-        while not (trace.exists() and trace.stat().st_size > 100000) and time.monotonic() < end and process.poll() is None:
-            time.sleep(0.02)
+        until(lambda: trace.exists() and trace.stat().st_size > 100000 or process.poll() is not None)
         process.send_signal(number)
         try:
-            out, err = process.communicate(timeout=30)
+            out, err = process.communicate(timeout=2 * LONG)
         except subprocess.TimeoutExpired:
             process.kill()
             out, err = process.communicate()
@@ -248,9 +241,7 @@ def test_killed(hosts):
     """The script is killed: no node goes on."""
     process = hosts.start("--silent", "--seed", "4", "--trace", "killed.trace", "--trace-format=binary")
     trace = hosts.home["lab"] / "killed.trace"
-    end = time.monotonic() + 30
-    while not (trace.exists() and trace.stat().st_size > 100000) and time.monotonic() < end and process.poll() is None:
-        time.sleep(0.02)
+    until(lambda: trace.exists() and trace.stat().st_size > 100000 or process.poll() is not None)
     check(len(hosts.processes()) >= 3, "three nodes run", "\n".join(hosts.processes()))
     process.kill()
     process.communicate()
