@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <atomic>
 #include <chrono>
 #include <ctime>
 #include <memory>
@@ -146,15 +147,18 @@ TEST_CASE("who waits for events sleeps, and stop ends it") {
   // Catch2's CHECK is for one thread.
   std::clock_t used = 0;
   Posted posted = Posted::Full;
+  std::atomic<bool> has_stepped{false};
   std::thread other([&] {
     const std::clock_t before = std::clock();
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
     used = std::clock() - before;
     posted = system.post("c.add", {1});
+    for (int k = 0; k < 60000 && !has_stepped; ++k) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     system.stop();
   });
   CHECK(system.step() == Outcome::Stepped);
+  has_stepped = true;
   CHECK(system.now() >= 250'000'000);
   CHECK(system.step() == Outcome::Stopped);
   other.join();

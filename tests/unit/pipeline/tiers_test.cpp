@@ -131,9 +131,10 @@ TEST_CASE("a run that ends early does not wait for its code") {
   TieredModel model(true);
   const auto started = std::chrono::steady_clock::now();
   {
-    Tiers tiers(*model.c.lowered, {}, 60'000);
+    Tiers tiers(*model.c.lowered, {}, 3'600'000);
     CHECK_FALSE(tiers.new_code().is_ready.load());
     CHECK(tiers.summary() == "code: interpreted\n");
   }
-  CHECK(std::chrono::steady_clock::now() - started < std::chrono::seconds(20));
+  // Far less than what its code would wait.
+  CHECK(std::chrono::steady_clock::now() - started < std::chrono::seconds(600));
 }
