@@ -15,21 +15,21 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(ROOT / "tests/serve"))
-from checks import BIPC, Client, check, finish  # noqa: E402
+from checks import BIPC, LONG, Client, check, finish, until  # noqa: E402
 
 HERE = pathlib.Path(__file__).resolve().parent / "track"
 
 
 class Level:
     def __init__(self, work):
-        self.path = os.path.join(work, "s")
+        self.path, self.work = os.path.join(work, "s"), work
         self.server = subprocess.Popen([BIPC, "serve", "--asap", "--policy", "fair", "--socket", self.path, "m.bip"], cwd=work, stderr=open(os.path.join(work, "log"), "w", encoding="utf-8"))
         # The socket's file is there a little before the server listens.
         self.client = None
         while self.client is None:
             assert self.server.poll() is None, pathlib.Path(work, "log").read_text(encoding="utf-8")
             try:
-                self.client = Client(self.path, 20)
+                self.client = Client(self.path, LONG)
             except (FileNotFoundError, ConnectionRefusedError):
                 time.sleep(0.02)
         self.replies = {}
@@ -45,7 +45,7 @@ class Level:
 
     def next(self, number, what):
         """The reply of this kind to a request."""
-        end = time.monotonic() + 10
+        end = time.monotonic() + LONG
         while (number, what) not in self.replies:
             if time.monotonic() > end:
                 return {"report": f"no {what} reply"}
@@ -90,9 +90,7 @@ def refusals(level):
 
 def values(level):
     """Attributes, initial values, types."""
-    end = time.monotonic() + 10
-    while level.ask("track.get_drive")[1]["drive"]["limit"]["high"] != 2 and time.monotonic() < end:
-        time.sleep(0.01)  # the task has not begun
+    until(lambda: level.ask("track.get_drive")[1]["drive"]["limit"]["high"] == 2)  # the task has begun
     check("an attribute has its initial value", (got := level.ask("track.set_speed")) == ("OK", None), got)
     check("one that is judged", level.ask("track.set_speed", speed=99) == ("e_far", {"name": "::track::e_far", "detail": {"distance": 99, "what": "speed"}}))
     check("a struct's initial values", level.ask("track.set_limit", limit={"high": 3}) == ("OK", None))
@@ -144,18 +142,21 @@ def faults(level):
 
 
 def beside(level):
-    """An async codel holds nothing up."""
-    ponder = level.begin("track.ponder", seconds=0.3)
+    """An async codel holds nothing up. This one takes until the test tells it that others were answered, half of LONG at most."""
+    enough, impatient = (pathlib.Path(level.work, name) for name in ("enough", "impatient"))
+    enough.unlink(missing_ok=True)
+    ponder = level.begin("track.ponder", seconds=LONG / 2)
     level.next(ponder, "intermediate")
-    begun = time.monotonic()
-    check("others are answered meanwhile", level.ask("track.count")[0] == "OK" and time.monotonic() - begun < 0.25 and (ponder, "final") not in level.replies)
+    check("others are answered meanwhile", level.ask("track.count")[0] == "OK" and not impatient.exists(), level.replies)
+    enough.touch()
     check("its output comes when it is back", level.final(ponder) == ("OK", {"answer": "forty-two"}), level.replies)
 
 
 def restart(level):
     """A process of a component that dies is replaced: its IDS is new, and the codels that start its task have run."""
     check("an attribute is set", level.ask("track.set_limit", limit={"high": 3})[0] == "OK")
-    ponder = level.begin("track.ponder", seconds=20)
+    pathlib.Path(level.work, "enough").unlink(missing_ok=True)
+    ponder = level.begin("track.ponder", seconds=LONG)
     level.next(ponder, "intermediate")
     nursery = children(level.server.pid)["bip-modules"]
     before = children(nursery)
@@ -204,9 +205,7 @@ def end_process(nursery, module):
     """Kills the process of a module, and waits for the one that takes its place."""
     before = children(nursery)[module]
     os.kill(before, signal.SIGKILL)
-    end = time.monotonic() + 10
-    while children(nursery).get(module, before) == before and time.monotonic() < end:
-        time.sleep(0.01)
+    until(lambda: children(nursery).get(module, before) != before)
 
 
 def serve(work, parts):
@@ -217,7 +216,8 @@ def serve(work, parts):
             for part in parts:
                 part(level)
             level.client.ask("shutdown")
-        check("it ends with 0", level.server.wait(20) == 0)
+        code = level.server.wait(LONG)
+        check("it ends with 0", code == 0, (code, pathlib.Path(work, "log").read_text(encoding="utf-8")))
     finally:
         level.server.kill()
     return pathlib.Path(work, "log").read_text(encoding="utf-8")

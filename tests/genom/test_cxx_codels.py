@@ -9,10 +9,9 @@ import shutil
 import subprocess
 import sys
 import tempfile
-import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from test_c_codels import BIPC, ROOT, check, children, end_process, finish, serve  # noqa: E402
+from test_c_codels import BIPC, LONG, ROOT, check, children, end_process, finish, serve, until  # noqa: E402
 
 HERE = pathlib.Path(__file__).resolve().parent / "survey"
 POSE = {"seen_in": "WORLD", "at": {"x": 3, "y": 4}, "heading": 0.5, "spread": [1, 2], "source": "lamp"}
@@ -34,9 +33,7 @@ def refusals(level):
 
 
 def values(level):
-    end = time.monotonic() + 10
-    while level.ask("survey.get_flight")[1]["flight"]["limit"]["high"] != 2 and time.monotonic() < end:
-        time.sleep(0.01)  # the task has not begun
+    until(lambda: level.ask("survey.get_flight")[1]["flight"]["limit"]["high"] == 2)  # the task has begun
     check("a constant and an optional", level.ask("survey.tabulate", rows=[[1], [], [2]]) == ("OK", None) and level.ask("survey.get_note") == ("OK", {"note": "hello nobody"}))
     check("sequences of sequences", (got := level.ask("survey.get_table")) == ("OK", {"table": [[1, -1], [-1], [2, -1]]}), got)
     check("more than a bound", (got := level.ask("survey.tabulate", rows=[[1, 2]])) == ("codel_exception", {"codel": "surveyTabulate", "what": "a sequence of more than 2 elements"}), got)
@@ -72,10 +69,12 @@ def faults(level):
 
 
 def beside(level):
-    ponder = level.begin("survey.ponder", seconds=0.3)
+    enough, impatient = (pathlib.Path(level.work, name) for name in ("enough", "impatient"))
+    enough.unlink(missing_ok=True)
+    ponder = level.begin("survey.ponder", seconds=LONG / 2)
     level.next(ponder, "intermediate")
-    begun = time.monotonic()
-    check("others are answered meanwhile", level.ask("survey.frames")[0] == "OK" and time.monotonic() - begun < 0.25 and (ponder, "final") not in level.replies)
+    check("others are answered meanwhile", level.ask("survey.frames")[0] == "OK" and not impatient.exists(), level.replies)
+    enough.touch()
     check("its output comes when it is back", level.final(ponder) == ("OK", {"answer": "forty-two"}), level.replies)
 
 
@@ -119,12 +118,11 @@ def restart(level, nursery):
     """Ends the process of survey, while a codel is beside its task: where the task's own is alone, it would be what has ended it."""
     log = pathlib.Path(level.path).with_name("log")
     begun = log.read_text(encoding="utf-8").count("survey: ponders")
-    ponder = level.begin("survey.ponder", seconds=20)
+    pathlib.Path(level.work, "enough").unlink(missing_ok=True)
+    ponder = level.begin("survey.ponder", seconds=LONG)
     level.next(ponder, "intermediate")
     # Its codel begins after the reply.
-    end = time.monotonic() + 10
-    while log.read_text(encoding="utf-8").count("survey: ponders") == begun and time.monotonic() < end:
-        time.sleep(0.01)
+    until(lambda: log.read_text(encoding="utf-8").count("survey: ponders") > begun)
     end_process(nursery, "survey")
     check("what ran there fails", level.final(ponder)[0] == "codel_exception", level.replies)
 
