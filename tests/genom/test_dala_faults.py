@@ -21,7 +21,9 @@ import threading
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+sys.path.insert(0, str(ROOT / "tests"))
 sys.path.insert(0, str(ROOT / "tools/python/bipc"))
+from patience import LONG  # noqa: E402
 from serve import Client  # noqa: E402
 
 DALA = ROOT / "models/dala"
@@ -99,7 +101,7 @@ class Level:
             time.sleep(0.05)
         self.socket = pathlib.Path(tempfile.mkdtemp(prefix="dala-")) / "s"  # the path of a socket is short
         self.socket.symlink_to(work / "s")
-        self.client = Client(str(self.socket), 30)
+        self.client = Client(str(self.socket), LONG)
         self.client.ask("subscribe", requests=True)
         self.replies = {}
 
@@ -140,45 +142,45 @@ class Level:
                 self.replies.setdefault(note["request"], []).append(note)
         return True
 
-    def do(self, text, seconds=20):
+    def do(self, text, seconds=LONG):
         """Until it is accepted, or refused; a control service until its end."""
         number = self.ask(text)
         if not self.listen(seconds, lambda: number in self.replies):
             raise AssertionError(f"no answer to {text}: {self.log()[-500:]}")
         return number
 
-    def ended(self, number, seconds):
+    def ended(self, number, seconds=LONG):
         return self.listen(seconds, lambda: any(r["reply"] == "final" for r in self.replies.get(number, [])))
 
     def drive(self, text="RFLEX.TrackSpeedStart"):
         for _ in range(5):  # a machine that is busy makes a reference old, and the rule speaks
             self.do(text)
-            if self.listen(4, lambda: self.rows()[-1][V] > 0.3):
+            if self.listen(LONG / 6, lambda: self.rows()[-1][V] > 0.3):
                 return
         raise AssertionError(f"it does not drive: {self.log()[-500:]}")
 
     def stand(self):
         self.do("RFLEX.TrackSpeedStop")
-        if not self.listen(8, lambda: abs(self.rows()[-1][V]) < MOVES):
+        if not self.listen(LONG, lambda: abs(self.rows()[-1][V]) < MOVES):
             raise AssertionError("it does not stand")
 
     # ---- the faults, in this order; each a fact and its number
     def begin(self):
         for text in BEGINNINGS:
             number = self.do(text)
-            if text[:5] != "Aspec" and "StartAcq" not in text and not self.ended(number, 20):
+            if text[:5] != "Aspec" and "StartAcq" not in text and not self.ended(number):
                 raise AssertionError(f"{text} does not end")
 
     def go(self):
         self.begin()
         for _ in range(4):  # pictures to send later
-            self.ended(self.do("VIAM.Acquire(Panoramic)"), 10)
+            self.ended(self.do("VIAM.Acquire(Panoramic)"))
         self.do("NDD.GoTo 500 0")
         names, found = iter(FACTS), {}
 
         self.drive()
         begin = self.now()
-        self.ended(self.do("VIAM.Acquire(Marlin)"), 5)
+        self.ended(self.do("VIAM.Acquire(Marlin)"))
         found[next(names)] = facts(self.rows(), begin, self.now())[0]
         self.stand()
 
@@ -191,7 +193,7 @@ class Level:
 
         self.drive()
         begin = self.now()
-        self.ended(self.do("Antenna.Communicate"), 10)
+        self.ended(self.do("Antenna.Communicate"))
         found[next(names)] = facts(self.rows(), begin, self.now())[1]
         self.stand()
 
@@ -218,7 +220,7 @@ class Level:
 
         self.drive(f"RFLEX.GotoPosition {self.rows()[-1][X] + 30} 0")
         self.ask("Hueblob.SetHue crash")
-        if self.level.wait(10) != -11:
+        if self.level.wait(LONG) != -11:
             raise AssertionError(f"it has ended otherwise: {self.log()[-500:]}")
         begin = self.now()
         time.sleep(4)
@@ -234,7 +236,7 @@ class Level:
         begin = self.now()
         self.listen(4)
         driven = facts(self.rows(), begin, begin + 4)[2]
-        if driven < DRIVES_ON or "R0046" in self.log() or not self.ended(hangs, 10):
+        if driven < DRIVES_ON or "R0046" in self.log() or not self.ended(hangs):
             raise AssertionError(f"a codel in a thread holds up others: {driven:.2f} m, {self.log()[-1500:]}")
         self.stand()
         return {THREADS: self.crash()}
@@ -257,7 +259,7 @@ class Level:
         self.expect(self.ask("Hueblob.SetHue red"), "init")  # what it was told before is gone
         for text in ("Hueblob.Abort", "Hueblob.Init", "Hueblob.SetHue red"):
             last = self.do(text)
-            self.ended(last, 10)
+            self.ended(last)
         if [r["report"] for r in self.replies[last]] != ["OK", "OK"]:
             raise AssertionError(f"Hueblob does not go on: {self.replies[last]}, {self.log()[-1500:]}")
         self.drive()
@@ -267,7 +269,7 @@ class Level:
 
     def expect(self, number, word):
         """It has failed, with an exception that says so."""
-        if not self.ended(number, 10) or word not in str(self.replies[number][-1].get("exception")):
+        if not self.ended(number) or word not in str(self.replies[number][-1].get("exception")):
             raise AssertionError(f"{word}: {self.replies.get(number)}, {self.log()[-1500:]}")
 
     def end(self):
@@ -275,7 +277,7 @@ class Level:
             self.level.kill()
             self.level.wait()
         self.rover.stdin.close()
-        self.rover.wait(10)
+        self.rover.wait(LONG)
         shutil.rmtree(self.socket.parent)
 
 

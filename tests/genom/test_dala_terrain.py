@@ -12,14 +12,14 @@ import math
 import subprocess
 import sys
 
-from test_dala_faults import DALA, DRIVEN, EXPOSES_PAIR, LASER_AGE, MAP_AGE, MOVES, NOW, TILT, V, VISION_AGE, X, Y, Level, go_together, judge
+from test_dala_faults import DALA, DRIVEN, EXPOSES_PAIR, LASER_AGE, LONG, MAP_AGE, MOVES, NOW, TILT, V, VISION_AGE, X, Y, Level, go_together, judge
 
 SHARP = 0.25    # m/s: above it pairs of images are blurred (mission/vision.hpp)
 FOUND = 0.35    # s: so old is a reference that its module still writes
 OLD = 2.0       # s: terrain.rules stop it after one
 GOAL = (1, -8)  # of terrain.txt
 SPEED = 2       # of the clock
-PATIENCE = 150  # seconds for a mission of 65 at that speed
+PATIENCE = 10 * LONG  # for a mission of 65 s at that speed
 # fact: unit, at most with rules, at least without
 FACTS = {"pairs of images are asked for while it drives by laser": ("s blurred", 0.0, 1.0),
          "by laser as well, while it drives by vision": ("s with two references", 0.5, 2.0),
@@ -52,7 +52,7 @@ class Rover(Level):
 
     def shut(self):
         self.do("VIAM.StopAcquire")
-        if self.pairs is not None and not self.ended(self.pairs, 10):
+        if self.pairs is not None and not self.ended(self.pairs):
             raise AssertionError("the cameras do not stop")
 
     def look(self):
@@ -68,14 +68,14 @@ class Rover(Level):
         return number
 
     def moves(self, speed):
-        if not self.listen(8, lambda: self.rows()[-1][V] > speed):
+        if not self.listen(LONG, lambda: self.rows()[-1][V] > speed):
             raise AssertionError(f"it does not drive: {self.log()[-500:]}")
 
     def go(self):
         names, found = iter(FACTS), {}
         self.begin()
         for text in ("Stereo.Init", "DTM.Init", "P3D.Init"):
-            self.ended(self.do(text), 20)
+            self.ended(self.do(text))
         self.must("P3D.SetSpeed(0.15)")
         self.must("Stereo.CorrelateContinuous")
         self.must("DTM.FuseContinuous")

@@ -11,8 +11,10 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(ROOT / "tests/traces"))
 sys.path.insert(0, str(ROOT / "tests/serve"))
+sys.path.insert(0, str(ROOT / "tests/genom"))
 from checks import check, finish  # noqa: E402
 from mcap import Mcap  # noqa: E402
+from test_mission import pace  # noqa: E402
 
 MISSION = """procedure mission
   do POM.Init
@@ -32,7 +34,7 @@ def main():
     with tempfile.TemporaryDirectory(prefix="record-") as work:
         mission, file = os.path.join(work, "mission.txt"), os.path.join(work, "m.mcap")
         pathlib.Path(mission).write_text(MISSION, encoding="utf-8")
-        ran = subprocess.run([sys.executable, str(ROOT / "models/dala/run"), "--mission", mission, "--record", file, "--compress"], capture_output=True, text=True)
+        ran = subprocess.run([sys.executable, str(ROOT / "models/dala/run"), "--mission", mission, "--record", file, "--compress", "--speed", f"{pace():.2f}"], capture_output=True, text=True)
         check("the mission", ran.returncode == 0, ran.stdout + ran.stderr)
         data = pathlib.Path(file).read_bytes()
     read = Mcap(data)
