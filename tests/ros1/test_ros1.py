@@ -18,7 +18,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 sys.path.insert(0, str(ROOT / "tests/serve"))
 sys.path.insert(0, str(ROOT / "tests/ros2"))
-from checks import BIPC, check, finish  # noqa: E402
+from checks import BIPC, LONG, check, finish, until  # noqa: E402
 
 try:
     import actionlib
@@ -38,7 +38,6 @@ from std_msgs.msg import Header  # noqa: E402
 from served_level import Program, ServedLevel, translate_track  # noqa: E402
 
 BUILD = pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or pathlib.Path(BIPC).resolve().parent)
-LONG = 30
 
 
 # ---- types of ROS 1, from the files of the package
@@ -78,15 +77,6 @@ class Package:
 
     def point(self, x, y):
         return self.classes["GeometryPoint"](x=x, y=y)
-
-
-def until(holds, seconds=LONG):
-    end = time.monotonic() + seconds
-    while not holds():
-        if time.monotonic() > end:
-            return False
-        time.sleep(0.02)
-    return True
 
 
 class Client:
@@ -239,7 +229,7 @@ def main():
         check("the package is written", written.returncode == 0, written)
         package = Package(os.path.join(work, "package"), "track_msgs")
         core = Program(["roscore", "-p", str(port)], work, "core.log")
-        check("there is a master", core.until("started core service", 60), core.text())
+        check("there is a master", core.until("started core service"), core.text())
         level = ServedLevel(work, command, ("--asap", "--policy", "fair"))
         try:
             rospy.init_node("client", anonymous=True, disable_signals=True, disable_rosout=True)

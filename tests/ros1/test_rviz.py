@@ -23,7 +23,7 @@ ROOT = HERE.parent.parent
 DALA = ROOT / "models/dala"
 sys.path.insert(0, str(ROOT / "tests/serve"))
 sys.path.insert(0, str(ROOT / "tests/ros2"))
-from checks import BIPC, check, finish  # noqa: E402
+from checks import BIPC, LONG, check, finish  # noqa: E402
 from served_level import Program, ServedLevel  # noqa: E402
 
 BUILD = pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or pathlib.Path(BIPC).resolve().parent)
@@ -71,7 +71,7 @@ class Picture:
         return len(found), (min(xs), max(xs), min(ys), max(ys))
 
 
-def until(look, holds, seconds=60):
+def until(look, holds, seconds=LONG):
     """The first picture of which it holds, else the last one."""
     end = time.monotonic() + seconds
     while True:
@@ -93,14 +93,14 @@ def translate(work):
 
 def rviz_shows(level, work, save):
     show = Program([DEBIAN, str(DALA / "mission/show_in_rviz.py")], work, "show.log")
-    check("the node that turns topics begins", show.until("showing", 60), show.text())
+    check("the node that turns topics begins", show.until("showing"), show.text())
     rviz = Program(["rviz", "-d", str(DALA / "mission/dala.rviz"), "-s", ""], work, "rviz.log")
-    empty = until(Picture, lambda p: p.box(POSE)[0] > 100, 120)
+    empty = until(Picture, lambda p: p.box(POSE)[0] > 100, 5 * LONG)
     check("rviz draws the pose", empty.box(POSE)[0] > 100, rviz.text()[-1500:])
     check("before the laser looks, and before it drives, neither scan nor path", empty.box(SCAN)[0] == 0 and empty.box(PATH)[0] < 60, (empty.box(SCAN), empty.box(PATH)))
     mission = pathlib.Path(work, "mission.txt")
     mission.write_text(MISSION, encoding="utf-8")
-    drove = subprocess.run([sys.executable, str(DALA / "mission/executive.py"), level.socket, str(mission)], capture_output=True, text=True, timeout=300)
+    drove = subprocess.run([sys.executable, str(DALA / "mission/executive.py"), level.socket, str(mission)], capture_output=True, text=True, timeout=10 * LONG)
     check("the mission", drove.returncode == 0, drove.stdout[-1500:] + drove.stderr)
     rows = [tuple(map(float, line.split()))[1:3] for line in pathlib.Path(work, "world.path").read_text(encoding="utf-8").splitlines()]
     xs, ys = zip(*rows)
@@ -141,7 +141,7 @@ def main():
         core = Program(["roscore", "-p", str(port)], work, "core.log")
         level = None
         try:
-            check("there is a master", core.until("started core service", 60), core.text())
+            check("there is a master", core.until("started core service"), core.text())
             level = ServedLevel(work, [BIPC, "ros1", str(DALA / "dala.rules")], ("--asap", "--policy", "fair", "--stall-after", "10s"))
             rviz_shows(level, work, options.picture)
         finally:

@@ -6,6 +6,8 @@ import threading
 import time
 import uuid
 
+from checks import LONG  # of tests/serve, whose folder the caller has put into sys.path
+
 SUCCEEDED, CANCELED, ABORTED = 4, 5, 6
 
 
@@ -80,7 +82,7 @@ class RosClient:
             self.ends.append(event)
         return event
 
-    def until(self, test, seconds=20):
+    def until(self, test, seconds=LONG):
         """Listens until the test holds. False: it did not in time."""
         end = time.monotonic() + seconds
         while not test():
@@ -105,7 +107,7 @@ class RosClient:
 
     def _matched(self, name):
         while True:
-            event = self.hear(60)
+            event = self.hear(LONG)
             if event and event.get("name") == name:
                 return event["event"] == "matched"
 
@@ -117,12 +119,12 @@ class RosClient:
         self.tell("goal", action, goal.id, *values)
         return goal
 
-    def answer(self, goal, seconds=20):
+    def answer(self, goal, seconds=LONG):
         """True: accepted, False: refused, None: no answer in time."""
         self.until(lambda: goal.accepted is not None, seconds)
         return goal.accepted
 
-    def result(self, goal, seconds=60):
+    def result(self, goal, seconds=LONG):
         if not goal.asked_result:
             goal.asked_result = True
             self.next += 1

@@ -10,7 +10,7 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(ROOT / "tests/serve"))
-from checks import BIPC  # noqa: E402
+from checks import BIPC, LONG  # noqa: E402
 
 
 class Program:
@@ -25,7 +25,7 @@ class Program:
     def text(self):
         return self.log.read_text(encoding="utf-8")[self.begin:]
 
-    def until(self, words, seconds=30):
+    def until(self, words, seconds=LONG):
         end = time.monotonic() + seconds
         while words not in self.text():
             if self.process.poll() is not None or time.monotonic() > end:
@@ -36,7 +36,7 @@ class Program:
     def end(self, how=signal.SIGTERM):
         if self.process.poll() is None:
             self.process.send_signal(how)
-        code = self.process.wait(30)
+        code = self.process.wait(LONG)
         self.file.close()
         return code
 
@@ -52,10 +52,7 @@ class ServedLevel:
 
     def serve(self):
         self.server = Program([BIPC, "serve", *self.options, "--socket", self.socket, "m.bip"], self.work, "serve.log")
-        end = time.monotonic() + 120
-        while not os.path.exists(self.socket) and self.server.process.poll() is None and time.monotonic() < end:
-            time.sleep(0.02)
-        assert os.path.exists(self.socket), self.server.text()
+        assert self.server.until("listening", 5 * LONG), self.server.text()
 
     def bridge_again(self):
         self.bridge = Program([*self.command, "--serve", self.socket, "--rate", "50"], self.work, "bridge.log")
