@@ -6,7 +6,8 @@ namespace bip::serve {
 
 class Requests;
 
-/// For as long as it lives. One at a time in a process: what C++ calls is a function without an object.
+/// For as long as it lives; its end ends all calls, and waits until codels have left them. One at a time in a process:
+/// what C++ calls is a function without an object.
 class ServiceCalls {
  public:
   /// `library`: the model's C++, or null.
@@ -17,6 +18,7 @@ class ServiceCalls {
 
  private:
   using Caller = const char* (*)(const char* service, const char* input);
+  Requests& requests_;
   void (*set_caller_)(Caller) = nullptr;
 };
 
