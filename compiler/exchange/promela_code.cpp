@@ -1,7 +1,10 @@
 // See promela_code.hpp. Recursion follows the nesting of code, which .bsys limits.
 #include "compiler/exchange/promela_code.hpp"
 
+#include <charconv>
 #include <limits>
+#include <optional>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -21,6 +24,14 @@ std::string number(std::int32_t value) {
   return value < 0 ? fmt::format("({})", value) : fmt::format("{}", value);
 }
 
+// Returns what `number` has written; nothing: it is another text.
+std::optional<std::int32_t> value_of(std::string_view text) {
+  if (text.starts_with("(-") && text.ends_with(')')) text = text.substr(1, text.size() - 2);
+  std::int32_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
+}
+
 }  // namespace
 
 void PromelaCode::refuse(const std::string& what, const Loc& loc) {
@@ -38,11 +49,11 @@ bool PromelaCode::decides_nothing(const Stmt& store) {
 }
 
 std::string PromelaCode::division(const Expr& e, const std::string& a, const Names& names) {
-  const Expr& divisor = code_.exprs[e.b];
-  // By anything else it may be a run-time error in the middle of an expression.
-  if (divisor.op != Op::ConstInt || divisor.int_value == 0 || divisor.int_value == -1)
-    refuse("a division by what is no constant, or by 0 or -1", e.loc);
-  return print_binary(Dialect::Promela, e.op, {a}, {text(e.b, names)}).text;
+  const std::string divisor = text(e.b, names);
+  // By anything else it may be a run-time error in the middle of an expression. The text of a parameter is its value.
+  const std::optional<std::int32_t> value = value_of(divisor);
+  if (!value || *value == 0 || *value == -1) refuse("a division by what is no constant, or by 0 or -1", e.loc);
+  return print_binary(Dialect::Promela, e.op, {a}, {divisor}).text;
 }
 
 std::string PromelaCode::text(ExprId expr, const Names& names) {

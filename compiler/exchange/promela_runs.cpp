@@ -7,10 +7,10 @@
 // state repeats: "E at all points" is `[] (at -> E)`.
 //
 // Weak fairness: `turn` goes round the units (interactions or components). It passes a unit that has just taken part in
-// a step or cannot now, as many as it can at once; `round` says that it has come round. A run is fair if this happens
-// again and again, or if the run ends. Strong fairness: at some point (`began`) the units that are impossible from then
-// on are guessed (`gone`), and a run in which one of them is possible later is dropped (`broken`); the turn passes
-// those units and those that have just taken part.
+// a step or cannot now, as many as it can at once; `round` says that it has come round, or that the run has ended. A
+// run is fair if this is so again and again. Strong fairness: at some point (`began`) the units that are impossible
+// from then on are guessed (`gone`), and a run in which one of them is possible later is dropped (`broken`); the turn
+// passes those units and those that have just taken part.
 //
 // Cost: weak fairness multiplies the states by the number of units at most, strong fairness also by 2 for each unit.
 #include "compiler/exchange/promela_runs.hpp"
@@ -99,9 +99,11 @@ std::string PromelaRuns::declarations() const {
   }
   out += fmt::format("{} turn = 0; /* of {} */\nbool round = false;\n", smallest_type(units_.size()),
                      fairness_.unit == verify::FairnessUnit::Atoms ? "components" : "interactions");
+  // The condition of a step may be long, and formulas are not: what `fair` reads is noted after each step.
+  out += "inline note_end() {\n  if\n  :: goes_on -> skip;\n  :: else -> round = true;\n  fi;\n}\n";
   if (!is_strong()) {
     return out + fmt::format(
-                     "#define fair (!fault && (round || !goes_on))\ninline count_round() {{\n  round = false;\n{}}}\n",
+                     "#define fair (!fault && round)\ninline count_round() {{\n  round = false;\n{}  note_end();\n}}\n",
                      rounds());
   }
   std::string wrong;
@@ -110,9 +112,9 @@ std::string PromelaRuns::declarations() const {
   return out +
          fmt::format(
              "bool began = false; /* is it guessed which are gone? */\nbool broken = false; /* a wrong guess */\n"
-             "#define fair (!fault && !broken && (round || !goes_on))\n"
+             "#define fair (!fault && !broken && round)\n"
              "inline count_round() {{\n  round = false;\n  if\n  :: began ->\n  broken = {};\n{}  :: else -> skip;\n  "
-             "fi;\n}}\n",
+             "fi;\n  note_end();\n}}\n",
              wrong.empty() ? "false" : wrong, rounds());
 }
 

@@ -34,8 +34,10 @@ class PromelaRuns {
   [[nodiscard]] std::string after_step(std::size_t step) const;
   /// Alternatives of the process that take no step of the model.
   [[nodiscard]] std::string alternatives() const;
-  /// The statement that says that the initial state is reached.
-  [[nodiscard]] std::string start() const { return has_chosen_ ? "skip" : "ready = true"; }
+  /// The statements that say that the initial state is reached.
+  [[nodiscard]] std::string start() const {
+    return std::string(has_chosen_ ? "skip" : "ready = true") + (is_fair() ? "; note_end()" : "");
+  }
   /// "(! ([] (<> fair))) || ": runs that are not fair, or that end in an error, do not matter.
   [[nodiscard]] std::string premise(MayFault may_fault) const;
   /// `happens` and `next` as formulas. Requires that the formula has them.

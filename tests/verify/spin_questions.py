@@ -7,6 +7,7 @@ interaction, so it is asked of small ones.
 PETERSON, BAKERY, SZYMANSKI = "liveness/peterson", "liveness/bakery", "liveness/szymanski"
 LIBRARY, ELEVATOR, COMMIT = "classic/readers_writers", "classic/elevator", "classic/two_phase_commit"
 BITS, ELECTION, TOKENS, QUEUE = "liveness/alternating_bit", "liveness/leader_election", "classic/token_ring", "liveness/philosophers_queue"
+TRAINS = "liveness/train_gate"
 
 QUESTIONS = [
     (PETERSON, None, "none", "p@WAITS leads to p@CRITICAL"),
@@ -54,6 +55,15 @@ QUESTIONS = [
     (ELECTION, None, "none", "eventually ring.node[0]@LEADER"),
     (ELECTION, None, "none", "(!ring.node[2]@LEADER) until happens ring.wins[2]"),
     (ELECTION, None, "none", "always eventually can ring.gives[0]"),
+    (TRAINS, "Crossing(2)", "none", "train[0]@NEAR leads to train[0]@CROSSES"),
+    (TRAINS, None, "none", "crossing.train[1]@NEAR leads to crossing.train[1]@CROSSES"),
+    (TRAINS, "Crossing(5)", "none", "train[4]@STOPPED leads to train[4]@CROSSES"),
+    (TRAINS, None, "none", "always eventually crossing.train[0]@CROSSES"),
+    (TRAINS, "Crossing(4)", "weak", "always eventually train[0]@CROSSES"),
+    (TRAINS, "Crossing(2)", "strong", "always eventually train[0]@CROSSES"),
+    (TRAINS, "Crossing(2)", "weak:atoms", "always eventually happens leaves[0]"),
+    (TRAINS, "Crossing(3)", "none", "always (happens approaches[0] && train[2]@SAFE implies ((!happens enters[2]) unless happens enters[0]))"),
+    (TRAINS, "Crossing(3)", "none", "always (happens approaches[0] implies ((!happens enters[2]) unless happens enters[0]))"),
     (TOKENS, "Ring(4)", "none", "always eventually station[2]@HOLDS"),
     (TOKENS, "Ring(4)", "weak", "always eventually happens pass[1]"),
     (QUEUE, "Table(4)", "none", "phil[0]@HUNGRY leads to phil[0]@EATS"),
