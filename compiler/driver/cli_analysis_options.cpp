@@ -19,19 +19,16 @@ CLI::Validator is_no_empty_property() {
       "");
 }
 
-void add_fair(CLI::App& command, verify::Fairness& fairness) {
+void add_fair(CLI::App& command, std::string& fair) {
   command
-      .add_option_function<std::string>(
-          "--fair", [&fairness](const std::string& name) { fairness = *verify::read_fairness(name); },
+      .add_option(
+          "--fair", fair,
           "runs that count for a property of runs: all (none, default), those in which whatever stays possible happens "
-          "(weak), or whatever is possible again and again (strong); for each interaction, or for each component")
-      ->check(CLI::Validator(
-          [](std::string& text) {
-            return verify::read_fairness(text) ? std::string()
-                                               : not_one_of(text, "none|weak|strong|weak:atoms|strong:atoms");
-          },
-          ""))
-      ->type_name("none|weak|strong|weak:atoms|strong:atoms");
+          "(weak), or whatever is possible again and again (strong); for each interaction, for each component "
+          "(:atoms), "
+          "or for a connector, a port or a component with that name, `[*]` in it for each position of an array")
+      ->check(CLI::Validator([](std::string& text) { return verify::problem_of_fairness(text); }, ""))
+      ->type_name("none|weak|strong[:atoms|:NAME],...");
 }
 
 }  // namespace
@@ -51,7 +48,7 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
       ->add_option("--properties", a.properties_path,
                    "read more properties of the model from PATH: `property NAME { … }` as in a compound")
       ->type_name("PATH");
-  add_fair(*command, a.fairness);
+  add_fair(*command, a.fair);
   add_number(*command, "--timeout", a.timeout,
              "give up after SECONDS of processor time, of all threads together (default: 60)", "SECONDS");
   add_number(*command, "--wall-timeout", a.wall_timeout,
@@ -107,6 +104,7 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
       "Over an array: forall i in a: a[i]@PLACE, exists i in a: EXPR, at most 1 i in a: EXPR, at least, exactly.\n"
       "Possibly before a word asks for some run from a state: possibly EXPR, always possibly EXPR, possibly always "
       "EXPR.\n"
+      "Under at the end says its fairness, in the place of --fair: EXPR leads to EXPR under weak:c, strong:a.p.\n"
       "With time: eventually F, always eventually F, E leads to F; and E leads to F within 50 ms, eventually F within "
       "2 s.\n"
       "Exit code: 0 the property holds, 3 it is violated (a run is printed), 4 unknown. Ctrl-C prints what is known "
@@ -114,6 +112,7 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
       "Example:\n  bipc verify --root 'Table(1000)' --certificate table.cert model.bip\n"
       "  bipc verify --property 'never phil[0]@EATS && phil[1]@EATS' model.bip\n"
       "  bipc verify --property 'phil[0]@HUNGRY leads to phil[0]@EATS' --fair=weak model.bip\n"
+      "  bipc verify --property 'eventually lamp@ON' --fair=weak:press,strong:lamp.light model.bip\n"
       "  bipc verify --property errors model.bip\n"
       "  bipc verify --for-all n --root Table model.bip");
 }
@@ -270,7 +269,7 @@ void add_export(CLI::App& app, ExportArguments& a) {
           "states (default: deadlock)")
       ->check(is_no_empty_property())
       ->type_name("PROPERTY");
-  add_fair(*command, a.fairness);
+  add_fair(*command, a.fair);
   command
       ->add_option("--max-size", a.max_size,
                    "refuse a Petri net (pnml) of more than N transitions (default: 1000000), or a Markov chain (prism) "

@@ -140,7 +140,8 @@ verify::Formula formula_of(const verify::Question& question) {
   return made;
 }
 
-Result<std::string> promela(const Compilation& c, const ExportArguments& arguments, const verify::Question& question) {
+Result<std::string> promela(const Compilation& c, const ExportArguments& arguments, const verify::Question& question,
+                            const verify::Fairness& fairness) {
   if (question.what == verify::QuestionKind::Branching) return Failure{kNoBranchingTime};
   const bool is_formula = question.what == verify::QuestionKind::State || question.what == verify::QuestionKind::Runs;
   if (!arguments.property.empty() && !is_formula) return Failure{"a property that is neither of states nor of runs"};
@@ -148,14 +149,15 @@ Result<std::string> promela(const Compilation& c, const ExportArguments& argumen
   return exchange::promela(*c.system, {.maximal_progress = arguments.maximal_progress,
                                        .root_name = c.root_name,
                                        .formula = is_formula ? &formula : nullptr,
-                                       .fairness = arguments.fairness});
+                                       .fairness = question.fairness ? *question.fairness : fairness});
 }
 
-Result<std::string> exported(Compilation& c, const ExportArguments& arguments, const verify::Question& question) {
+Result<std::string> exported(Compilation& c, const ExportArguments& arguments, const verify::Question& question,
+                             const verify::Fairness& fairness) {
   exchange::Options options{.maximal_progress = arguments.maximal_progress, .root_name = c.root_name};
   if (arguments.max_size) options.max_transitions = *arguments.max_size;
   switch (arguments.format) {
-    case ExportFormat::Promela: return promela(c, arguments, question);
+    case ExportFormat::Promela: return promela(c, arguments, question, fairness);
     case ExportFormat::Pnml: return exchange::pnml(*c.system, options);
     case ExportFormat::Aiger: return aiger(c, arguments, question);
     case ExportFormat::Net: return net(c);
@@ -171,8 +173,7 @@ int command_export(const ExportArguments& arguments) {
       arguments.format != ExportFormat::Promela) {
     return usage_error("`--property` is for `--format=promela` and `--format=aiger`");
   }
-  if (arguments.fairness.kind != verify::FairnessKind::None &&
-      (arguments.property.empty() || arguments.format != ExportFormat::Promela)) {
+  if (arguments.fair != "none" && (arguments.property.empty() || arguments.format != ExportFormat::Promela)) {
     return usage_error("`--fair` is for a `--property` in `--format=promela`");
   }
   Compilation c(arguments.compile);
@@ -184,8 +185,9 @@ int command_export(const ExportArguments& arguments) {
   if (compile(c, arguments.file, Stage::Image) && check_outputs(c, {arguments.output})) {
     const std::optional<verify::Question> question =
         read_question(arguments.property, library::read_question(arguments.property, *c.system), *c.system);
-    if (!question) return kUsage;
-    Result<std::string> made = exported(c, arguments, *question);
+    const std::optional<verify::Fairness> fairness = read_fairness(arguments.fair, *c.system);
+    if (!question || !fairness) return kUsage;
+    Result<std::string> made = exported(c, arguments, *question, *fairness);
     if (!made) {
       c.diags.report(Diag::kB5060, {}, format_name(arguments.format), made.error());
     } else if (arguments.output.empty()) {

@@ -108,7 +108,9 @@ int command_verify(const VerifyArguments& arguments) {
   request.wants_trace = !arguments.trace_path.empty();
   request.wants_run = arguments.json;
   const std::optional<std::vector<NamedQuestion>> questions = read_questions(arguments, *c.system);
-  if (!questions || !may_write_files(arguments, *questions)) return kUsage;
+  std::optional<verify::Fairness> fairness = read_fairness(arguments.fair, *c.system);
+  if (!questions || !fairness || !may_write_files(arguments, *questions)) return kUsage;
+  request.fairness = std::move(*fairness);
   request.is_one_of_many = questions->size() > 1;
   if (request.reuses) warn_of_unusable_cache(c, c.options.cache);
   const std::string note = library::remove_unread_cpp(request, c, data_of(*questions));

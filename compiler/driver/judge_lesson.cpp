@@ -89,10 +89,12 @@ Judgement judge_property(Compilation& c, const LessonCheck& check) {
   request.backend = Backend::Interp;
   request.timeout = kSecondsOfCheck;
   request.property = check.text;
-  request.fairness = check.fairness;
   request.reuses = false;
   const Result<verify::Question> question = library::read_question(request, *c.system);
   if (!question) return {.found = fmt::format("this model cannot be asked that: {}\n", question.error())};
+  Result<verify::Fairness> fairness = verify::read_fairness(check.fair, *c.system);
+  if (!fairness) return {.found = fmt::format("this model cannot be asked that: --fair, {}\n", fairness.error())};
+  request.fairness = std::move(*fairness);
   const std::string note = library::remove_unread_cpp(request, c, library::data_of(*question));
   const library::Verdict verdict = answer_question(request, c, *question, note);
   const int wanted = check.kind == CheckKind::Holds ? kOk : kViolated;
@@ -106,9 +108,7 @@ Judgement judge_check(Compilation& c, const LessonCheck& check) {
 }
 
 std::string expectation(const LessonCheck& check) {
-  const std::string fairness = check.fairness.kind == verify::FairnessKind::None
-                                   ? ""
-                                   : fmt::format(" with --fair={}", verify::name_of(check.fairness));
+  const std::string fairness = check.fair == "none" ? "" : fmt::format(" with --fair={}", check.fair);
   if (check.text == "errors" && check.kind == CheckKind::Holds) return "no run must end with an error";
   if (check.text == "deadlock" && check.kind == CheckKind::Holds) return "there must be no deadlock";
   switch (check.kind) {

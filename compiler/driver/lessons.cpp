@@ -42,9 +42,9 @@ LessonCheck read_check(CheckKind kind, std::string_view line) {
     } else if (take_prefix(line, "--limit ")) {
       check.limit = take_number(line);
     } else if (take_prefix(line, "--fair=")) {
-      const std::optional<verify::Fairness> fairness = verify::read_fairness(std::string(take_word(line)));
-      BIP_ENSURE(fairness.has_value(), "lesson: no fairness before `{}`", line);
-      check.fairness = *fairness;
+      check.fair = take_word(line);
+      const std::string problem = verify::problem_of_fairness(check.fair);
+      BIP_ENSURE(problem.empty(), "lesson: {} before `{}`", problem, line);
     } else {
       check.text = line;
       return check;

@@ -29,7 +29,7 @@ enum class CheckKind : std::uint8_t { Holds, Violated, Prints };
 struct LessonCheck {
   CheckKind kind = CheckKind::Holds;
   std::string text;           // a property, or a part of a line
-  verify::Fairness fairness;  // of properties of runs
+  std::string fair = "none";  // of properties of runs
   std::uint64_t seed = 1, limit = 100;
   std::string hint;
 };

@@ -101,6 +101,7 @@ struct VerifyArguments : library::VerifyRequest {
   std::string properties_path;  // of a file with more properties; empty: none
   std::string certificate;      // empty: none is written
   std::string trace_path;       // of the run that violates the property; empty: none is written
+  std::string fair = "none";    // its names are resolved in the model
   std::string for_all;          // parameter whose sizes are meant, `n` or `n >= 3`; empty: one system
   bool json = false;
 };
@@ -179,7 +180,7 @@ struct ExportArguments {
   std::string output;  // empty: standard output
   ExportFormat format = ExportFormat::Promela;
   std::string property;       // Aiger: what is bad; empty: a deadlock
-  verify::Fairness fairness;  // Promela: the runs of which the property is asked
+  std::string fair = "none";  // Promela: the runs of which the property is asked
   // Transitions of a Petri net, states of a Markov chain; none: the format's default.
   std::optional<std::uint32_t> max_size;
   bool maximal_progress = true;

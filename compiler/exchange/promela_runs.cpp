@@ -34,33 +34,55 @@ std::string any_of(const Rows& rows, const Text& text) {
   return all.empty() ? "false" : all;
 }
 
+std::string unit_words(const verify::Fairness& fairness) {
+  if (fairness.terms.size() != 1 || fairness.terms[0].has_name()) return verify::name_of(fairness);
+  return fairness.terms[0].unit == verify::FairnessUnit::Atoms ? "components" : "interactions";
+}
+
 const char* smallest_type(std::size_t greatest) { return greatest < 256 ? "byte" : "int"; }
 
 }  // namespace
 
-PromelaRuns::PromelaRuns(std::vector<StepText> steps, const verify::Formula& formula, verify::Fairness fairness)
+PromelaRuns::PromelaRuns(std::vector<StepText> steps, const verify::Formula& formula, const verify::Fairness& fairness)
     : steps_(std::move(steps)), fairness_(fairness) {
   has_chosen_ = std::any_of(formula.nodes.begin(), formula.nodes.end(), [](const verify::FormulaNode& node) {
     return node.kind == verify::FormulaKind::Next || node.kind == verify::FormulaKind::Step;
   });
-  if (!is_fair()) return;
-  std::map<AtomId, Unit> of_atoms;
+  for (const verify::FairnessTerm& term : fairness_.terms) add_units(term);
+}
+
+void PromelaRuns::add_units(const verify::FairnessTerm& term) {
+  // By atom; of other terms one, or one for each step.
+  std::map<std::size_t, std::vector<std::size_t>> units;
+  if (term.has_name()) units[0] = {};
   for (std::size_t step = 0; step < steps_.size(); ++step) {
-    if (fairness.unit == verify::FairnessUnit::Interactions) units_.push_back({step});
-    for (const auto& [atom, port] : steps_[step].ports) {
-      Unit& unit = of_atoms[atom];
+    const auto add = [&](std::size_t row) {
+      std::vector<std::size_t>& unit = units[row];
       if (unit.empty() || unit.back() != step) unit.push_back(step);
+    };
+    switch (term.unit) {
+      case verify::FairnessUnit::Interactions: add(step); break;
+      case verify::FairnessUnit::Connector:
+        if (steps_[step].connector == ConnectorId(term.owner)) add(0);
+        break;
+      case verify::FairnessUnit::Atoms:
+      case verify::FairnessUnit::Port:
+      case verify::FairnessUnit::Atom:
+        for (const auto& [atom, port] : steps_[step].ports) {
+          if (term.unit == verify::FairnessUnit::Atoms) add(atom.value);
+          else if (atom == AtomId(term.owner) && (term.unit == verify::FairnessUnit::Atom || port == term.port)) add(0);
+        }
+        break;
     }
   }
-  if (fairness.unit == verify::FairnessUnit::Interactions) return;
-  for (auto& [atom, unit] : of_atoms) units_.push_back(std::move(unit));
+  for (auto& [row, unit] : units) units_.push_back({std::move(unit), term.is_strong()});
 }
 
 std::string PromelaRuns::rounds() const {
   std::string passes;
   for (std::size_t unit = 0; unit < units_.size(); ++unit) {
     passes += fmt::format("{}(turn == {} && (happened{} || {}{}))", passes.empty() ? "" : "\n     || ", unit, unit,
-                          is_strong() ? "gone" : "!possible", unit);
+                          units_[unit].is_strong ? "gone" : "!possible", unit);
   }
   return fmt::format(
       "  do\n  :: ({}) -> turn = turn + 1;\n  :: else -> break;\n  od;\n"
@@ -93,12 +115,12 @@ std::string PromelaRuns::declarations() const {
   if (!is_fair()) return out;
   for (std::size_t unit = 0; unit < units_.size(); ++unit) {
     out += fmt::format("#define possible{} ({})\n#define happened{} ({})\n", unit,
-                       any_of(units_[unit], [](std::size_t step) { return fmt::format("step{}", step); }), unit,
-                       any_of(units_[unit], [](std::size_t step) { return fmt::format("last == {}", step); }));
-    if (is_strong()) out += fmt::format("bool gone{} = false;\n", unit);
+                       any_of(units_[unit].steps, [](std::size_t step) { return fmt::format("step{}", step); }), unit,
+                       any_of(units_[unit].steps, [](std::size_t step) { return fmt::format("last == {}", step); }));
+    if (units_[unit].is_strong) out += fmt::format("bool gone{} = false;\n", unit);
   }
   out += fmt::format("{} turn = 0; /* of {} */\nbool round = false;\n", smallest_type(units_.size()),
-                     fairness_.unit == verify::FairnessUnit::Atoms ? "components" : "interactions");
+                     unit_words(fairness_));
   // The condition of a step may be long, and formulas are not: what `fair` reads is noted after each step.
   out += "inline note_end() {\n  if\n  :: goes_on -> skip;\n  :: else -> round = true;\n  fi;\n}\n";
   if (!is_strong()) {
@@ -107,8 +129,10 @@ std::string PromelaRuns::declarations() const {
                      rounds());
   }
   std::string wrong;
-  for (std::size_t unit = 0; unit < units_.size(); ++unit)
+  for (std::size_t unit = 0; unit < units_.size(); ++unit) {
+    if (!units_[unit].is_strong) continue;
     wrong += fmt::format("{}(gone{} && possible{})", wrong.empty() ? "" : " || ", unit, unit);
+  }
   return out +
          fmt::format(
              "bool began = false; /* is it guessed which are gone? */\nbool broken = false; /* a wrong guess */\n"
@@ -141,8 +165,10 @@ std::string PromelaRuns::alternatives() const {
   }
   if (!is_strong()) return out;
   out += "  :: broken -> break\n  :: atomic { goes_on && !began ->\n     began = true;\n";
-  for (std::size_t unit = 0; unit < units_.size(); ++unit)
+  for (std::size_t unit = 0; unit < units_.size(); ++unit) {
+    if (!units_[unit].is_strong) continue;
     out += fmt::format("     if\n     :: !possible{} -> gone{} = true;\n     :: true -> skip;\n     fi;\n", unit, unit);
+  }
   return out + "     }\n";
 }
 

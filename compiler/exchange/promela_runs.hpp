@@ -25,7 +25,7 @@ enum class MayFault : std::uint8_t { No, Yes };
 /// Texts for the process of a model whose runs are asked about.
 class PromelaRuns {
  public:
-  PromelaRuns(std::vector<StepText> steps, const verify::Formula& formula, verify::Fairness fairness);
+  PromelaRuns(std::vector<StepText> steps, const verify::Formula& formula, const verify::Fairness& fairness);
 
   /// Variables, macros, and what looks at the state after each step.
   [[nodiscard]] std::string declarations() const;
@@ -45,14 +45,19 @@ class PromelaRuns {
   [[nodiscard]] std::string next(const std::string& operand) const;
 
  private:
-  [[nodiscard]] bool is_fair() const { return fairness_.kind != verify::FairnessKind::None; }
-  [[nodiscard]] bool is_strong() const { return fairness_.kind == verify::FairnessKind::Strong; }
+  [[nodiscard]] bool is_fair() const { return !fairness_.is_none(); }
+  [[nodiscard]] bool is_strong() const { return fairness_.has(verify::FairnessKind::Strong); }
   [[nodiscard]] std::size_t none() const { return steps_.size(); }
   [[nodiscard]] std::string condition() const;
   [[nodiscard]] std::string rounds() const;
 
-  /// Takes its turn in each round: the rows of its steps.
-  using Unit = std::vector<std::size_t>;
+  /// Takes its turn in each round.
+  struct Unit {
+    std::vector<std::size_t> steps;
+    bool is_strong = false;
+  };
+  void add_units(const verify::FairnessTerm& term);
+
   std::vector<StepText> steps_;
   verify::Fairness fairness_;
   std::vector<Unit> units_;

@@ -335,12 +335,12 @@ Verdict Model::verify(const VerifyOptions& options) const {
   request.megabytes = options.megabytes;
   request.property = options.property;
   if (!options.fairness.empty()) {
-    const std::optional<verify::Fairness> fairness = verify::read_fairness(options.fairness);
+    Result<verify::Fairness> fairness = verify::read_fairness(options.fairness, *c.system);
     if (!fairness) {
-      out.problem = fmt::format("`{}` is no fairness: {}", options.fairness, fmt::join(verify::fairness_names(), ", "));
+      out.problem = fmt::format("fairness `{}`, {}", options.fairness, fairness.error());
       return out;
     }
-    request.fairness = *fairness;
+    request.fairness = std::move(*fairness);
   }
   request.partial = options.partial;
   request.why = options.explains;

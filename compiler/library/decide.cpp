@@ -109,6 +109,7 @@ Result<verify::Question> read_question(const std::string& property, const verify
   question.property = std::move(parsed->state);
   question.formula = std::move(parsed->formula);
   question.branching = std::move(parsed->branching);
+  question.fairness = std::move(parsed->fairness);
   return question;
 }
 
@@ -193,6 +194,14 @@ std::optional<Verdict> decide_initial_fault(const Compilation& c, const verify::
 
 Verdict decide(const VerifyRequest& request, Compilation& c, const verify::Question& question, const std::string& note,
                const verify::CancellationToken& asked, const verify::Report& report) {
+  if (question.fairness) {
+    // What the property says takes the place of what is said beside it.
+    VerifyRequest fair = request;
+    fair.fairness = *question.fairness;
+    verify::Question rest = question;
+    rest.fairness.reset();
+    return decide(fair, c, rest, note, asked, report);
+  }
   const verify::CancellationToken token =
       request.wall_timeout > 0 ? asked.within_wall_clock(request.wall_timeout) : asked;
   const bool is_timed = system::is_timed(*c.system);

@@ -103,7 +103,7 @@ std::optional<Unsupported> unsupported(const VerifyRequest& request, const Syste
   if (const std::string what = system::first_timed(system); !what.empty())
     return Unsupported{"this property with `possibly` for a model with time", what,
                        "`possibly E`, `possibly always E` and `E leads to F` have answers"};
-  if (request.fairness.kind != verify::FairnessKind::None)
+  if (!request.fairness.is_none())
     return Unsupported{"fairness for this property with `possibly`", "it is about all runs from each state",
                        "`possibly` before one word, as `possibly always E`, has an answer; this one without `--fair`"};
   return std::nullopt;

@@ -41,7 +41,7 @@ bool add_certificate(const VerifyRequest& request, Compilation& c, const verify:
     return refuse("of a model with floats, C++ data or priorities below connectors");
   if (rows.empty()) return refuse("whose states are too many for `--memory`");
   const std::optional<std::string> text =
-      verify::certificate_of_runs(question.formula, verify::name_of(request.fairness), rows, *c.system, c.root_name);
+      verify::certificate_of_runs(question.formula, request.fairness, rows, *c.system, c.root_name);
   if (!text) return refuse("that repeats its parts too often");
   verdict.certificate = *text;
   return true;
@@ -49,14 +49,54 @@ bool add_certificate(const VerifyRequest& request, Compilation& c, const verify:
 
 constexpr const char* kErrorsNotLookedAt = "note: runs that end in a run-time error were not looked at\n";
 
-std::string fairness_text(const verify::Fairness& fairness) {
-  const std::string unit = fairness.unit == verify::FairnessUnit::Atoms ? "components" : "interactions";
-  switch (fairness.kind) {
-    case verify::FairnessKind::None: return "no fairness is assumed";
-    case verify::FairnessKind::Weak: return "weak fairness of " + unit;
-    case verify::FairnessKind::Strong: return "strong fairness of " + unit;
+// Each thing with a name of which fairness is asked: "  fair to `p.enter` (strong): it happens in #4".
+template <class Line>
+void each_turn(const verify::Fairness& fairness, const verify::LivenessResult& found, const Line& line) {
+  std::size_t row = 0;
+  for (const verify::FairnessTerm& term : fairness.terms) {
+    if (term.has_name() && row < found.turns.size()) line(term, found.turns[row++]);
   }
-  return {};
+}
+constexpr std::size_t kTurnsShown = 8;
+
+std::string turns_text(const verify::Fairness& fairness, const verify::LivenessResult& found) {
+  std::string text;
+  std::size_t shown = 0;
+  each_turn(fairness, found, [&](const verify::FairnessTerm& term, const verify::FairTurn& turn) {
+    if (++shown > kTurnsShown) return;
+    const bool is_component = term.unit == verify::FairnessUnit::Atom;
+    text += fmt::format("  fair to `{}` ({}): it ", term.path, term.is_strong() ? "strong" : "weak");
+    switch (turn.why) {
+      case verify::FairTurn::Why::Happens:
+        text += fmt::format("{} #{}\n", is_component ? "takes part in" : "happens in", turn.step);
+        break;
+      case verify::FairTurn::Why::Impossible:
+        text +=
+            fmt::format("{} before #{}\n", is_component ? "can take part in nothing" : "is not possible", turn.step);
+        break;
+      case verify::FairTurn::Why::NeverPossible:
+        text += is_component ? "can take part in nothing in the states that repeat\n"
+                             : "is possible in no state that repeats\n";
+        break;
+    }
+  });
+  if (shown > kTurnsShown) text += fmt::format("  … and to {} more\n", shown - kTurnsShown);
+  return text;
+}
+
+nlohmann::ordered_json turns_json(const verify::Fairness& fairness, const verify::LivenessResult& found) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  each_turn(fairness, found, [&](const verify::FairnessTerm& term, const verify::FairTurn& turn) {
+    using Why = verify::FairTurn::Why;
+    nlohmann::ordered_json row{{"of", term.path},
+                               {"fairness", term.is_strong() ? "strong" : "weak"},
+                               {"why", turn.why == Why::Happens      ? "happens"
+                                       : turn.why == Why::Impossible ? "impossible"
+                                                                     : "never possible"}};
+    if (turn.why != Why::NeverPossible) row["step"] = turn.step;
+    rows.push_back(std::move(row));
+  });
+  return rows;
 }
 
 // What the property reads of the state in which the run violates it.
@@ -80,9 +120,10 @@ std::string violated_text(const rt::Image& image, const verify::Question& questi
                        rt::counted(found.choices.size(), "step")) +
            last_state_text(image, question, found);
   text += fmt::format("violated[V0005]: `{}`   ({}; {})\n", question.formula.text,
-                      rt::counted(found.choices.size(), "step"), fairness_text(request.fairness));
+                      rt::counted(found.choices.size(), "step"), verify::words_of(request.fairness));
+  text += turns_text(request.fairness, found);
   if (found.holds_under)
-    text += fmt::format("note: it holds under {} (`--fair={}`)\n", fairness_text(*found.holds_under),
+    text += fmt::format("note: it holds under {} (`--fair={}`)\n", verify::words_of(*found.holds_under),
                         verify::name_of(*found.holds_under));
   return text;
 }
@@ -99,7 +140,7 @@ std::string proof_text(const verify::Question& question, const VerifyRequest& re
           ? fmt::format("holds: `{}`: true at each point of all runs, by IC3 on {}\n", question.formula.text, part)
           : fmt::format("holds: `{}`: true of all runs, by k-liveness: at most {} on {}{} ({})\n",
                         question.formula.text, rt::counted(proof.rounds, "round"), part, rest,
-                        fairness_text(request.fairness));
+                        verify::words_of(request.fairness));
   if (proof.may_have_errors) text += kErrorsNotLookedAt;
   return text;
 }
@@ -109,7 +150,7 @@ std::string neighbourhood_text(const verify::Question& question, const VerifyReq
   const std::string rest = proof.needs_endless_runs ? ", and no run ends" : "";
   std::string text = fmt::format("holds: `{}`: true of all runs, by {} and at most {} beside{} ({})\n",
                                  question.formula.text, rt::counted(proof.cases, "case"),
-                                 rt::counted(proof.neighbours, "component"), rest, fairness_text(request.fairness));
+                                 rt::counted(proof.neighbours, "component"), rest, verify::words_of(request.fairness));
   if (proof.may_have_errors) text += kErrorsNotLookedAt;
   return text;
 }
@@ -160,7 +201,7 @@ Verdict decide_liveness(const VerifyRequest& request, Compilation& c, const veri
           : is_invariant
               ? fmt::format("holds: `{}`: true at each point of all runs through {}\n", question.formula.text, states)
               : fmt::format("holds: `{}`: true of all runs through {} ({})\n", question.formula.text, states,
-                            fairness_text(request.fairness));
+                            verify::words_of(request.fairness));
       if (found.has_errors && proof == nullptr && !around) verdict.text += kEndsInError;
       json["verdict"] = "holds";
       break;
@@ -197,6 +238,7 @@ Verdict decide_liveness(const VerifyRequest& request, Compilation& c, const veri
     json["steps"] = found.choices.size();
     json["choices"] = found.choices;
     if (!found.is_prefix) json["cycle"] = found.cycle;
+    if (!found.turns.empty()) json["fair_to"] = turns_json(request.fairness, found);
     if (found.holds_under) json["holds_under"] = verify::name_of(*found.holds_under);
     if (request.wants_run)
       add_run(json, rt::counterexample_json(c.lowered->image, rt::MaximalProgress::On, rt::CounterexampleEnd::State,

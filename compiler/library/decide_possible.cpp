@@ -30,7 +30,7 @@ bool is_decided_by_negation(const VerifyRequest& request, const System& system, 
     case verify::QuestionKind::State: return true;
     // Without fairness, the graph of branching time says more about states in which each step ends in an error.
     case verify::QuestionKind::Runs:
-      return is_timed ? negation.formula.response.has_value() : request.fairness.kind != verify::FairnessKind::None;
+      return is_timed ? negation.formula.response.has_value() : !request.fairness.is_none();
     case verify::QuestionKind::DeadlockFreedom:
     case verify::QuestionKind::NoErrors:
     case verify::QuestionKind::NoLocalDeadlock:
@@ -68,7 +68,7 @@ std::string shown_text(const Compilation& c, const verify::BranchingFormula& for
   const std::uint64_t states = json.value("states", std::uint64_t{0});
   if (states != 0) at += fmt::format("; {} visited", rt::counted(states, "reachable state"));
   const bool is_of_state = negation == verify::QuestionKind::State;
-  if (!is_of_state && request.fairness.kind != verify::FairnessKind::None)
+  if (!is_of_state && !request.fairness.is_none())
     at += fmt::format("; it is fair, --fair={}", verify::name_of(request.fairness));
   const std::string conclusion =
       fmt::format("holds: `{}`: this run shows it ({}{})\n", formula.text, rt::counted(steps, "step"), at);

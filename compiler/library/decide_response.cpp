@@ -43,7 +43,7 @@ std::string missed_text(const verify::Formula& formula, const rt::ZoneReport& fo
 
 // What has no answer yet, of a response without a limit. `what` is empty: it has one.
 Unsupported without_an_answer(const VerifyRequest& request) {
-  if (request.fairness.kind != verify::FairnessKind::None)
+  if (!request.fairness.is_none())
     return {"fairness for a model with time", "urgencies and invariants say what has to happen",
             "without `--fair` the property is decided"};
   return {};

@@ -25,9 +25,10 @@ constexpr Prefix kPrefixes[] = {
     {"A[]", "always"},     {"AG", "always"},     {"[]", "always"},           {"G", "always"},
     {"E<>", "possibly"},   {"EF", "possibly"},   {"E[]", "possibly always"}, {"EG", "possibly always"},
     {"A<>", "eventually"}, {"AF", "eventually"}, {"<>", "eventually"},       {"F", "eventually"}};
-constexpr std::string_view kWords[] = {
-    "never", "always", "can",   "happens", "eventually", "next",       "implies",      "until",  "unless",  "leads",
-    "to",    "true",   "false", "since",   "once",       "previously", "historically", "within", "possibly"};
+constexpr std::string_view kWords[] = {"never",    "always", "can",    "happens",    "eventually",   "next",
+                                       "implies",  "until",  "unless", "leads",      "to",           "true",
+                                       "false",    "since",  "once",   "previously", "historically", "within",
+                                       "possibly", "under",  "weak",   "strong",     "atoms"};
 
 bool is_name_char(char c) { return is_letter(c) || is_digit(c) || c == '_'; }
 
@@ -121,7 +122,10 @@ class NameMender {
       } else if (is_letter(text_[at_]) || text_[at_] == '_') {
         const std::string path = read_path();
         const bool is_word = std::find(std::begin(kWords), std::end(kWords), path) != std::end(kWords);
-        out += is_word ? path : before == "can" || before == "happens" ? offer(path) : reference(path);
+        out += is_word                                  ? path
+               : before == "can" || before == "happens" ? offer(path)
+               : before == "weak" || before == "strong" ? fair(path)
+                                                        : reference(path);
         before = path;
       } else {
         // 1e3 is a number.
@@ -270,6 +274,13 @@ class NameMender {
     return found.empty() ? path : found;
   }
 
+  /// What fairness speaks of: also a component.
+  std::string fair(const std::string& path) {
+    if (find_type(path) != nullptr) return path;
+    const std::string offered = offer(path);
+    return offered == path ? component(path) : offered;
+  }
+
   std::string text_;
   const System& system_;
   std::size_t at_ = 0;
@@ -281,6 +292,15 @@ class NameMender {
 std::optional<PropertySuggestion> suggest_property(const std::string& text, const System& system) {
   const std::string_view whole = trimmed(text);
   if (const std::string question = meant_question(whole); !question.empty()) return PropertySuggestion{"", question};
+  // Of a property of states, without what only runs have.
+  if (const std::size_t under = whole.rfind(" under "); under != std::string_view::npos) {
+    const std::string before(whole.substr(0, under));
+    Result<verify::Question> read = read_question(before, system);
+    const bool is_of_states =
+        read && (read->what == verify::QuestionKind::State ||
+                 (read->what == verify::QuestionKind::Runs && verify::is_invariant_of_past(read->formula)));
+    if (is_of_states) return PropertySuggestion{"", before};
+  }
   PropertySuggestion suggestion;
   std::string_view rest = whole;
   std::string word;
@@ -319,6 +339,13 @@ std::optional<PropertySuggestion> suggest_property(const std::string& text, cons
   }
   if (suggestion.note.empty()) return std::nullopt;
   return suggestion;
+}
+
+std::optional<PropertySuggestion> suggest_fairness(const std::string& text, const System& system) {
+  NameMender names(text, system);
+  const std::string mended = names.run();
+  if (mended == text || !verify::read_fairness(mended, system)) return std::nullopt;
+  return PropertySuggestion{names.note(), mended};
 }
 
 }  // namespace bip::library

@@ -15,4 +15,7 @@ struct PropertySuggestion {
 /// What a person may have meant by a text that is no property of the system. Cost: linear in the system for each name.
 [[nodiscard]] std::optional<PropertySuggestion> suggest_property(const std::string& text, const System& system);
 
+/// The same of a text that says which runs are fair.
+[[nodiscard]] std::optional<PropertySuggestion> suggest_fairness(const std::string& text, const System& system);
+
 }  // namespace bip::library

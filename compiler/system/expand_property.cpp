@@ -77,6 +77,7 @@ class PropertyExpander {
       if (c == '(') ++parentheses_;
       if (c == ')') close_parenthesis();
       is_place_ = c == '@';
+      is_fair_ = c == ':' && has_under_ && (last_word_ == "weak" || last_word_ == "strong");
       is_unit_ = false;
       last_word_ = {};
       copy_until(at_ + 1);
@@ -103,11 +104,13 @@ class PropertyExpander {
     while (is_blank(peek(behind))) ++behind;
     const bool is_component = peek(behind) == '@';
     const bool is_offer = last_word_ == "can" || last_word_ == "happens";
+    const bool is_fair = std::exchange(is_fair_, false) && word != "atoms";
     const bool is_array = last_word_ == "in" && !is_bound(word) && !constants_.contains(word);
     if (!is_path && word_at(behind) == "in") bound_.push_back({word, parentheses_});
     is_unit_ = last_word_ == "within";
     last_word_ = word;
-    if (is_path || is_component || is_offer || is_array) return expand_path(word);
+    has_under_ = has_under_ || (word == "under" && !is_path && !is_component && !is_offer && !is_fair);
+    if (is_path || is_component || is_offer || is_array || is_fair) return expand_path(word);
     if (is_bound(word)) return copy_until(at_ + word.size());
     if (const auto constant = constants_.find(word); constant != constants_.end()) {
       put(value_text(constant->second), at_);
@@ -127,6 +130,8 @@ class PropertyExpander {
   }
   void expand_index() {
     const std::size_t open = at_++;
+    // Each position, of which fairness speaks.
+    if (has_under_ && text_.substr(open, 3) == "[*]") return copy_each(open);
     if (has_bound_name(open)) {
       // What else it names has a value now.
       put("[", open);
@@ -152,6 +157,11 @@ class PropertyExpander {
       put(fmt::format("[{}]", *index), open);
       ++at_;
     }
+  }
+
+  void copy_each(std::size_t open) {
+    put("[*]", open);
+    at_ = open + 3;
   }
 
   void skip_blanks() {
@@ -200,6 +210,8 @@ class PropertyExpander {
   std::string problem_;
   std::string_view last_word_;  // of the tokens before this one, if it is a name
   bool is_place_ = false;       // behind `@`
+  bool has_under_ = false;      // fairness follows
+  bool is_fair_ = false;        // behind the `:` of `weak:` or `strong:`
   bool is_unit_ = false;        // behind the number of `within 50 ms`: no name of a parameter
   std::size_t at_ = 0;
 };

@@ -70,7 +70,7 @@ int main(int argc, char** argv) {
   std::size_t count = 0;
   while (std::getline(std::cin, line)) {
     const std::size_t blank = line.find(' ');
-    const std::optional<verify::Fairness> fairness = verify::read_fairness(line.substr(0, blank));
+    const Result<verify::Fairness> fairness = verify::read_fairness(line.substr(0, blank), *c.system);
     Result<verify::ParsedProperty> parsed = reader.read(line.substr(std::min(blank + 1, line.size())));
     if (!fairness || !parsed || parsed->form != verify::PropertyForm::Runs) {
       std::fprintf(stderr, "%s: no property of runs\n", line.c_str());
@@ -94,8 +94,7 @@ int main(int argc, char** argv) {
     else std::printf("unknown %s\n", proof.reason.c_str());
     if (argc > 4 && proof.outcome == verify::Outcome::Holds)
       std::ofstream(argv[4] + ('.' + std::to_string(count)))
-          << verify::certificate_of_runs(parsed->formula, verify::name_of(*fairness), proof.rows, *c.system, "Root()")
-                 .value_or("");
+          << verify::certificate_of_runs(parsed->formula, *fairness, proof.rows, *c.system, "Root()").value_or("");
     ++count;
   }
   return 0;

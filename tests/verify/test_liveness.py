@@ -37,7 +37,7 @@ PROVER = str(BUILD / "bip-prove-runs")
 CERTCHECK = os.environ.get("CERTCHECK") or str(pathlib.Path(BIPC).with_name("certcheck"))
 CERTIFICATES_EVERY = int(os.environ.get("CERTIFICATES_EVERY", "4"))
 FAIRNESS = "none", "weak", "strong", "weak:atoms", "strong:atoms"
-MOST_STATES, MOST_NODES = 60, 6000
+MOST_STATES, MOST_NODES, MOST_STRONG = 60, 6000, 10
 PROPERTIES_OF_A_SYSTEM = 3
 
 Transition = collections.namedtuple("Transition", "port source target guard change")
@@ -259,14 +259,48 @@ def parts_of(f, found):
     return found
 
 
+def terms_of(fairness):
+    """(is it strong?, what it is about) of each term: interactions are about "", components about "atoms"."""
+    return [] if fairness == "none" else [(term.startswith("strong"), term.partition(":")[2]) for term in fairness.split(",")]
+
+
+def kind_of(fairness):
+    """Of what the counts at the end are."""
+    return "named" if any(what not in ("", "atoms") for _, what in terms_of(fairness)) else fairness.split(":")[0]
+
+
 def units_of(label, fairness):
-    if label is None:
-        return ()
-    return {a for a, _ in label[1]} if fairness.endswith("atoms") else (label,)
+    """What takes its turn with a step: (is it strong?, what the term is about, which of these)."""
+    units = set()
+    for is_strong, what in terms_of(fairness) if label else ():
+        if what == "":
+            units.add((is_strong, what, label))
+        elif what == "atoms":
+            units |= {(is_strong, what, a) for a, _ in label[1]}
+        elif what == f"c{label[0]}" or any(what in (f"a{a}", f"a{a}.p{p}") for a, p in label[1]):
+            units.add((is_strong, what, None))
+    return units
 
 
 def possible_units(graph, state, fairness):
     return {unit for step in graph.steps[state] for unit in units_of(step.label, fairness)}
+
+
+def random_fairness(r, atoms, connectors):
+    """Of some things with names, beside which there may be a term about each interaction or component."""
+    names = [f"c{k}" for k in range(len(connectors))] + [f"a{a}" for a in range(len(atoms))] + [f"a{a}.p{p}" for a in range(len(atoms)) for p in range(2)]
+    terms = [f"{r.choice(['weak', 'strong'])}:{name}" for name in r.sample(names, min(len(names), r.choice([1, 1, 2, 2, 3])))]
+    if r.random() < 0.3:
+        terms.insert(r.randrange(len(terms) + 1), r.choice(["weak", "weak", "strong", "weak:atoms", "strong:atoms"]))
+    return ",".join(terms)
+
+
+def certificate_words(fairness):
+    """The same as certificates have it."""
+    def word(is_strong, what):
+        kind = "" if what in ("", "atoms") else "connector:ROOT." if what.startswith("c") else "port:ROOT." if "." in what else "atom:ROOT."
+        return ("strong" if is_strong else "weak") + (":" if what else "") + kind + what
+    return " ".join(word(*term) for term in terms_of(fairness)) or "none"
 
 
 def is_violated(graph, formula, fairness):
@@ -340,9 +374,11 @@ def is_violated(graph, formula, fairness):
     possible = [possible_units(graph, state, fairness) for state in range(len(graph.steps))]
     taken = {node: units_of(graph.steps[node[0]][node[1]].label, fairness) for node in reached}
     everything = sorted({unit for units in possible for unit in units}, key=str)
-    kind = fairness.split(":")[0]
+    weak, strong = ([unit for unit in everything if unit[0] == is_strong] for is_strong in (False, True))
+    if len(strong) > MOST_STRONG:
+        return None
     # Strong: which units are impossible from some point on? The others happen again and again.
-    choices = itertools.chain.from_iterable(itertools.combinations(everything, n) for n in range(len(everything) + 1)) if kind == "strong" else [()]
+    choices = itertools.chain.from_iterable(itertools.combinations(strong, n) for n in range(len(strong) + 1))
     for impossible in map(set, choices):
         nodes = [node for node in reached if not impossible & set(possible[node[0]])]
         inside = set(nodes)
@@ -353,10 +389,10 @@ def is_violated(graph, formula, fairness):
             if not all(any(truth[node][f[2]] or not truth[node][f] for node in own) for f in promised if f[0] == "until"):
                 continue
             done = {unit for node in own for unit in taken[node]}
-            if kind == "weak" and not all(unit in done or any(unit not in possible[node[0]] for node in own) for unit in everything):
+            if not all(unit in done or any(unit not in possible[node[0]] for node in own) for unit in weak):
                 continue
             # A step of a component's node may leave it; each node has one step, and some successor of it is inside.
-            if kind == "strong" and not all(unit in done for unit in everything if unit not in impossible):
+            if not all(unit in done for unit in strong if unit not in impossible):
                 continue
             return True
     return False
@@ -451,11 +487,30 @@ def follow(graph, formula, fairness, verdict):
         steps.append(END)
     if value_on_lasso(graph, formula, states, steps, cycle):
         return "the run satisfies the property"
-    kind = fairness.split(":")[0]
     done = {unit for step in steps[cycle:] for unit in units_of(step.label, fairness)}
     possible = [possible_units(graph, at, fairness) for at in states[cycle:]]
-    due = {"none": set(), "weak": set.intersection(*possible), "strong": set.union(*possible)}[kind]
-    return "the run is not fair" if due - done else ""
+    due = {unit for unit in set.union(*possible) if unit[0]} | set.intersection(*possible)
+    return "the run is not fair" if due - done else difference_of_turns(graph, states, steps, cycle, fairness, verdict)
+
+
+def difference_of_turns(graph, states, steps, cycle, fairness, verdict):
+    """What is wrong with the reasons why the run is fair to things with names; empty: nothing."""
+    named = [(is_strong, what) for is_strong, what in terms_of(fairness) if what not in ("", "atoms")]
+    said = verdict.get("fair_to", [])
+    if steps[cycle:] == [END]:
+        return "an end is fair by nothing else" if said else ""
+    if [(row["fairness"] == "strong", row["of"]) for row in said] != named:
+        return f"it is not said why the run is fair to {named}"
+    for row, (is_strong, what) in zip(said, named):
+        unit, at = (is_strong, what, None), row.get("step")
+        # Of the round that is printed, which may not be the first one in which all data repeat.
+        is_printed = at is not None and verdict["cycle"] <= at < verdict["steps"]
+        happens = is_printed and unit in units_of(steps[at].label, fairness)
+        possible = [unit in possible_units(graph, state, fairness) for state in states[cycle:]]
+        if not {"happens": happens, "impossible": is_printed and not is_strong and unit not in possible_units(graph, states[at], fairness),
+                "never possible": not any(possible)}[row["why"]]:
+            return f"the run is not fair to {what} because of {row}"
+    return ""
 
 
 # ---- certificates
@@ -499,11 +554,11 @@ def problem_of_certificate(folder, graph, formula, asked, fairness, r, kinds):
         return ""
     negated = re.sub("^claim runs (.*)", r"claim runs (not \1)", text, flags=re.M)
     for claimed, claim in ((formula, text), (("!", formula), negated)):
-        for other in r.sample(FAIRNESS, 3):
+        for other in r.sample(FAIRNESS, 3) + [random_fairness(r, graph.atoms, graph.connectors)]:
             expected = is_violated(graph, claimed, other)
             if expected is None:
                 continue
-            code, said = certcheck(folder, re.sub("^fairness .*", f"fairness {other}", claim, flags=re.M))
+            code, said = certcheck(folder, re.sub("^fairness .*", f"fairness {certificate_words(other)}", claim, flags=re.M))
             kinds.append(f"changed claims {'refused' if expected else 'accepted'}")
             if code not in (0, 1) or (code == 0) == expected:
                 return f"{print_formula(claimed)} under {other}: certcheck says `{said}`, the oracle {'violated' if expected else 'holds'}"
@@ -523,7 +578,7 @@ def problems_of_engine(option, name, path, asked_of_circuit, kinds):
         if is_proved and expected:
             problems.append(f"`{asked}` --fair={fairness}: by {name} `{answer}`, the oracle says violated")
         if not expected and not is_invariant:
-            kinds.append(f"{name}, {fairness.split(':')[0]}: {'proved' if is_proved else 'open'}")
+            kinds.append(f"{name}, {kind_of(fairness)}: {'proved' if is_proved else 'open'}")
     return problems
 
 
@@ -551,7 +606,8 @@ def problems_of_proofs(folder, graph, asked_of_circuit, kinds):
         # Whatever else it claims then must be true.
         negated = re.sub("^claim runs (.*)", r"claim runs (not \\1)", text, flags=re.M)
         fewer = re.sub("^rounds .*", "rounds 0", text, flags=re.M)
-        for claimed, other, changed in ((("!", formula), fairness, negated), *((formula, f, re.sub("^fairness .*", f"fairness {f}", fewer, flags=re.M)) for f in FAIRNESS)):
+        for claimed, other, changed in ((("!", formula), fairness, negated), *((formula, f, re.sub("^fairness .*", f"fairness {certificate_words(f)}", fewer, flags=re.M))
+                                                                               for f in (*FAIRNESS, random_fairness(random.Random(text), graph.atoms, graph.connectors)))):
             code, said = certcheck(folder, changed)
             kinds.append(f"circuit, changed certificate: {'refused' if code else 'accepted'}")
             if code == 0 and is_violated(graph, claimed, other):
@@ -598,7 +654,7 @@ def check(seed):
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "m.bip")
         pathlib.Path(path).write_text(text)
-        for _ in range(PROPERTIES_OF_A_SYSTEM):
+        for number in range(PROPERTIES_OF_A_SYSTEM):
             formula = random_formula(r, atoms, connectors, r.choice([1, 2, 2, 3]))
             if looks(formula, BACK) and not looks(formula, AHEAD):
                 formula = r.choice(["always", "never"]), formula  # else it asks for the past of the beginning
@@ -607,12 +663,19 @@ def check(seed):
             if formula[0] in ("always", "never") and not is_temporal(formula[1]):
                 formula = ("next", formula)  # else it is a property of states
             fairness = r.choice(["none", "none", "weak", "strong", "weak:atoms", "strong:atoms"])
+            other = random.Random(f"fairness {seed} {number}")
+            is_said_inside = other.random() < 0.3
+            if other.random() < 0.4:
+                fairness = random_fairness(other, atoms, connectors)
             expected = is_violated(graph, formula, fairness)
             if expected is None:
                 kinds.append("large")
                 continue
             asked = print_formula(formula)
-            done = subprocess.run([BIPC, "verify", "--property", asked, "--fair", fairness, "--backend=interp", "--json", path],
+            # What the property says itself takes the place of the option.
+            inside = ["--property", f"{asked} under {fairness}", "--fair", other.choice(FAIRNESS)]
+            said = inside if is_said_inside and not is_invariant_of_past(formula) else ["--property", asked, "--fair", fairness]
+            done = subprocess.run([BIPC, "verify", *said, "--backend=interp", "--json", path],
                                   capture_output=True, text=True, timeout=120)
             try:
                 verdict = json.loads(done.stdout)
@@ -620,7 +683,7 @@ def check(seed):
                 kinds.append("refused")
                 problems.append(f"`{asked}` --fair={fairness}: {done.stderr}")
                 continue
-            kinds.append(f"{'invariant of past' if is_invariant_of_past(formula) else fairness.split(':')[0]} {verdict['verdict']}")
+            kinds.append(f"{'invariant of past' if is_invariant_of_past(formula) else kind_of(fairness)} {verdict['verdict']}")
             kinds += ["looks back"] if looks(formula, BACK) else []
             wanted = "violated" if expected else "holds"
             difference = ""
@@ -637,7 +700,7 @@ def check(seed):
                 problems.append(f"`{asked}` --fair={fairness}: {difference}\n{verdict['text']}")
             asked_of_circuit.append((fairness, asked, expected, is_invariant_of_past(formula), formula))
         rest = random.Random(f"one run {seed}")
-        if problem := problem_of_possible(path, atoms, connectors, graph, rest.choice(FAIRNESS[1:]), rest, kinds):
+        if problem := problem_of_possible(path, atoms, connectors, graph, rest.choice([*FAIRNESS[1:], *[random_fairness(rest, atoms, connectors)] * 2]), rest, kinds):
             problems.append(problem)
         problems += problems_of_engine("--finite", "finite moves", path, asked_of_circuit, kinds)
         problems += problems_of_engine("--neighbourhoods", "neighbourhoods", path, asked_of_circuit, kinds)
@@ -653,7 +716,7 @@ def check(seed):
             if is_proved and expected:
                 problems.append(f"`{asked}` --fair={fairness}: the circuit says `{answer}`, the oracle says violated")
             if not expected:
-                kinds.append(f"circuit, {'invariant of past' if is_invariant else fairness.split(':')[0]}: {'proved' if is_proved else 'open'}")
+                kinds.append(f"circuit, {'invariant of past' if is_invariant else kind_of(fairness)}: {'proved' if is_proved else 'open'}")
     return kinds, f"seed {seed}: " + "\n".join(problems) + f"\n{text}" if problems else ""
 
 
@@ -669,8 +732,8 @@ def main():
                 print(difference)
     print(", ".join(f"{kind}: {n}" for kind, n in sorted(kinds.items())))
     # What decides nothing is no test.
-    needed = [f"{kind} {verdict}" for kind in ("none", "weak", "strong", "invariant of past") for verdict in ("holds", "violated")]
-    proved = [f"circuit, {kind}: proved" for kind in ("none", "weak", "strong", "invariant of past")]
+    needed = [f"{kind} {verdict}" for kind in ("none", "weak", "strong", "named", "invariant of past") for verdict in ("holds", "violated")]
+    proved = [f"circuit, {kind}: proved" for kind in ("none", "weak", "strong", "named", "invariant of past")]
     changed_claims = [f"changed claims {what}" for what in ("accepted", "refused")]
     if count >= 100 and os.path.exists(CERTCHECK) and any(kinds[kind] < count // CERTIFICATES_EVERY // 3 for kind in ["certificates accepted", "circuit, certificate: accepted", *changed_claims]):
         bad += 1

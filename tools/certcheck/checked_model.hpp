@@ -292,10 +292,16 @@ struct Monitor {
   enum Kind : std::size_t { Bit, Seen, Over, Started, Never, kKinds };
   static constexpr std::size_t row(std::size_t kind, std::size_t number) { return number * kKinds + kind; }
 };
-/// What fairness demands: a step of the atom, or the interaction of the connector (kNone: a port alone) with these
-/// ports.
+/// A word of the row `fairness`: of each interaction, of each atom, or of one connector, port (its node) or atom.
+struct Fair {
+  enum What : std::size_t { Interactions, Atoms, Connector, Port, Atom, kKinds } what = Interactions;
+  bool is_strong = false;
+  std::size_t row = kNone;
+};
+/// What a word of fairness demands: a step of the atom, or of the connector or port; or the interaction of the
+/// connector (kNone: a port alone) with these ports.
 struct Turn {
-  bool is_atom = false;
+  std::size_t fair = 0;  // row of Certificate::fair
   std::size_t row = kNone;
   Rows ports;
 };
@@ -331,7 +337,8 @@ struct SetRow {
   std::map<std::size_t, Modes> modes;
 };
 struct Certificate {
-  std::string claim, fairness = "none";        // the latter of claims about runs
+  std::string claim, fairness;                 // the latter of claims about runs; empty: none
+  std::vector<Fair> fair;                      // what it says, word by word; none: nothing
   std::optional<std::size_t> rounds;           // of claims about runs without states: no run has more
   std::optional<std::int64_t> later;           // of claims that something comes: ticks
   std::map<std::size_t, std::size_t> returns;  // the same: of ranks, an atom

@@ -75,9 +75,34 @@ class CertificateReader {
   }
 
   void fairness_row() {
-    static const std::vector<Text> kFairness{"none", "weak", "strong", "weak:atoms", "strong:atoms"};
-    need(words_.size() == 2 && contains(kFairness, words_[1]), "no fairness");
-    proof_.fairness = words_[1];
+    need(proof_.fairness.empty(), "fairness twice");
+    for (std::size_t k = 1; k < words_.size(); ++k) proof_.fairness += (k == 1 ? "" : " ") + std::string(words_[k]);
+    if (proof_.fairness == "none") return;
+    for (std::size_t k = 1; k < words_.size(); ++k) proof_.fair.push_back(fair(words_[k]));
+  }
+  // "weak", "strong:atoms", "weak:connector:PATH", "weak:port:PATH.PORT", "strong:atom:PATH"
+  [[nodiscard]] Fair fair(Text word) const {
+    static const std::vector<Text> kWhats{"", ":atoms", ":connector:", ":port:", ":atom:"};
+    Fair fair;
+    fair.is_strong = word.starts_with("strong");
+    const Text rest = word.substr(std::min<std::size_t>(fair.is_strong ? 6 : 4, word.size()));
+    const std::size_t end = std::min(rest.find(':', 1), rest.size() - 1) + 1;
+    const auto what = std::ranges::find(kWhats, rest.substr(0, end));
+    fair.what = static_cast<Fair::What>(what - kWhats.begin());
+    need((fair.is_strong || word.starts_with("weak")) && what != kWhats.end() &&
+             (fair.what < Fair::Connector) == (end == rest.size()),
+         "is no fairness", word);
+    const Text name = rest.substr(end);
+    if (fair.what == Fair::Connector) fair.row = row_of(model_.connectors, name, &Connector::path);
+    if (fair.what == Fair::Atom) fair.row = atom_of(name);
+    if (fair.what == Fair::Port) fair.row = port_of(name);
+    return fair;
+  }
+  // "PATH.PORT"
+  [[nodiscard]] std::size_t port_of(Text name) const {
+    const auto [path, port] = split(name, name.rfind('.'));
+    const std::size_t atom = atom_of(path);
+    return model_.first_port[atom] + row_of(model_.type_of(atom).ports, port, &Port::name);
   }
   void rounds_row() {
     need(words_.size() == 2 && !proof_.rounds, "not the number of rounds");
@@ -112,22 +137,24 @@ class CertificateReader {
       row.modes[atom_of(path)].insert(mode(atom_of(path), number));
     }
   }
-  // An atom; or a connector, if it is none of a port alone, and ports.
+  // A word of fairness with a name; an atom; or a connector, if it is none of a port alone, and ports.
   void turn_row() {
     Turn& turn = proof_.turns.emplace_back();
-    turn.is_atom = words_.size() == 2 && atoms_.contains(words_[1]);
-    if (turn.is_atom) {
-      turn.row = atoms_.at(words_[1]);
-      return;
-    }
+    need(!proof_.fair.empty(), "without fairness no turn is expected");
+    const bool is_named = words_.size() == 2 && words_[1].find(':') != Text::npos;
+    const bool is_atom = words_.size() == 2 && atoms_.contains(words_[1]);
+    const Fair wanted = is_named ? fair(words_[1]) : Fair{is_atom ? Fair::Atoms : Fair::Interactions};
+    const auto said = std::ranges::find_if(proof_.fair, [&](const Fair& one) {
+      return one.what == wanted.what && one.row == wanted.row && (!is_named || one.is_strong == wanted.is_strong);
+    });
+    need(said != proof_.fair.end(), "a turn of another kind of fairness");
+    turn.fair = static_cast<std::size_t>(said - proof_.fair.begin());
+    turn.row = is_atom ? atoms_.at(words_[1]) : wanted.row;
+    if (is_named || is_atom) return;
     const auto connector = std::ranges::find(model_.connectors, words_[1], &Connector::path);
     if (connector != model_.connectors.end())
       turn.row = static_cast<std::size_t>(connector - model_.connectors.begin());
-    for (std::size_t k = turn.row == kNone ? 1 : 2; k < words_.size(); ++k) {
-      const auto [path, port] = split(words_[k], words_[k].rfind('.'));
-      const std::size_t atom = atom_of(path);
-      turn.ports.push_back(model_.first_port[atom] + row_of(model_.type_of(atom).ports, port, &Port::name));
-    }
+    for (std::size_t k = turn.row == kNone ? 1 : 2; k < words_.size(); ++k) turn.ports.push_back(port_of(words_[k]));
   }
   void class_row() {
     need(words_.size() == 3 && words_[1] == std::to_string(proof_.classes.size()),

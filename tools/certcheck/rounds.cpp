@@ -7,9 +7,6 @@ namespace certcheck {
 Rounds::Rounds(const Model& model, const Certificate& certificate, const Tree& claim, const Terms& terms)
     : model_(model), proof_(certificate), terms_(terms), formula_(claim) {
   if (claim.head() != "runs") throw NotCheckable("a claim about points without a list of states");
-  if (proof_.fairness == "none" && !proof_.turns.empty()) throw Rejected("without fairness no turn is expected");
-  for (const Turn& turn : proof_.turns)
-    if (turn.is_atom != proof_.fairness.ends_with(":atoms")) throw Rejected("a turn of another kind of fairness");
   demands_ = formula_.promises() + proof_.turns.size();
   const std::size_t most = std::max({formula_.bits(), demands_, *proof_.rounds + 1});
   for (const Fact& fact : proof_.facts)
@@ -36,11 +33,14 @@ Local Rounds::bits(bool are_first) const {
 
 expr Rounds::is_bad(const Local& now) const { return now[Monitor::row(Monitor::Over, *proof_.rounds)]; }
 
-// Is the step one of the atom, or the interaction with exactly these ports?
+// Is the step one of the connector, the port or the atom, or the interaction with exactly these ports?
 expr Rounds::takes_turn(const Turn& turn, const Step& step) const {
-  if (turn.is_atom)
+  const Fair::What what = proof_.fair[turn.fair].what;
+  if (what == Fair::Connector) return terms_.truth(step.connector == turn.row);
+  if (what != Fair::Interactions)
     return terms_.some(step.parts, [&](const auto& part) {
-      return model_.atom_of_port[part.first] == turn.row ? part.second : terms_.truth(false);
+      const std::size_t row = what == Fair::Port ? part.first : model_.atom_of_port[part.first];
+      return row == turn.row ? part.second : terms_.truth(false);
     });
   const bool are_there = std::ranges::all_of(turn.ports, [&](std::size_t port) { return step.parts.contains(port); });
   if (step.connector != turn.row || !are_there) return terms_.truth(false);
@@ -79,8 +79,9 @@ void Rounds::add_monitor(const Local& now, System& system, std::vector<Step>& st
     for (std::size_t k = 0; k < proof_.turns.size(); ++k) {
       const expr taken = is_end ? terms_.truth(false) : takes_turn(proof_.turns[k], step);
       const expr is_never = both(started, bit(Monitor::Never, k));
-      met.push_back(either(taken, is_strong_ ? bit(Monitor::Never, k) : no(possible[k])));
-      if (is_strong_) allowed = both(allowed, no(both(is_never, possible[k])));
+      const bool is_strong = proof_.fair[proof_.turns[k].fair].is_strong;
+      met.push_back(either(taken, is_strong ? bit(Monitor::Never, k) : no(possible[k])));
+      if (is_strong) allowed = both(allowed, no(both(is_never, possible[k])));
     }
     expr round = started;
     for (std::size_t k = 0; k < met.size(); ++k) round = both(round, either(bit(Monitor::Seen, k), met[k]));

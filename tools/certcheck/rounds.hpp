@@ -28,7 +28,7 @@ class Rounds {
   const Terms& terms_;
   const Formula formula_;
   std::size_t demands_ = 0;
-  bool is_strong_ = proof_.fairness.starts_with("strong");
+  const bool is_strong_ = std::ranges::any_of(proof_.fair, &Fair::is_strong);
 };
 
 }  // namespace certcheck

@@ -125,8 +125,17 @@ void Runs::add(const Model& model, const Step& step, const std::map<std::size_t,
   const auto [at, is_new] = labels_.try_emplace({step.connector, ports}, labels_.size());
   if (is_new) {
     Units& units = units_.emplace_back();
-    for (std::size_t port : ports) units.insert(model.atom_of_port[port]);
-    if (!proof_.fairness.ends_with(":atoms")) units = {at->second};
+    for (std::size_t k = 0; k < proof_.fair.size(); ++k) {
+      const Fair& fair = proof_.fair[k];
+      if (fair.what == Fair::Interactions) units.emplace(k, at->second);
+      if (fair.what == Fair::Connector && fair.row == step.connector) units.emplace(k, 0);
+      for (std::size_t port : ports) {
+        if (fair.what == Fair::Atoms) units.emplace(k, model.atom_of_port[port]);
+        if ((fair.what == Fair::Atom && fair.row == model.atom_of_port[port]) ||
+            (fair.what == Fair::Port && fair.row == port))
+          units.emplace(k, 0);
+      }
+    }
   }
   std::vector<bool> truth = truth_;
   for (std::size_t k = 0; k < truth.size(); ++k) {
@@ -277,19 +286,21 @@ Runs::Nodes Runs::fair_part(const Nodes& component) const {
     }
   }
   if (!has_cycle || always_pending != 0) return {};
-  if (proof_.fairness == "none") return component;
-  const auto is_left_out = [&](std::size_t unit) { return !taken.contains(unit); };
-  if (proof_.fairness.starts_with("weak")) {
-    always = possible_in(component[0]);
-    for (Node node : component) {
-      const Units possible = possible_in(node);
-      std::erase_if(always, [&](std::size_t unit) { return !possible.contains(unit); });
-    }
-    return std::ranges::any_of(always, is_left_out) ? Nodes() : component;
+  if (proof_.fair.empty()) return component;
+  // What is always possible is so in each part of the component.
+  always = possible_in(component[0]);
+  for (Node node : component) {
+    const Units possible = possible_in(node);
+    std::erase_if(always, [&](const auto& unit) { return !possible.contains(unit); });
   }
+  if (std::ranges::any_of(always, [&](const auto& unit) { return !taken.contains(unit); })) return {};
   Nodes part;
-  for (Node node : component)
-    if (std::ranges::none_of(possible_in(node), is_left_out)) part.push_back(node);
+  for (Node node : component) {
+    if (std::ranges::none_of(possible_in(node), [&](const auto& unit) {
+          return proof_.fair[unit.first].is_strong && !taken.contains(unit);
+        }))
+      part.push_back(node);
+  }
   return part;
 }
 

@@ -67,7 +67,7 @@ class Runs {
     std::size_t region = 0, number = 0, low = 0;
   };
   static constexpr Node kNowhere = ~Node{0};
-  using Units = std::set<std::size_t>;
+  using Units = std::set<std::pair<std::size_t, std::size_t>>;  // word of fairness; label, atom, or the one thing
   struct Change {
     Node to = 0;
     std::uint64_t pending = 0;

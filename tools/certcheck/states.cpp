@@ -325,7 +325,7 @@ std::string check(const Model& model, const Certificate& c, z3::context& z) {
   const std::string states = count(c.states.size(), "state");
   if (c.claim.starts_with("runs ") || c.claim.starts_with("points "))
     return components + (c.rounds ? count(*c.rounds, "round") + ", " + count(c.facts.size(), "fact") : states) +
-           (c.claim.starts_with("r") ? "; fairness of runs: " + c.fairness : "");
+           (c.claim.starts_with("r") ? "; fairness of runs: " + (c.fairness.empty() ? "none" : c.fairness) : "");
   if (!c.states.empty())
     return components + (zones == 0 ? "" : count(zones, "zone") + " of ") + states + (c.pair ? " of any two" : "");
   return components + count(c.sets.size(), "invariant") + (c.facts.empty() ? "" : ", " + count(c.facts.size(), "fact"));

@@ -200,7 +200,7 @@ std::string certificate(const Portfolio& portfolio, const Question& question, co
 }
 
 // Of an invariant that looks back its inner part is claimed, of each point, with those before errors.
-std::optional<std::string> certificate_of_runs(const Formula& formula, const std::string& fairness,
+std::optional<std::string> certificate_of_runs(const Formula& formula, const Fairness& fairness,
                                                const std::string& rows, const System& system,
                                                const std::string& root_name) {
   Formula claimed = formula;
@@ -208,7 +208,8 @@ std::optional<std::string> certificate_of_runs(const Formula& formula, const std
   if (is_of_points) claimed.root = formula.nodes[formula.root].b;
   const std::optional<std::string> text = certificate_text(claimed, system);
   if (!text) return std::nullopt;
-  return head_of_claim(root_name) + (is_of_points ? "points " + *text : "runs " + *text + "\nfairness " + fairness) +
+  return head_of_claim(root_name) +
+         (is_of_points ? "points " + *text : "runs " + *text + "\nfairness " + certificate_text(fairness, system)) +
          "\nmethod induction\n" + rows + "end\n";
 }
 

@@ -28,7 +28,7 @@ namespace bip::verify {
 
 /// Returns the certificate of a property of runs that holds under that fairness (fairness.hpp): the rows of all
 /// reachable states. Nothing: the property is too long.
-[[nodiscard]] std::optional<std::string> certificate_of_runs(const Formula& formula, const std::string& fairness,
+[[nodiscard]] std::optional<std::string> certificate_of_runs(const Formula& formula, const Fairness& fairness,
                                                              const std::string& rows, const System& system,
                                                              const std::string& root_name);
 

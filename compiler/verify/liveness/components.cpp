@@ -16,11 +16,11 @@ class ComponentSearch {
  public:
   ComponentSearch(const Product& product, const Fairness& fairness, const CancellationToken& cancellation)
       : product_(product),
-        fairness_(fairness),
+        is_any_fair_(fairness.is_none()),
         cancellation_(cancellation),
-        units_(product.graph().labels(), fairness.unit) {
+        units_(product.graph().labels(), fairness) {
     found_.region.assign(static_cast<std::size_t>(product.size()), kUnvisited);
-    if (fairness.kind == FairnessKind::None) return;
+    if (is_any_fair_) return;
     possible_.assign(units_.size(), 0);
     last_possible_.assign(units_.size(), kUnvisited);
     is_taken_.assign(units_.size(), 0);
@@ -94,21 +94,21 @@ class ComponentSearch {
         if (found_.region[edge.to] != own) continue;
         has_cycle = true;
         marks |= edge.marks;
-        if (fairness_.kind == FairnessKind::None && marks == product_.all_marks()) return true;
+        if (is_any_fair_ && marks == product_.all_marks()) return true;
       }
     }
     if (!has_cycle || marks != product_.all_marks()) return false;
-    if (fairness_.kind == FairnessKind::None) return true;
+    if (is_any_fair_) return true;
     count_units(nodes, count);
-    const bool is_weak = fairness_.kind == FairnessKind::Weak;
-    bool is_fair = true;
-    for (std::uint32_t unit = 0; unit < units_.size() && is_fair; ++unit)
-      is_fair = is_taken_[unit] != 0 || (is_weak ? possible_[unit] != count : possible_[unit] == 0);
-    for (std::uint32_t unit = 0; unit < units_.size(); ++unit)
+    bool lacks_strong = false;
+    for (std::uint32_t unit = 0; unit < units_.size(); ++unit) {
       BIP_ASSERT(is_taken_[unit] == 0 || possible_[unit] != 0, "unit {} is taken and nowhere possible", unit);
-    if (is_fair || is_weak) return is_fair;
-    divide(nodes, count);
-    return false;
+      if (is_taken_[unit] != 0) continue;
+      if (units_.is_strong(unit)) lacks_strong = lacks_strong || possible_[unit] != 0;
+      else if (possible_[unit] == count) return false;
+    }
+    if (lacks_strong) divide(nodes, count);
+    return !lacks_strong;
   }
 
   // By unit: in how many of the nodes is it possible, and does the component take it?
@@ -137,7 +137,7 @@ class ComponentSearch {
     }
   }
 
-  // The nodes in which nothing is possible that the component does not take.
+  // The nodes in which nothing is possible of which strong fairness is asked and that the component does not take.
   void divide(const Product::Node* nodes, std::size_t count) {
     const rt::StateGraph& graph = product_.graph();
     const Product::Node rest = ++regions_;
@@ -146,7 +146,8 @@ class ComponentSearch {
       const std::uint32_t state = product_.state_of(nodes[k]);
       bool is_kept = true;
       for (std::uint64_t step = graph.first_step(state); step < graph.end_of_steps(state) && is_kept; ++step) {
-        for (const std::uint32_t unit : units_.of(graph.label(step))) is_kept = is_kept && is_taken_[unit] != 0;
+        for (const std::uint32_t unit : units_.of(graph.label(step)))
+          is_kept = is_kept && (is_taken_[unit] != 0 || !units_.is_strong(unit));
       }
       if (!is_kept) continue;
       found_.region[nodes[k]] = rest;
@@ -157,7 +158,7 @@ class ComponentSearch {
   }
 
   const Product& product_;
-  const Fairness fairness_;
+  const bool is_any_fair_;
   const CancellationToken& cancellation_;
   const FairUnits units_;
   AcceptingComponent found_;

@@ -214,9 +214,10 @@ class KLiveness {
     for (const std::uint32_t row : part.expected) {
       const RoundMonitor::Unit& unit = monitor.units()[row];
       out += "turn";
-      const bool is_atom = options_.fairness.unit == FairnessUnit::Atoms;
-      if (is_atom) out += ' ' + system_.atoms[AtomId(unit.atom)].path;
-      if (!is_atom && tables.is_of_connector(unit.interaction))
+      const FairnessTerm& term = options_.fairness.terms[unit.term];
+      if (term.has_name()) out += ' ' + certificate_text(term, system_);
+      else if (term.unit == FairnessUnit::Atoms) out += ' ' + system_.atoms[AtomId(unit.atom)].path;
+      else if (tables.is_of_connector(unit.interaction))
         out += ' ' + system_.connectors[ConnectorId(tables.connector_of(unit.interaction))].path;
       for (const std::uint32_t port : unit.ports) {
         const std::uint32_t atom = tables.port_atom[port];
@@ -285,7 +286,6 @@ class KLiveness {
       if (!is_new) last[found->second] = at;
     }
     std::vector<std::uint32_t> fewest;
-    const bool is_strong = options_.fairness.kind == FairnessKind::Strong;
     for (const auto& [begin, end] : last) {
       const auto sometimes = [&, begin = begin, end = end](const auto& holds) {
         for (std::size_t at = begin; at < end; ++at) {
@@ -301,8 +301,8 @@ class KLiveness {
       for (std::uint32_t row = 0; row < monitor.units().size(); ++row) {
         const RoundMonitor::Unit& unit = monitor.units()[row];
         if (sometimes([&](std::size_t at) { return run.value(at, unit.taken); })) continue;
-        const bool is_due = is_strong ? sometimes([&](std::size_t at) { return run.value(at, unit.possible); })
-                                      : !sometimes([&](std::size_t at) { return !run.value(at, unit.possible); });
+        const bool is_due = unit.is_strong ? sometimes([&](std::size_t at) { return run.value(at, unit.possible); })
+                                           : !sometimes([&](std::size_t at) { return !run.value(at, unit.possible); });
         if (is_due) left_out.push_back(row);
       }
       if (left_out.empty()) {

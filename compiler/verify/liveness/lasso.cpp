@@ -21,8 +21,9 @@ class LassoSearch {
   LassoSearch(const Product& product, const AcceptingComponent& found, const Fairness& fairness)
       : product_(product),
         found_(found),
-        fairness_(fairness),
-        units_(product.graph().labels(), fairness.unit),
+        is_any_fair_(fairness.is_none()),
+        units_(product.graph().labels(), fairness),
+        has_weak_(fairness.has(FairnessKind::Weak)),
         parent_(static_cast<std::size_t>(product.size()), kNoNode),
         missing_(units_.size(), 0),
         is_taken_(units_.size(), 0) {}
@@ -111,12 +112,12 @@ class LassoSearch {
     return marks_ != 0 || std::find(missing_.begin(), missing_.end(), std::uint8_t{1}) != missing_.end();
   }
   void visit_first(Product::Node node) {
-    if (fairness_.kind == FairnessKind::None) return;
+    if (is_any_fair_) return;
     for (const std::uint32_t unit : possible_in(node)) missing_[unit] = 1;
   }
   void take(const Product::Edge& edge) {
     marks_ &= ~edge.marks;
-    if (fairness_.kind == FairnessKind::None) return;
+    if (is_any_fair_) return;
     if (edge.label != rt::kNone) {
       for (const std::uint32_t unit : units_.of(edge.label)) {
         is_taken_[unit] = 1;
@@ -124,26 +125,30 @@ class LassoSearch {
       }
     }
     const std::vector<std::uint32_t>& possible = possible_in(edge.to);
-    if (fairness_.kind == FairnessKind::Strong) {
-      for (const std::uint32_t unit : possible) missing_[unit] = is_taken_[unit] != 0 ? 0 : 1;
-    } else {
-      for (std::uint32_t unit = 0; unit < missing_.size(); ++unit) {
-        if (missing_[unit] != 0 && !std::binary_search(possible.begin(), possible.end(), unit)) missing_[unit] = 0;
-      }
+    for (const std::uint32_t unit : possible) {
+      if (units_.is_strong(unit)) missing_[unit] = is_taken_[unit] != 0 ? 0 : 1;
+    }
+    for (std::uint32_t unit = 0; unit < missing_.size(); ++unit) {
+      if (is_excused(unit, possible)) missing_[unit] = 0;
     }
   }
   [[nodiscard]] bool brings_something(const Product::Edge& edge) {
     if ((edge.marks & marks_) != 0) return true;
-    if (fairness_.kind == FairnessKind::None || edge.label == rt::kNone) return false;
+    if (is_any_fair_ || edge.label == rt::kNone) return false;
     for (const std::uint32_t unit : units_.of(edge.label)) {
       if (missing_[unit] != 0) return true;
     }
-    if (fairness_.kind == FairnessKind::Strong) return false;
+    if (!has_weak_) return false;
     const std::vector<std::uint32_t>& possible = possible_in(edge.to);
     for (std::uint32_t unit = 0; unit < missing_.size(); ++unit) {
-      if (missing_[unit] != 0 && !std::binary_search(possible.begin(), possible.end(), unit)) return true;
+      if (is_excused(unit, possible)) return true;
     }
     return false;
+  }
+  // It was missing and need not happen, because these are the units that are possible in some state.
+  [[nodiscard]] bool is_excused(std::uint32_t unit, const std::vector<std::uint32_t>& possible) const {
+    return missing_[unit] != 0 && !units_.is_strong(unit) &&
+           !std::binary_search(possible.begin(), possible.end(), unit);
   }
   const std::vector<std::uint32_t>& possible_in(Product::Node node) {
     const rt::StateGraph& graph = product_.graph();
@@ -167,8 +172,9 @@ class LassoSearch {
 
   const Product& product_;
   const AcceptingComponent& found_;
-  const Fairness fairness_;
+  const bool is_any_fair_;
   const FairUnits units_;
+  const bool has_weak_;
   std::vector<Product::Node> parent_;             // of one search; kNoNode elsewhere
   std::uint32_t marks_ = 0;                       // that are missing
   std::vector<std::uint8_t> missing_, is_taken_;  // by unit

@@ -22,6 +22,28 @@ namespace {
 constexpr std::uint32_t kStatesOfRemark = 200'000;
 constexpr double kSecondsOfRemark = 2;
 
+// What is tried for that remark: all that is weak strong, and, where only things with names are spoken of, each
+// interaction.
+std::vector<Fairness> stronger_than(const Fairness& fairness) {
+  std::vector<Fairness> stronger;
+  if (fairness.has(FairnessKind::Weak)) {
+    Fairness& strong = stronger.emplace_back(fairness);
+    for (FairnessTerm& term : strong.terms) term.kind = FairnessKind::Strong;
+    for (WrittenTerm& term : strong.written) term.kind = FairnessKind::Strong;
+  }
+  const bool has_names = std::all_of(fairness.terms.begin(), fairness.terms.end(),
+                                     [](const FairnessTerm& term) { return term.has_name(); });
+  if (!has_names) return stronger;
+  stronger.push_back(fairness_of_interactions(FairnessKind::Weak));
+  if (!fairness.is_none()) stronger.push_back(stronger.back());
+  Fairness& weak = stronger.back();
+  weak.terms.insert(weak.terms.end(), fairness.terms.begin(), fairness.terms.end());
+  weak.written.insert(weak.written.end(), fairness.written.begin(), fairness.written.end());
+  // It implies all that was said: of the interactions of a connector, one is possible again and again if they all are.
+  stronger.push_back(fairness_of_interactions(FairnessKind::Strong));
+  return stronger;
+}
+
 // A run as the core takes it: a position has a state and the step that leaves it.
 class LassoReplay {
  public:
@@ -65,8 +87,8 @@ class LassoReplay {
   [[nodiscard]] bool is_fair(const Fairness& fairness) const {
     BIP_ASSERT(labels_.size() == choices_.size() && cycle_ <= choices_.size(),
                "{} labels of {} steps, the cycle from {}", labels_.size(), choices_.size(), cycle_);
-    if (fairness.kind == FairnessKind::None) return true;
-    const FairUnits units(graph_.labels(), fairness.unit);
+    if (fairness.is_none()) return true;
+    const FairUnits units(graph_.labels(), fairness);
     std::set<std::uint32_t> taken;
     for (std::size_t at = cycle_; at < labels_.size(); ++at)
       taken.insert(units.of(labels_[at]).begin(), units.of(labels_[at]).end());
@@ -77,11 +99,36 @@ class LassoReplay {
       for (const std::uint32_t unit : enabled_units) ++possible[unit];
     }
     for (std::uint32_t unit = 0; unit < units.size(); ++unit) {
-      const bool is_due =
-          fairness.kind == FairnessKind::Weak ? possible[unit] == possible_.size() : possible[unit] != 0;
+      const bool is_due = units.is_strong(unit) ? possible[unit] != 0 : possible[unit] == possible_.size();
       if (!possible_.empty() && is_due && taken.count(unit) == 0) return false;
     }
     return true;
+  }
+  /// Of a run that is fair and repeats: by term with a name.
+  [[nodiscard]] std::vector<FairTurn> turns(const Fairness& fairness) const {
+    const FairUnits units(graph_.labels(), fairness);
+    const auto has = [&](std::uint32_t label, std::uint32_t unit) {
+      return std::binary_search(units.of(label).begin(), units.of(label).end(), unit);
+    };
+    std::vector<FairTurn> turns;
+    for (std::size_t term = 0; term < fairness.terms.size() && !possible_.empty(); ++term) {
+      if (!fairness.terms[term].has_name()) continue;
+      const std::uint32_t unit = units.of_term(term);
+      const auto first = [&](const auto& is_so) {
+        std::size_t at = cycle_;
+        while (at < labels_.size() && !is_so(at)) ++at;
+        return at;
+      };
+      const std::size_t happens = first([&](std::size_t at) { return has(labels_[at], unit); });
+      const auto is_possible = [&](std::size_t at) {
+        const std::set<std::uint32_t>& labels = possible_[at - cycle_];
+        return std::any_of(labels.begin(), labels.end(), [&](std::uint32_t label) { return has(label, unit); });
+      };
+      if (happens != labels_.size()) turns.push_back({FairTurn::Why::Happens, happens});
+      else if (first(is_possible) == labels_.size()) turns.push_back({FairTurn::Why::NeverPossible});
+      else turns.push_back({FairTurn::Why::Impossible, first([&](std::size_t at) { return !is_possible(at); })});
+    }
+    return turns;
   }
   [[nodiscard]] const std::vector<std::uint64_t>& choices() const { return choices_; }
   [[nodiscard]] std::size_t cycle() const { return cycle_; }
@@ -232,24 +279,24 @@ class LivenessDecision {
     result_.outcome = Outcome::Violated;
     result_.choices = replay.choices();
     result_.cycle = replay.cycle();
+    result_.turns = replay.turns(options_.fairness);
     find_helpful_fairness(lasso);
     return std::move(result_);
   }
   // Does a stronger fairness make it true? Answered only if the graph is small or complete, and soon.
   void find_helpful_fairness(const Lasso& lasso) {
     // A run that ends is fair.
-    if (lasso.cycle.empty() || options_.fairness.kind == FairnessKind::Strong) return;
+    const std::vector<Fairness> stronger = stronger_than(options_.fairness);
+    if (lasso.cycle.empty() || stronger.empty()) return;
     soon_ = options_.cancellation.within(kSecondsOfRemark);
     if (!graph_.is_complete() && graph_.grow(kStatesOfRemark) != rt::ExploreEnd::Complete) return;
     if (!graph_.is_complete() || !has_room()) return;
     const Product product(graph_, automaton_, formula_);
-    Fairness stronger = options_.fairness;
-    while (stronger.kind != FairnessKind::Strong) {
-      stronger.kind = stronger.kind == FairnessKind::None ? FairnessKind::Weak : FairnessKind::Strong;
-      const AcceptingComponent found = find_accepting_component(product, stronger, soon_);
+    for (const Fairness& fairness : stronger) {
+      const AcceptingComponent found = find_accepting_component(product, fairness, soon_);
       if (found.end == AcceptingComponent::End::Stopped) return;
       if (found.end == AcceptingComponent::End::None) {
-        result_.holds_under = stronger;
+        result_.holds_under = fairness;
         return;
       }
     }

@@ -30,6 +30,11 @@ struct LivenessOptions {
   std::function<void(const rt::Core&)> add_state;
   Report report;
 };
+/// Why a run that repeats is fair to a thing with a name.
+struct FairTurn {
+  enum class Why : std::uint8_t { Happens, Impossible, NeverPossible } why = Why::Happens;
+  std::size_t step = 0;  // Happens: the first one that repeats; Impossible: the one before which it is not possible
+};
 struct LivenessResult {
   Outcome outcome = Outcome::Unknown;
   std::string reason;                              // Unknown
@@ -41,6 +46,7 @@ struct LivenessResult {
   std::size_t cycle = 0;                // the choices from here on repeat; none: the run ends there
   bool is_prefix = false;               // Violated: whatever follows; nothing repeats
   bool has_ended = false;               // is_prefix: but the last state, for the run has ended
+  std::vector<FairTurn> turns;          // Violated, with a cycle: by term of the fairness with a name
   std::optional<Fairness> holds_under;  // Violated: it holds if runs are fair in this sense
 };
 

@@ -182,6 +182,7 @@ void NeighbourhoodGraph::add_edges_to(u32 row, u32 step, const std::vector<u32>&
 }
 
 NeighbourhoodGraph::Repeated NeighbourhoodGraph::find_repeated(const Fairness& fairness) {
+  find_units(fairness);
   Repeated found;
   found.steps.assign(steps_.size(), 0);
   std::vector<std::vector<u32>> todo(1);
@@ -209,22 +210,49 @@ NeighbourhoodGraph::Repeated NeighbourhoodGraph::find_repeated(const Fairness& f
     search_.begin(round_of_.size());
     for (const u32 node : nodes) search_.visit(node, visitor);
     for (const std::vector<u32>& component : visitor.components) {
-      std::vector<u32> rest = judge(component, fairness, found);
+      std::vector<u32> rest = judge(component, found);
       if (!rest.empty()) todo.push_back(std::move(rest));
     }
   }
   return found;
 }
 
-// Is the step, or some step of the component, possible for sure?
-bool NeighbourhoodGraph::is_sure(u32 unit, FairnessUnit kind, u32 node) {
-  if (kind == FairnessUnit::Interactions) return steps_.is_sure(unit, members_of(unit, node));
-  return std::any_of(whole_.begin(), whole_.end(), [&](u32 step) {
-    return has(steps_.atoms_of(step), unit) && steps_.is_sure(step, members_of(step, node));
-  });
+// Those whose steps all take part in the neighbourhood.
+void NeighbourhoodGraph::find_units(const Fairness& fairness) {
+  units_.clear();
+  for (const FairnessTerm& term : fairness.terms) {
+    const auto add = [&](std::vector<u32> steps) { units_.push_back({term.is_strong(), std::move(steps)}); };
+    switch (term.unit) {
+      case FairnessUnit::Interactions:
+        for (const u32 step : whole_) add({step});
+        break;
+      case FairnessUnit::Atoms:
+        for (const u32 atom : atoms_) add(steps_.steps_of(atom));
+        break;
+      case FairnessUnit::Connector:
+        if (has(whole_, term.owner)) add({term.owner});
+        break;
+      case FairnessUnit::Port: {
+        if (!has(atoms_, term.owner)) break;
+        std::vector<u32> steps = steps_.steps_of(term.owner);
+        std::erase_if(steps, [&](u32 step) { return steps_.port_of(step, term.owner) != term.port; });
+        add(std::move(steps));
+        break;
+      }
+      case FairnessUnit::Atom:
+        if (has(atoms_, term.owner)) add(steps_.steps_of(term.owner));
+        break;
+    }
+  }
 }
 
-std::vector<u32> NeighbourhoodGraph::judge(const std::vector<u32>& nodes, const Fairness& fairness, Repeated& found) {
+// Is some step of the unit possible for sure?
+bool NeighbourhoodGraph::is_sure(const Unit& unit, u32 node) {
+  return std::any_of(unit.steps.begin(), unit.steps.end(),
+                     [&](u32 step) { return has(whole_, step) && steps_.is_sure(step, members_of(step, node)); });
+}
+
+std::vector<u32> NeighbourhoodGraph::judge(const std::vector<u32>& nodes, Repeated& found) {
   ++round_;
   for (const u32 node : nodes) round_of_[node] = round_;
   u32 marks = 0;
@@ -242,24 +270,18 @@ std::vector<u32> NeighbourhoodGraph::judge(const std::vector<u32>& nodes, const 
     }
   }
   if (!has_edges || marks != named_.automaton->marks) return {};
-  if (fairness.kind != FairnessKind::None) {
-    const bool is_of_atoms = fairness.unit == FairnessUnit::Atoms;
-    const auto has_turn = [&](u32 unit) {
-      if (!is_of_atoms) return taken_in_[unit] == round_;
-      return std::any_of(taken.begin(), taken.end(), [&](u32 step) { return has(steps_.atoms_of(step), unit); });
-    };
-    for (const u32 unit : is_of_atoms ? atoms_ : whole_) {
-      if (has_turn(unit)) continue;
-      std::vector<u32> rest;
-      for (const u32 node : nodes) {
-        if (is_sure(unit, fairness.unit, node)) continue;
-        rest.push_back(node);
-        if (fairness.kind == FairnessKind::Weak) break;
-      }
-      // It is possible in each state, and has no turn.
-      if (rest.empty()) return {};
-      if (fairness.kind == FairnessKind::Strong && rest.size() < nodes.size()) return rest;
+  for (const Unit& unit : units_) {
+    if (std::any_of(unit.steps.begin(), unit.steps.end(), [&](u32 step) { return taken_in_[step] == round_; }))
+      continue;
+    std::vector<u32> rest;
+    for (const u32 node : nodes) {
+      if (is_sure(unit, node)) continue;
+      rest.push_back(node);
+      if (!unit.is_strong) break;
     }
+    // It is possible in each state, and has no turn.
+    if (rest.empty()) return {};
+    if (unit.is_strong && rest.size() < nodes.size()) return rest;
   }
   std::vector<CaseNode>& part = found.parts.emplace_back();
   for (const u32 node : nodes) part.push_back(case_[node / beside_.width()]);

@@ -116,9 +116,15 @@ class NeighbourhoodGraph {
   void add_edges_of_case(u32 row);
   void add_edges(u32 node);
   void add_edges_to(u32 row, u32 step, const std::vector<u32>& named, std::vector<Edge>& edges) const;
+  // What is to have its turn: possible if some of the steps is, and taken with it. All take part in the neighbourhood.
+  struct Unit {
+    bool is_strong = false;
+    std::vector<u32> steps;
+  };
+  void find_units(const Fairness& fairness);
   // Of a strong component, into `found`; the nodes that are left where strong fairness excludes some.
-  std::vector<u32> judge(const std::vector<u32>& nodes, const Fairness& fairness, Repeated& found);
-  [[nodiscard]] bool is_sure(u32 unit, FairnessUnit kind, u32 node);
+  std::vector<u32> judge(const std::vector<u32>& nodes, Repeated& found);
+  [[nodiscard]] bool is_sure(const Unit& unit, u32 node);
   [[nodiscard]] NeighbourhoodSteps::Members members_of(u32 step, u32 node) const;
   [[nodiscard]] u32 state_of(u32 atom, u32 node) const;
 
@@ -136,6 +142,7 @@ class NeighbourhoodGraph {
   std::vector<std::vector<Edge>> idle_, alone_;
   std::vector<u32> first_edge_;  // by node
   std::vector<Edge> edges_;
+  std::vector<Unit> units_;
   std::vector<u32> round_of_;  // by node: of the set of nodes that is searched
   std::vector<u32> taken_in_;  // by step: the round in which an edge had it
   u32 round_ = 0;

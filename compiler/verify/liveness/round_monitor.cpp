@@ -93,34 +93,30 @@ void RoundMonitor::find_conditions(const Formula& formula, const rt::Image& imag
 
 // What cannot be named exactly is possible more rarely here than it is, or left out: then more runs are fair.
 void RoundMonitor::find_units(const Fairness& fairness, const Part& part) {
-  is_strong_ = fairness.kind == FairnessKind::Strong;
-  if (fairness.kind == FairnessKind::None) return;
-  // The interaction and its ports; or the atom.
-  using Key = std::tuple<rt::InteractionId, std::uint32_t, std::vector<std::uint32_t>>;
+  is_strong_ = fairness.has(FairnessKind::Strong);
+  // The term; the interaction and its ports, or the atom.
+  using Key = std::tuple<std::size_t, rt::InteractionId, std::uint32_t, std::vector<std::uint32_t>>;
   std::map<Key, Unit> units;
   const auto add = [&](const Key& key, Signal when, const SystemStep& step) -> Unit& {
     Unit& unit = units[key];
-    std::tie(unit.interaction, unit.atom, unit.ports) = key;
+    std::tie(unit.term, unit.interaction, unit.atom, unit.ports) = key;
+    unit.is_strong = fairness.terms[unit.term].is_strong();
     const Signal possible = aig_.make_and(step.fine, when);
     unit.possible = aig_.make_or(unit.possible, possible);
     unit.taken = aig_.make_or(unit.taken, aig_.make_and(step.chosen, possible));
     return unit;
   };
-  for (const SystemStep& step : machine_.steps) {
-    if (fairness.unit == FairnessUnit::Atoms) {
-      for (const auto& [port, when] : step.parts) {
-        const std::uint32_t atom = tables_.port_atom[port];
-        // All atoms of its interactions must be kept.
-        Unit& unit = add(Key(rt::InteractionId(), atom, std::vector<std::uint32_t>()), when, step);
-        for (const auto& [other, ignored] : step.parts) insert_atom(unit.atoms, tables_.port_atom[other]);
-      }
-      continue;
-    }
+  // Of atoms, and of what has a name. All atoms of its interactions must be kept.
+  const auto add_one = [&](std::size_t term, std::uint32_t atom, Signal when, const SystemStep& step) {
+    Unit& unit = add(Key(term, rt::InteractionId(), atom, std::vector<std::uint32_t>()), when, step);
+    for (const auto& [port, ignored] : step.parts) insert_atom(unit.atoms, tables_.port_atom[port]);
+  };
+  const auto add_interactions = [&](std::size_t term, const SystemStep& step) {
     std::vector<Signal> when;
     for (const auto& [port, taken] : step.parts) {
       if (taken != kTrue && std::find(when.begin(), when.end(), taken) == when.end()) when.push_back(taken);
     }
-    if (when.size() > kMostDependentParts) continue;
+    if (when.size() > kMostDependentParts) return;
     for (std::uint32_t set = 0; set < std::uint32_t{1} << when.size(); ++set) {
       Signal is_set = kTrue;
       for (std::size_t k = 0; k < when.size(); ++k)
@@ -132,9 +128,28 @@ void RoundMonitor::find_units(const Fairness& fairness, const Part& part) {
       }
       if (ports.empty() || is_set == kFalse) continue;
       std::sort(ports.begin(), ports.end());
-      Unit& unit = add(Key(step.interaction, 0u, std::move(ports)), is_set, step);
+      Unit& unit = add(Key(term, step.interaction, 0u, std::move(ports)), is_set, step);
       // Whether it is possible depends on each of its participants.
       for (const auto& [port, ignored] : step.parts) insert_atom(unit.atoms, tables_.port_atom[port]);
+    }
+  };
+  for (const SystemStep& step : machine_.steps) {
+    for (std::size_t row = 0; row < fairness.terms.size(); ++row) {
+      const FairnessTerm& term = fairness.terms[row];
+      if (term.unit == FairnessUnit::Interactions) {
+        add_interactions(row, step);
+      } else if (term.unit == FairnessUnit::Connector) {
+        if (tables_.is_of_connector(step.interaction) && tables_.connector_of(step.interaction) == term.owner)
+          add_one(row, 0, kTrue, step);
+      } else {
+        for (const auto& [port, when] : step.parts) {
+          const std::uint32_t atom = tables_.port_atom[port];
+          const bool is_meant = term.unit == FairnessUnit::Atoms ||
+                                (atom == term.owner &&
+                                 (term.unit == FairnessUnit::Atom || port == tables_.instance(term.owner, term.port)));
+          if (is_meant) add_one(row, atom, when, step);
+        }
+      }
     }
   }
   for (auto& [key, unit] : units) {
@@ -274,6 +289,10 @@ void RoundMonitor::add_guesses() {
   machine_.bits[started].next = aig_.make_or(started_, aig_.make_input());
   std::vector<Signal> fails;
   for (const std::uint32_t unit : expected_) {
+    if (!units_[unit].is_strong) {
+      never_.push_back(kFalse);
+      continue;
+    }
     // It keeps the value that it has at first, which is any.
     never_.push_back(now(add_bit(-1, "%never" + std::to_string(never_.size()))));
     fails.push_back(aig_.make_and(never_.back(), units_[unit].possible));
@@ -437,7 +456,7 @@ void RoundMonitor::add_rounds() {
     const Unit& unit = units_[expected_[k]];
     BIP_ASSERT(!unit.atoms.empty() && std::is_sorted(unit.atoms.begin(), unit.atoms.end()),
                "unit {} depends on {} atoms", expected_[k], unit.atoms.size());
-    const Signal excused = is_strong_ ? never_[k] : negated(unit.possible);
+    const Signal excused = unit.is_strong ? never_[k] : negated(unit.possible);
     demands_.push_back(aig_.make_or(unit.taken, excused));
   }
   const std::vector<Signal> all = demands_;

@@ -59,6 +59,8 @@ class RoundMonitor {
   struct Unit {
     Signal possible = kFalse, taken = kFalse;
     std::vector<std::uint32_t> atoms;
+    std::size_t term = 0;  // of the fairness
+    bool is_strong = false;
     rt::InteractionId interaction;          // of fairness of interactions
     std::uint32_t atom = 0;                 // of fairness of atoms
     std::vector<std::uint32_t> ports = {};  // instances that take part
@@ -102,8 +104,8 @@ class RoundMonitor {
   std::vector<Signal> conditions_;  // true at this position
   std::vector<Unit> units_;
   const std::vector<std::uint32_t> expected_;  // rows of units_
-  bool is_strong_ = false;
-  std::vector<Signal> never_;  // by expected unit: guessed to be impossible from the start of rounds on
+  bool is_strong_ = false;                     // some fairness is
+  std::vector<Signal> never_;  // by expected unit: guessed to be impossible from the start of rounds on; weak: false
   Signal started_ = kTrue, guess_fails_ = kFalse, happened_ = kTrue;
   std::vector<std::uint32_t> automaton_bits_;  // by state of the automaton, one more: it has no edge
   std::vector<Signal> marks_;                  // by mark that counts: an edge with it is taken

@@ -3,8 +3,10 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <optional>
 
 #include "compiler/verify/portfolio/search_bad_state.hpp"
+#include "compiler/verify/property/fairness.hpp"
 #include "compiler/verify/property/formula.hpp"
 #include "compiler/verify/property/property.hpp"
 #include "compiler/verify/solver/cancellation.hpp"
@@ -16,9 +18,10 @@ namespace bip::verify {
 enum class QuestionKind : std::uint8_t { DeadlockFreedom, NoErrors, State, NoLocalDeadlock, Runs, Branching };
 struct Question {
   QuestionKind what = QuestionKind::DeadlockFreedom;
-  Property property;           // State
-  Formula formula;             // Runs
-  BranchingFormula branching;  // Branching
+  Property property;                                // State
+  Formula formula;                                  // Runs
+  BranchingFormula branching;                       // Branching
+  std::optional<Fairness> fairness = std::nullopt;  // Runs, Branching: what the property itself says (`under …`)
 };
 
 enum class Outcome : std::uint8_t { Holds, Violated, Unknown };

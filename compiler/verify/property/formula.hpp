@@ -1,5 +1,6 @@
 // Properties of runs: linear temporal logic (Pnueli 1977) over conditions on states and over the steps of a run.
 //
+//   property = formula ('under' fairness)?          fairness.hpp
 //   formula  = 'always' formula | 'never' formula | 'eventually' formula | 'next' formula
 //            | formula ('leads to' | 'until' | 'unless' | 'implies') formula
 //            | formula 'leads to' formula 'within' TIME | 'eventually' formula 'within' TIME
@@ -21,6 +22,7 @@
 
 #include "compiler/base/result.hpp"
 #include "compiler/verify/property/branching_formula.hpp"
+#include "compiler/verify/property/fairness.hpp"
 #include "compiler/verify/property/property.hpp"
 
 namespace bip::verify {
@@ -62,9 +64,10 @@ struct Formula {
 enum class PropertyForm : std::uint8_t { State, Runs, Branching };
 struct ParsedProperty {
   PropertyForm form = PropertyForm::State;
-  Property state;              // State
-  Formula formula;             // Runs
-  BranchingFormula branching;  // Branching
+  Property state;                                   // State
+  Formula formula;                                  // Runs
+  BranchingFormula branching;                       // Branching
+  std::optional<Fairness> fairness = std::nullopt;  // Runs, Branching: what is said behind `under`
 };
 
 /// Parses properties of any form and resolves their names in `system`, which must outlive it. The paths of the

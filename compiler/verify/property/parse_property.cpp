@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <charconv>
 #include <optional>
-#include <unordered_map>
+
+#include <fmt/format.h>
 
 #include "compiler/base/ascii.hpp"
 #include "compiler/model/fold.hpp"
@@ -12,6 +13,7 @@
 #include "compiler/system/index_expression.hpp"
 #include "compiler/system/system.hpp"
 #include "compiler/system/uses_time.hpp"
+#include "compiler/verify/property/binary_operators.hpp"
 #include "compiler/verify/property/expression.hpp"
 #include "compiler/verify/property/make_formula.hpp"
 #include "compiler/verify/property/property_rows.hpp"
@@ -28,26 +30,6 @@ namespace {
 constexpr int kMaxPropertyDepth = 200;
 // Of variables of quantifiers.
 constexpr std::size_t kMaxRounds = 4'000'000;
-
-struct BinaryOperator {
-  std::string_view sign;
-  Op op;
-  int level;
-};
-// Returns all binary operators, longer signs first.
-const std::vector<BinaryOperator>& binary_operators() {
-  static const std::vector<BinaryOperator> kBinaryOperators = [] {
-    std::vector<BinaryOperator> rows;
-    for (std::size_t row = 0; row < kOperators.size(); ++row) {
-      const Op op = static_cast<Op>(row);
-      if (operand_count(op) == 2) rows.push_back({symbol_of(op), op, static_cast<int>(precedence_of(op))});
-    }
-    std::stable_sort(rows.begin(), rows.end(),
-                     [](const BinaryOperator& a, const BinaryOperator& b) { return a.sign.size() > b.sign.size(); });
-    return rows;
-  }();
-  return kBinaryOperators;
-}
 
 bool begins_name(char c) { return is_letter(c) || c == '_'; }
 
@@ -71,6 +53,9 @@ class PropertyParser : private PropertyRows {
     accepts_formulas_ = true;
     property_.root = parse_formula(0);
     skip_blanks();
+    const std::size_t end = at_;
+    std::optional<Fairness> fairness = take_fairness();
+    if (fairness) property_.text = text_.substr(0, text_.find_last_not_of(" \t\n", end - 1) + 1);
     if (problem_.empty() && at_ != text_.size()) set_problem(about_rest());
     if (problem_.empty() && within_ && property_.root != within_row_) {
       at_ = within_at_;
@@ -95,6 +80,10 @@ class PropertyParser : private PropertyRows {
     const bool is_invariant = root.kind == PropertyKind::Temporal && !is_temporal(root.a) &&
                               (root.temporal == TemporalOperator::Always || root.temporal == TemporalOperator::Never);
     ParsedProperty parsed;
+    parsed.fairness = std::move(fairness);
+    const Failure for_finite{
+        fmt::format("column {}: fairness is of infinite runs, and finite ones decide this property", end + 1)};
+    if (is_invariant && fairness) return for_finite;
     if (is_invariant) {
       property_.is_never = root.temporal == TemporalOperator::Never;
       property_.root = root.a;
@@ -118,6 +107,7 @@ class PropertyParser : private PropertyRows {
     }
     Result<Formula> formula = make_formula(property_, is_temporal_, within_);
     if (!formula) return Failure{formula.error()};
+    if (fairness && is_invariant_of_past(*formula)) return for_finite;
     parsed.form = PropertyForm::Runs;
     parsed.formula = std::move(*formula);
     return parsed;
@@ -365,7 +355,9 @@ class PropertyParser : private PropertyRows {
     const std::size_t start = at_;
     if (take_sign("(")) {
       const std::uint32_t inside = accepts_formulas_ ? parse_formula(depth + 1) : parse_expression(1, depth + 1);
-      if (!take_sign(")")) set_problem("a `)` is missing");
+      if (!take_sign(")")) {
+        set_problem(word_at(at_) == "under" ? "`under` stands behind a whole property" : "a `)` is missing");
+      }
       return inside;
     }
     if (take_sign("!")) return make_unary(Op::Not, parse_operand(depth + 1), start);
@@ -590,6 +582,15 @@ class PropertyParser : private PropertyRows {
     const std::uint32_t row = add({.kind = PropertyKind::Temporal, .temporal = op, .a = a, .b = b});
     extents_[row] = {start, text_.find_last_not_of(" \t\n", at_ - 1) + 1};
     return row;
+  }
+  // `under weak:p.enter, strong:leaves` behind a whole property: to the end of the text.
+  std::optional<Fairness> take_fairness() {
+    if (!problem_.empty() || !take_words("under")) return std::nullopt;
+    Result<Fairness> read = read_fairness(text_, at_, system_, rows_);
+    at_ = text_.size();
+    if (read) return std::move(*read);
+    problem_ = read.error();
+    return std::nullopt;
   }
   // What stands behind a whole property.
   std::string about_rest() {

@@ -34,6 +34,16 @@ TEST_CASE("paths are prefixed, words and places are not") {
   CHECK(expanded("never true@X") == "never t.true@X");
 }
 
+TEST_CASE("names of fairness are paths, its words are not") {
+  CHECK(expanded("eventually a@X under weak, strong:go, weak : atoms") ==
+        "eventually t.a@X under weak, strong:t.go, weak : atoms");
+  CHECK(expanded("eventually a@X under weak:p[i].q, strong:p[*], weak:b[(i + 1) % n].c[*].d") ==
+        "eventually t.a@X under weak:t.p[2].q, strong:t.p[*], weak:t.b[0].c[*].d");
+  CHECK(expanded("forall k in weak: eventually weak[k]@X") == "forall k in t.weak: eventually t.weak[k]@X");
+  CHECK(expanded("eventually under@X under weak:under") == "eventually t.under@X under weak:t.under");
+  CHECK(expanded("never p[*]@X").starts_with("error: "));
+}
+
 TEST_CASE("constants stand for their values") {
   CHECK(expanded("always a.x < n && a.y > low") == "always t.a.x < 3 && t.a.y > (-4)");
   CHECK(expanded("always open || a.x != half * whole") == "always true || t.a.x != 0.5 * 2.0");

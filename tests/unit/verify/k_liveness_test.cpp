@@ -23,7 +23,9 @@ KLivenessProof prove(const HandMadeNet& made, const std::string& property, const
   REQUIRE(parsed);
   REQUIRE(parsed->form == PropertyForm::Runs);
   KLivenessOptions options;
-  options.fairness = read_fairness(fairness).value();
+  Result<Fairness> read = read_fairness(fairness, *made.compiled.system);
+  REQUIRE(read);
+  options.fairness = std::move(*read);
   options.most_rounds = kEnough;
   const System& system = *made.compiled.system;
   const rt::Image& image = made.compiled.lowered->image;
@@ -214,6 +216,15 @@ TEST_CASE("k-liveness: fairness decides who gets the key") {
   CHECK_FALSE(is_proved(key, "p@WAITS leads to p@INSIDE", "none"));
   CHECK_FALSE(is_proved(key, "p@WAITS leads to p@INSIDE", "weak"));
   CHECK_FALSE(is_proved(key, "always eventually p@INSIDE", "none"));
+}
+
+TEST_CASE("k-liveness: fairness of things with names") {
+  const HandMadeNet key(kKey);
+  CHECK(is_proved(key, "p@WAITS leads to p@INSIDE", "strong:p_enters,weak:q_leaves"));
+  CHECK(is_proved(key, "p@WAITS leads to p@INSIDE", "strong:p.enter,weak:key.put"));
+  CHECK(is_proved(key, "p@WAITS leads to p@INSIDE", "strong:p,weak"));
+  CHECK_FALSE(is_proved(key, "p@WAITS leads to p@INSIDE", "weak:p_enters,strong:q_leaves"));
+  CHECK_FALSE(is_proved(key, "p@WAITS leads to p@INSIDE", "strong:key"));
 }
 
 TEST_CASE("k-liveness: a run that ends repeats its last state") {

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "compiler/verify/liveness/automaton.hpp"
-#include "compiler/verify/property/fairness.hpp"
 
 namespace bip::verify {
 
@@ -214,15 +213,6 @@ TEST_CASE("a formula that no run violates has an empty negation") {
   Result<Automaton> made = make_automaton(f.formula, RunsOf::Negation);
   REQUIRE(made);
   CHECK(made->is_empty());
-}
-
-TEST_CASE("fairness has names") {
-  for (const char* name : {"none", "weak", "strong", "weak:atoms", "strong:atoms"}) {
-    const std::optional<Fairness> fairness = read_fairness(name);
-    REQUIRE(fairness);
-    CHECK(name_of(*fairness) == name);
-  }
-  CHECK_FALSE(read_fairness("just"));
 }
 
 }  // namespace bip::verify

@@ -115,7 +115,7 @@ NeighbourhoodProof prove_around(const HandMadeNet& net, const char* property, co
   REQUIRE(parsed);
   REQUIRE(has_neighbourhoods(system, net.compiled.lowered->image));
   NeighbourhoodOptions options;
-  options.fairness = *read_fairness(fairness);
+  options.fairness = *read_fairness(fairness, system);
   options.never_ends = [&] { return never_ends; };
   return prove_by_neighbourhoods(parsed->formula, system, net.compiled.lowered->image, options);
 }
@@ -138,6 +138,11 @@ TEST_CASE("neighbourhoods: who waits goes in, because the others come to rest") 
   CHECK(prove_around(net, kGoesIn, "strong", true).is_proved);
   CHECK(prove_around(net, kGoesIn, "weak:atoms", true).is_proved);
   CHECK(prove_around(net, "always eventually happens pass[2]", "weak", true).is_proved);
+  // Of the named ones alone, as it is process 0 that must go on once others have come to rest.
+  CHECK(prove_around(net, kGoesIn, "weak:pass[0]", true).is_proved);
+  CHECK(prove_around(net, kGoesIn, "weak:process[0].pass", true).is_proved);
+  CHECK(prove_around(net, kGoesIn, "strong:process[0]", true).is_proved);
+  CHECK_FALSE(prove_around(net, kGoesIn, "weak:pass[1],strong:process[1].come", true).is_proved);
 }
 
 TEST_CASE("neighbourhoods: what fairness leaves open is not proved") {

@@ -137,8 +137,8 @@ class Model:
     def verify(self, property="", *, partial=False, timeout=60.0, wall_timeout=0.0, megabytes=2048, certificate=False, explain=False, fair="none"):
         """Decides a property: "" (deadlock-freedom), "errors", "never EXPR", "always EXPR", or of runs: "eventually EXPR", "EXPR leads to EXPR" and the like, or
         of what is possible: "possibly EXPR", "always possibly EXPR". `counterexample` of one that holds and begins with `possibly` is the run that shows it.
-        Returns a `Verdict`; raises ValueError if it is none. fair: the runs that count for a property of runs, "none" (all), "weak", "strong", "weak:atoms" or
-        "strong:atoms"; `counterexample.cycle` is the number of the first step that repeats for ever.
+        Returns a `Verdict`; raises ValueError if it is none. fair: the runs that count for a property of runs, as `--fair` has it: "none" (all), "weak",
+        "strong:atoms", "weak,strong:p.enter"; `counterexample.cycle` is the number of the first step that repeats for ever.
 
         timeout: seconds of the processor; wall_timeout: of wall-clock time, 0 means no limit. certificate: `Verdict.certificate` is a text for certcheck. explain: the invariants are part of `text`.
         """

@@ -91,7 +91,8 @@ struct VerifyOptions {
   // "deadlock" or empty, "errors", "never EXPR", "always EXPR", or of runs: "eventually EXPR", "EXPR leads to EXPR" …,
   // or of what is possible: "possibly EXPR", "always possibly EXPR" …
   std::string property;
-  // Properties of runs: which count. "none" or empty, "weak", "strong", "weak:atoms", "strong:atoms".
+  // Properties of runs: which count, as `--fair` has it: "none" or empty, "weak", "strong:atoms",
+  // "weak,strong:p.enter".
   std::string fairness;
   bool partial = false;     // instead: does a component wait for ever while others move?
   double timeout = 60;      // seconds of the processor
