@@ -38,6 +38,7 @@ ROWS = {
     "`never` and `always` of a state, by [counting](#counting)": [
         ("scaling/paxos.bip", ["--root", "Synod(40, 2)", "--property", AGREEMENT], "accepted", "bound 40 ")],
     "`never` and `always` of a state, deadlock-free, by [regions of values](#regions-of-values)": [
+        ("scaling/filter_lock.bip", ["--root", "Lock(24)"], "accepted", "unless "),
         ("scaling/filter_lock.bip", ["--root", "Lock(8)", "--timeout", "12", "--property", "never process[0]@CRITICAL && process[1]@CRITICAL"], "unknown", None)],
     "the same, of a model whose C++ was left out": [
         ("unread_cpp.golden", ["--property", "never a.n > 5"], "accepted", "method induction")],

@@ -278,6 +278,8 @@ struct Literal {
   int low = 1, high = 1;
   std::optional<unsigned> bit = {};
   bool is_negated = false;
+
+  friend auto operator<=>(const Literal&, const Literal&) = default;
 };
 /// All literals hold; or, in a sum, a variable's value. Times its weight.
 struct Case {
@@ -313,6 +315,7 @@ struct Fact {
   std::vector<Case> cases;
   std::optional<int> total;
   bool is_bound = false;
+  std::size_t step = kNone;  // of a bound that holds where no interaction of this node is possible: weights of any sign
 };
 /// A clock (of an atom, by variable) less another one is at most the limit; kNone: 0.
 struct Bound {
@@ -344,6 +347,7 @@ struct Certificate {
   std::map<std::size_t, std::size_t> returns;  // the same: of ranks, an atom
   std::vector<Turn> turns;                     // that each round has
   std::vector<Fact> facts, sets;               // sets: of modes; without total: traps
+  std::vector<Fact> unless;                    // bounds of states without steps
   std::map<Values, char32_t> row_of_local;     // parameters as 0
   std::vector<Values> locals;
   std::set<std::u32string> states;                    // all that a search has reached: by atom a row of locals
@@ -388,6 +392,8 @@ struct AtomMoves {
   std::vector<Moves> by_port;
   Modes first;
 };
+/// Do two cases, all of whose literals are about one component, exclude each other?
+[[nodiscard]] bool are_exclusive(const Model& model, const std::vector<Literal>& a, const std::vector<Literal>& b);
 /// By atom, whatever its connectors do.
 [[nodiscard]] std::vector<AtomMoves> moves_of(const Model& model, const Certificate& certificate, z3::context& z);
 /// Modes are closed, reachable ones and sets are kept by every step (structure.cpp).

@@ -39,7 +39,10 @@ class CertificateReader {
       throw Rejected("its last row is not `end`");
     if (proof_.claim.empty()) throw Rejected("the certificate does not say what it proves");
     if (!proof_.classes.empty() && contains(proof_.class_of, kNone)) throw Rejected("a component has no row");
-    if (!proof_.states.empty() && !(proof_.classes.empty() && proof_.facts.empty() && proof_.sets.empty()))
+    if (!proof_.unless.empty() && proof_.claim != "deadlock-free")
+      throw Rejected("rows of states without steps, of another claim than that there are none");
+    if (!proof_.states.empty() &&
+        !(proof_.classes.empty() && proof_.facts.empty() && proof_.sets.empty() && proof_.unless.empty()))
       throw Rejected("more is said than which states there are");
     if (model_.is_timed && (proof_.states.empty() || proof_.zones.size() != proof_.states.size()))
       throw Rejected("the model has time, so states with zones are expected");
@@ -59,7 +62,7 @@ class CertificateReader {
         {"rounds", {2, &CertificateReader::rounds_row}},       {"turn", {2, &CertificateReader::turn_row}},
         {"begin", {3, &CertificateReader::set_row}},           {"next", {4, &CertificateReader::set_row}},
         {"bound", {2, &CertificateReader::fact_row}},          {"later", {2, &CertificateReader::later_row}},
-        {"returns", {3, &CertificateReader::returns_row}}};
+        {"returns", {3, &CertificateReader::returns_row}},     {"unless", {3, &CertificateReader::fact_row}}};
     const Text head = words_.empty() ? Text() : words_[0];
     if (line == "method exhaustive") throw NotCheckable("the evidence is a search of all states");
     if (head == "root" || head == "method") return;
@@ -189,19 +192,24 @@ class CertificateReader {
   // Cases, of sums with their weights: "ROOT.a:2" of sets, of others literals joined by `&`.
   void fact_row() {
     const Text head = words_[0];
-    const bool is_bound = head == "bound", is_equation = head == "equation",
+    const bool is_unless = head == "unless", is_bound = is_unless || head == "bound", is_equation = head == "equation",
                is_sum = head == "sum" || is_equation || is_bound, is_set = !is_equation && !is_bound && head != "lemma";
-    Fact& fact = (is_set ? proof_.sets : proof_.facts).emplace_back(Fact{place(), {}, {}, is_bound});
+    Fact& fact = (is_set      ? proof_.sets
+                  : is_unless ? proof_.unless
+                              : proof_.facts)
+                     .emplace_back(Fact{place(), {}, {}, is_bound});
     std::int64_t most = 0;
-    if (is_sum) fact.total = number(words_[1]);
+    if (is_unless) fact.step = step_of(words_[1]), fact.total = 0;
+    else if (is_sum) fact.total = number(words_[1]);
     else if (head == "one-token") fact.total = 1;
     for (std::size_t k = is_sum ? 2 : 1; k < words_.size(); ++k) {
       Case& row = fact.cases.emplace_back();
       const auto [text, weight] =
           is_sum ? split(words_[k], words_[k].rfind('*')) : std::pair<Text, Text>(words_[k], "1");
       row.weight = number(weight, -kMostWeight, kMostWeight);
-      most += row.weight;
-      need(!is_bound || (row.weight >= 0 && most < kMostWeight), "weights of a bound are not small", words_[k]);
+      most += std::abs(std::int64_t{row.weight});
+      need(!is_bound || ((is_unless || row.weight >= 0) && most < kMostWeight), "weights of a bound are not small",
+           words_[k]);
       row.is_value = is_equation && text.find_first_of("@=:&!") == Text::npos;
       if (is_set) {
         const auto [path, number] = split(text, text.rfind(':'));
@@ -219,23 +227,27 @@ class CertificateReader {
     for (const Case& row : fact.cases) {
       for (const Literal& l : row.literals) need(l.atom == row.literals[0].atom, "a case is about two components");
       for (const Case* other : cases_of[row.literals[0].atom])
-        need(std::ranges::any_of(row.literals,
-                                 [&](const Literal& a) {
-                                   return std::ranges::any_of(other->literals, [&](const Literal& b) {
-                                     return is_exclusive(model_.type_of(a.atom), a, b);
-                                   });
-                                 }),
+        need(are_exclusive(model_, row.literals, other->literals),
              "two cases about a component do not exclude each other");
       cases_of[row.literals[0].atom].push_back(&row);
     }
   }
-  [[nodiscard]] static bool is_exclusive(const AtomType& type, const Literal& a, const Literal& b) {
-    if (a.bit || b.bit || (a.is_negated && b.is_negated)) return false;
-    const bool are_places = a.variable < type.places && b.variable < type.places && type.is_automaton;
-    if (a.variable != b.variable) return are_places && !a.is_negated && !b.is_negated;
-    if (a.is_negated) return a.low <= b.low && b.high <= a.high;
-    if (b.is_negated) return b.low <= a.low && a.high <= b.high;
-    return a.high < b.low || b.high < a.low;
+  // The node of a connector that is none of another one, or of a port alone.
+  [[nodiscard]] std::size_t step_of(Text name) {
+    if (steps_.empty()) {
+      for (const Connector& c : model_.connectors) steps_.emplace(c.path, c.root);
+    }
+    const auto connector = steps_.find(name);
+    if (connector == steps_.end()) {
+      const auto [path, port] = split(name, name.rfind('.'));
+      const std::size_t atom = atom_of(path);
+      return own_step(model_.first_port[atom] + row_of(model_.type_of(atom).ports, port, &Port::name), name);
+    }
+    return own_step(connector->second, name);
+  }
+  [[nodiscard]] std::size_t own_step(std::size_t node, Text name) const {
+    need(model_.nodes[node].is_step, "is no step of its own", name);
+    return node;
   }
 
   // One value; of an automaton, all of its places.
@@ -406,13 +418,30 @@ class CertificateReader {
   const Model& model_;
   Certificate proof_;
   std::u32string now_;  // the state of the last row
-  std::map<Text, std::size_t> atoms_;
+  std::map<Text, std::size_t> atoms_, steps_;
   std::vector<Values> state_;  // of the row before
   std::vector<Text> words_;
   std::size_t line_ = 0;
 };
 
+// Do the two literals never hold together?
+bool is_exclusive(const AtomType& type, const Literal& a, const Literal& b) {
+  if (a.bit || b.bit || (a.is_negated && b.is_negated)) return false;
+  const bool are_places = a.variable < type.places && b.variable < type.places && type.is_automaton;
+  if (a.variable != b.variable) return are_places && !a.is_negated && !b.is_negated;
+  if (a.is_negated) return a.low <= b.low && b.high <= a.high;
+  if (b.is_negated) return b.low <= a.low && a.high <= b.high;
+  return a.high < b.low || b.high < a.low;
+}
+
 }  // namespace
+
+bool are_exclusive(const Model& model, const std::vector<Literal>& a, const std::vector<Literal>& b) {
+  return std::ranges::any_of(a, [&](const Literal& one) {
+    return std::ranges::any_of(b,
+                               [&](const Literal& other) { return is_exclusive(model.type_of(one.atom), one, other); });
+  });
+}
 
 Certificate read_certificate(const Model& model, std::istream& text, Last last) {
   return CertificateReader(model).run(text, last);

@@ -43,7 +43,11 @@ class States {
     if (rounds_) first.push_back(rounds_->bits(true));
     for (const Fact& fact : proof_.facts)
       demand(both(no(fault), no(says(fact, {first}))), fact.line + ": does not hold at first");
-    if (proof_.states.empty()) return check_from(allowed(), wants_steps, nullptr);
+    if (proof_.states.empty()) {
+      State now = allowed();
+      const bool are_kept = keep_alone(now) && !no_errors && !rounds_;
+      return check_from(now, wants_steps && !are_kept, nullptr);
+    }
     std::map<std::size_t, Local> all;
     for (const Local& local : first) all.emplace(all.size(), local);
     const std::optional<std::u32string> begin = listed(*proof_.states.begin(), all);
@@ -61,6 +65,8 @@ class States {
   // No such state is bad, and no step leads out of what the rows allow. `listed`: it is one state.
   void check_from(const State& now, bool wants_steps, const std::u32string* listed) {
     const bool no_errors = proof_.claim == "error-free";
+    if (!proof_.unless.empty()) check_weights(now);
+    if (!proof_.unless.empty() && !wants_steps) return;
     system_.look_at(now, wants_steps || !claim_.items.empty());
     if (no_errors)
       demand(either(system_.state_fault(), system_.guard_fault()),
@@ -76,7 +82,9 @@ class States {
     const auto check_step = [&](const Step& step) {
       // First without what priorities hide, and only for the atoms that move.
       const auto can = [&](const expr& e) {
-        return terms_.may_be(both(step.offered, e), step.next) && terms_.may_be(both(step.possible, e));
+        std::set<std::size_t> moving;
+        for (const auto& [atom, local] : step.next) moving.insert(atom);
+        return terms_.may_be(both(step.offered, e), moving) && terms_.may_be(both(step.possible, e));
       };
       if (no_errors && can(step.fault)) throw Rejected("a step ends with an error");
       const expr goes_on = no(step.fault);
@@ -105,11 +113,119 @@ class States {
       return demand(rounds_->is_bad(now.back()), "a state that the certificate allows has more rounds before it");
     }
     if (wants_steps) system_.each_step(check_step);
-    if (proof_.claim == "deadlock-free")
+    if (proof_.claim == "deadlock-free" && proof_.unless.empty())
       demand(no(either(system_.has_step(), system_.is_final())), "a state that the certificate allows has no step");
     if (runs_) return runs_->leave(system_.has_step());
     if (!branches_ && !claim_.items.empty())
       demand(system_.claim(claim_.items[1]), "a state that the certificate allows is what should never be");
+  }
+  // Lemmas about one atom that it keeps whatever its connectors do and write: no step need be looked at for these. Are
+  // all facts such lemmas?
+  bool keep_alone(State& now) {
+    std::map<std::size_t, Rows> alone;
+    for (std::size_t k = 0; k < proof_.facts.size(); ++k) {
+      const Fact& fact = proof_.facts[k];
+      const std::size_t atom = fact.cases.empty() ? kNone : fact.cases[0].literals[0].atom;
+      const bool is_alone =
+          !fact.total && atom < model_.atoms.size() && std::ranges::all_of(fact.cases, [&](const Case& row) {
+            return std::ranges::all_of(row.literals, [&](const Literal& l) { return l.atom == atom; });
+          });
+      if (is_alone) alone[atom].push_back(k);
+    }
+    std::size_t kept = 0;
+    for (const auto& [atom, facts] : alone) {
+      if (!keeps(atom, facts, now)) continue;
+      kept += facts.size();
+      for (std::size_t k : facts) facts_of_[atom].erase(k);
+    }
+    return kept == proof_.facts.size();
+  }
+  bool keeps(std::size_t atom, const Rows& facts, State& now) {
+    const AtomType& type = model_.type_of(atom);
+    expr leaves = terms_.truth(false), fault = leaves;
+    const Offer offer = terms_.offer(type, now[atom], fault);
+    for (std::size_t t = 0; t < type.transitions.size(); ++t) {
+      const std::size_t port = type.transitions[t].port;
+      if (port == kNone) continue;
+      std::map<std::size_t, Local> next{{atom, now[atom]}};
+      for (std::size_t variable : type.ports[port].written)
+        next.at(atom)[variable] = terms_.fresh(type.variables[variable].type);
+      const expr on = both(offer.ports[port], offer.transitions[t]);
+      expr ends = terms_.truth(false);
+      terms_.take(type, type.transitions[t], next.at(atom), on, ends);
+      const expr breaks = terms_.some(facts, [&](std::size_t k) {
+        return no(says(proof_.facts[k], View{now, &next}));
+      });
+      leaves = either(leaves, both(both(on, no(ends)), breaks));
+    }
+    return !terms_.may_be(leaves, std::set<std::size_t>{atom});
+  }
+  using Weights = std::map<std::vector<Literal>, std::int64_t>;  // of cases of an atom, of which at most one holds
+  // By weight: where do the cases that hold have it? Where none holds it is 0.
+  std::map<std::int64_t, expr> by_weight(const Weights& weights, const State& now) const {
+    std::map<std::int64_t, expr> result{{0, terms_.truth(false)}};
+    expr none = terms_.truth(true);
+    for (const auto& [literals, weight] : weights) {
+      const expr is_so = holds({literals}, View{now});
+      none = both(none, no(is_so));
+      expr& some = result.try_emplace(weight, terms_.truth(false)).first->second;
+      some = either(some, is_so);
+    }
+    result.at(0) = either(result.at(0), none);
+    return result;
+  }
+  // Do the weights of the cases that hold add up to more than 0?
+  expr exceeds(const std::map<std::size_t, Weights>& weights, const State& now) const {
+    std::map<std::int64_t, expr> sums{{0, terms_.truth(true)}};
+    for (const auto& [atom, its] : weights) {
+      std::map<std::int64_t, expr> next;
+      for (const auto& [weight, is_so] : by_weight(its, now)) {
+        for (const auto& [sum, holds] : sums) {
+          expr& some = next.try_emplace(sum + weight, terms_.truth(false)).first->second;
+          some = either(some, both(holds, is_so));
+        }
+      }
+      sums = std::move(next);
+    }
+    return terms_.some(sums, [&](const auto& sum) { return sum.first > 0 ? sum.second : terms_.truth(false); });
+  }
+  // Where no step is possible, the weights of the cases that hold add up to 0 at most in each row `unless`, so in all
+  // rows together. But they are more, if the least weights that the atoms can have, each by itself, are: so there is no
+  // such state. Rows that begin with the same atom are one question.
+  void check_weights(const State& now) {
+    system_.offer(now);
+    std::map<std::size_t, Weights> all;
+    for (std::size_t k = 0, end = 0; k < proof_.unless.size(); k = end) {
+      expr bad = terms_.truth(false);
+      std::set<std::size_t> atoms;
+      const auto first_of = [&](std::size_t row) { return proof_.unless[row].cases[0].literals[0].atom; };
+      for (end = k; end < proof_.unless.size() && first_of(end) == first_of(k); ++end) {
+        const Fact& fact = proof_.unless[end];
+        std::map<std::size_t, Weights> own;
+        for (const Case& row : fact.cases) {
+          own[row.literals[0].atom][row.literals] += row.weight;
+          all[row.literals[0].atom][row.literals] += row.weight;
+          atoms.insert(row.literals[0].atom);
+        }
+        atoms.merge(system_.atoms_of(fact.step));
+        bad = either(bad, both(exceeds(own, now), no(system_.is_possible(fact.step))).simplify());
+      }
+      if (terms_.may_be(bad, atoms))
+        throw Rejected(proof_.unless[k].line + " or after: weights add up to more than 0 in a state without a step");
+    }
+    std::int64_t sum = 0;
+    for (const auto& [atom, weights] : all) sum += least_weight(atom, weights, now);
+    if (sum <= 0) throw Rejected("weights do not exclude a state without a step");
+  }
+  std::int64_t least_weight(std::size_t atom, const Weights& weights, const State& now) {
+    for (auto row = weights.begin(); row != weights.end(); ++row) {
+      for (auto other = weights.begin(); other != row; ++other)
+        if (!are_exclusive(model_, row->first, other->first))
+          throw Rejected("two cases of " + quoted(model_.atoms[atom].path) + " do not exclude each other");
+    }
+    for (const auto& [weight, is_so] : by_weight(weights, now))
+      if (terms_.may_be(is_so, std::set<std::size_t>{atom})) return weight;
+    throw Rejected(quoted(model_.atoms[atom].path) + " has no state");
   }
   // Is all that a step can lead to listed? Where ports are merged there are several such states.
   void check_listed(const std::u32string& state, const Step& step, const expr& goes_on) {
@@ -231,7 +347,14 @@ class States {
   State allowed() {
     State now;
     const bool has_modes = !proof_.classes.empty();
-    State modes(model_.atoms.size());  // by number
+    State modes(model_.atoms.size());                         // by number
+    std::map<std::size_t, std::vector<const Literal*>> told;  // values that lemmas tell
+    for (const Fact& fact : proof_.facts) {
+      if (fact.total || fact.cases.size() != 1 || fact.cases[0].literals.size() != 1) continue;
+      const Literal& l = fact.cases[0].literals[0];
+      const bool is_data = l.atom < model_.atoms.size() && l.variable >= model_.type_of(l.atom).places;
+      if (is_data && l.low == l.high && !l.bit && !l.is_negated) told[l.atom].push_back(&l);
+    }
     for (std::size_t a = 0; a < model_.atoms.size(); ++a) {
       const AtomType& type = model_.type_of(a);
       // What is the same in all modes is known.
@@ -243,6 +366,7 @@ class States {
       for (std::size_t number : proof_.reachable[a])
         for (std::size_t k = 0; k < same.size(); ++k)
           same[k] = same[k] == values_of(number)[k] ? same[k] : std::nullopt;
+      for (const Literal* l : told[a]) same[l->variable] = l->low;
       if (has_modes) std::fill_n(same.begin(), type.places, 0);
       Local& local = now.emplace_back(terms_.local(model_.atoms[a], same));
       if (has_modes) modes[a].resize(proof_.classes[proof_.class_of[a]].modes.size(), terms_.truth(false));

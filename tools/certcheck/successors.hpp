@@ -26,15 +26,8 @@ class System {
 
   /// The state that all else is said of: the enabled interactions, and, if wanted, what priorities hide.
   void look_at(const State& now, bool with_priorities) {
-    now_ = now;
-    offers_.clear();
-    on_.clear();
+    offer(now);
     all_.clear();
-    state_fault_ = guard_fault_ = terms_.truth(false);
-    for (std::size_t atom = 0; atom < model_.atoms.size(); ++atom) {
-      offers_.push_back(terms_.offer(model_.type_of(atom), now_[atom], state_fault_));
-      on_.insert(on_.end(), offers_[atom].ports.begin(), offers_[atom].ports.end());
-    }
     for (std::size_t node = 0; node < model_.nodes.size(); ++node)
       if (model_.nodes[node].is_step) add_candidates(node);
     Store store;
@@ -60,6 +53,30 @@ class System {
     }
     (void)terms_.hide(rules, on);
     for (std::size_t k = 0; k < all_.size(); ++k) all_[k].possible = on[k];
+  }
+  /// The same without interactions: only what atoms offer.
+  void offer(const State& now) {
+    now_ = now;
+    offers_.clear();
+    on_.clear();
+    state_fault_ = guard_fault_ = terms_.truth(false);
+    for (std::size_t atom = 0; atom < model_.atoms.size(); ++atom) {
+      offers_.push_back(terms_.offer(model_.type_of(atom), now_[atom], state_fault_));
+      on_.insert(on_.end(), offers_[atom].ports.begin(), offers_[atom].ports.end());
+    }
+  }
+  /// Is an interaction of the node possible, whatever priorities hide? All others are forgotten.
+  [[nodiscard]] expr is_possible(std::size_t node) {
+    all_.clear();
+    add_candidates(node);
+    return has_step();
+  }
+  /// The atoms that may take part in it.
+  [[nodiscard]] std::set<std::size_t> atoms_of(std::size_t node) {
+    std::set<std::size_t> atoms;
+    for (std::size_t part : shape_of(node, false).tree)
+      if (model_.nodes[part].kind == Kind::Port) atoms.insert(model_.atom_of_port[part]);
+    return atoms;
   }
   /// Is there a step? Priorities only hide what something else outdoes.
   [[nodiscard]] expr has_step() const {

@@ -83,10 +83,10 @@ class Terms {
   /// Throws where the solver gives up.
   [[nodiscard]] bool may_be(const expr& e) { return is(e, true) || (!is(e, false) && can_solve(solver_, e)); }
   /// With what is assumed of some atoms alone, which is much quicker, and false only where it is without, too.
-  [[nodiscard]] bool may_be(const expr& e, const std::map<std::size_t, Local>& alone) {
+  [[nodiscard]] bool may_be(const expr& e, const std::set<std::size_t>& alone) {
     expr whole = e;
     if (model_.is_timed) return may_be(e);
-    for (const auto& [atom, local] : alone)
+    for (std::size_t atom : alone)
       for (const expr& fact : assumed_[atom]) whole = both(whole, fact);
     z3::solver few(z3_, "QF_BV");
     return is(whole, true) || (!is(whole, false) && can_solve(few, whole));

@@ -191,7 +191,7 @@ std::string certificate(const Portfolio& portfolio, const Question& question, co
                           std::to_string(decision.states) + '\n';
                  },
                  [&](const CountingProof& evidence) { out += "method induction\n" + evidence.rows; },
-                 [](const RegionProof&) { BIP_UNREACHABLE("no engine by regions is tried for a certificate"); },
+                 [&](const RegionProof& evidence) { out += "method regions\n" + evidence.rows; },
                  [](const Counterexample&) { BIP_UNREACHABLE("a counterexample has no certificate"); },
                  [](const std::monostate&) { BIP_UNREACHABLE("no verdict has no certificate"); },
              },

@@ -51,10 +51,11 @@ struct CountingProof {
   std::string rows;  // of the certificate, if one is wanted
 };
 /// Holds: regions of values that components cannot be in together exclude every bad state, by a sum that is checked in
-/// integers. Nothing of it is written to certificates.
+/// integers.
 struct RegionProof {
   std::size_t local_states = 0, neighbourhoods = 0, implications = 0;
   std::vector<std::string> reasons;  // some of the implications
+  std::string rows;                  // of the certificate, if one is wanted
 };
 /// Violated: the numbers of the candidates taken from the initial state, which end in the bad state or in the fault.
 struct Counterexample {

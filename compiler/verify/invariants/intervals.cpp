@@ -18,7 +18,8 @@ constexpr int kMaxWidenings = 16;
 
 class IntervalAnalysis {
  public:
-  IntervalAnalysis(const System& system, const rt::Image& image) : system_(system), image_(image), code_(system.code) {
+  IntervalAnalysis(const System& system, const rt::Image& image, const std::vector<std::uint8_t>& is_free)
+      : system_(system), image_(image), is_free_(is_free), code_(system.code) {
     ranges_.assign(image.cell_count, {0, 0});
     growths_.assign(image.cell_count, 0);
     for (const Expr& e : system.code.exprs) {
@@ -86,6 +87,8 @@ class IntervalAnalysis {
     // Data are read only after the initial action.
     for (std::size_t k = 0; k < local.self.size(); ++k) {
       if (!local.self[k].is_empty()) ranges_[base + k] = fitted(local.self[k]);
+      if (!is_free_.empty() && is_free_[base + k] != 0)
+        ranges_[base + k] = type.variables[k].type == Type::Bool ? kAnyBool : kAnyInt;
     }
   }
 
@@ -164,6 +167,7 @@ class IntervalAnalysis {
 
   const System& system_;
   const rt::Image& image_;
+  const std::vector<std::uint8_t>& is_free_;
   IntervalDomain code_;
   std::vector<Range> ranges_;
   std::vector<int> growths_;
@@ -173,8 +177,8 @@ class IntervalAnalysis {
 
 }  // namespace
 
-std::vector<Range> find_ranges(const System& system, const rt::Image& image) {
-  return IntervalAnalysis(system, image).run();
+std::vector<Range> find_ranges(const System& system, const rt::Image& image, const std::vector<std::uint8_t>& is_free) {
+  return IntervalAnalysis(system, image, is_free).run();
 }
 
 }  // namespace bip::verify

@@ -5,6 +5,7 @@
 // initial values with widening to thresholds: a bound that goes on growing jumps to the next constant of the code, then
 // to the end of int. No narrowing. Cost: a few passes over the code of all instances.
 #pragma once
+#include <cstdint>
 #include <vector>
 
 #include "compiler/system/system_ids.hpp"
@@ -14,7 +15,9 @@
 namespace bip::verify {
 
 /// Returns the range of each variable, by row among all variables of the image (atoms', then connectors' own). Ranges
-/// of floats and FFI values have no meaning.
-[[nodiscard]] std::vector<Range> find_ranges(const System& system, const rt::Image& image);
+/// of floats and FFI values have no meaning. `is_free`: by row, variables that may have any value of their type at any
+/// time; empty: none.
+[[nodiscard]] std::vector<Range> find_ranges(const System& system, const rt::Image& image,
+                                             const std::vector<std::uint8_t>& is_free = {});
 
 }  // namespace bip::verify

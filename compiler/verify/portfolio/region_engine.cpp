@@ -28,23 +28,34 @@ bool has_regions(const ProofContext& context) {
   const rt::Image& image = context.parts.image();
   const bool is_about_states =
       context.question.what == QuestionKind::State || context.question.what == QuestionKind::DeadlockFreedom;
-  return is_about_states && context.limits.may_search && !context.limits.wants_certificate && image.ffi == nullptr &&
-         !rt::has_time(image) && passes_data(context.parts.system()) && is_plain_rendezvous(context.parts.system());
+  return is_about_states && context.limits.may_search && image.ffi == nullptr && !rt::has_time(image) &&
+         passes_data(context.parts.system()) && is_plain_rendezvous(context.parts.system());
 }
 
 EngineResult prove_by_regions(ProofContext& context, const Budget& budget, const CancellationToken& cancellation) {
   EngineResult result;
   const CancellationToken share = cancellation.within(budget.seconds);
-  const RegionNet net = build_region_net(context.parts.system(), context.parts.image());
-  const bool is_state = context.question.what == QuestionKind::State;
-  RegionSearch found = refute_bad_states(net, is_state ? &context.question.property : nullptr, share);
+  const System& system = context.parts.system();
+  const rt::Image& image = context.parts.image();
+  const Property* const property = context.question.what == QuestionKind::State ? &context.question.property : nullptr;
+  RegionSearch found;
+  if (context.limits.wants_certificate) {
+    // What holds whatever connectors write is checked much sooner.
+    for (const Writing writing : {Writing::Anything, Writing::Followed}) {
+      const CancellationToken part = writing == Writing::Anything ? share.within(budget.seconds / 2) : share;
+      found = refute_bad_states(build_region_net(system, image, writing), property, part, RegionRows::Yes);
+      if (found.proof) break;
+    }
+  } else {
+    found = refute_bad_states(build_region_net(system, image), property, share);
+  }
   if (!found.proof) {
     result.retry = found.is_complete ? Retry::Pointless : Retry::Useful;
     return result;
   }
   result.outcome = Outcome::Holds;
   result.evidence = RegionProof{found.proof->local_states, found.proof->explored, found.proof->implications,
-                                std::move(found.proof->reasons)};
+                                std::move(found.proof->reasons), std::move(found.proof->rows)};
   return result;
 }
 

@@ -4,8 +4,8 @@
 
 namespace bip::verify {
 
-/// Deadlock and properties of states of plain rendezvous with ints; no time, no C++. It gives no certificate, and no
-/// violation. A further attempt helps only if the time was too short.
+/// Deadlock and properties of states of plain rendezvous with ints; no time, no C++. It gives no violation, and no
+/// certificate of what neighbourhoods show. A further attempt helps only if the time was too short.
 extern const Engine kRegionEngine;
 
 }  // namespace bip::verify

@@ -33,7 +33,8 @@ class DeadlockRows {
         }
         if (type.ports[port].exported) continue;
         // A step of its own.
-        for (const u32 state : sure_[atom][port]) program.forbid(spaces.first[atom] + state);
+        for (const u32 state : sure_[atom][port])
+          program.forbid(spaces.first[atom] + state, net.first_own_step[atom] + port);
       }
     }
   }
@@ -42,6 +43,7 @@ class DeadlockRows {
     const Connector& row = net_.connector(connector);
     const ConnectorType& type = net_.type_of(row);
     start(connector);
+    source_ = connector;
     members_.clear();
     for (u32 param = 0; param < row.ports.size(); ++param) {
       const PortRef& ref = row.ports[param];
@@ -61,7 +63,7 @@ class DeadlockRows {
     if (members_.empty()) {
       forbid_all(row.ports.front().atom.value);
     } else if (members_.size() == 1 && together_.empty()) {
-      for (const u32 state : members_[0].states) program_.forbid(spaces_.first[members_[0].atom] + state);
+      for (const u32 state : members_[0].states) program_.forbid(spaces_.first[members_[0].atom] + state, source_);
     } else if (members_.size() == 2) {
       exclude_pairs();
     }
@@ -138,7 +140,8 @@ class DeadlockRows {
     return space.size() == 0 || space.range(0, variable) == net_.range(atom, variable);
   }
   void forbid_all(u32 atom) {
-    for (u32 state = 0; state < spaces_.spaces[atom].size(); ++state) program_.forbid(spaces_.first[atom] + state);
+    for (u32 state = 0; state < spaces_.spaces[atom].size(); ++state)
+      program_.forbid(spaces_.first[atom] + state, source_);
   }
   void exclude_pairs() {
     const Member &a = members_[0], &b = members_[1];
@@ -173,6 +176,7 @@ class DeadlockRows {
       if (!std::binary_search(excluded.begin(), excluded.end(), state))
         implication.implied.push_back(spaces_.first[other] + state);
     }
+    implication.source = source_;
     program_.add(std::move(implication));
   }
 
@@ -182,6 +186,7 @@ class DeadlockRows {
   IntervalDomain domain_;
   std::vector<std::vector<std::vector<u32>>> sure_;  // by component and port: states that offer it for sure
   IntervalPoint point_;
+  u32 source_ = ExclusionProgram::kNone;
   std::vector<Member> members_;
   std::vector<ExprId> together_;  // conjuncts about several members
   std::vector<bool> reads_;

@@ -26,8 +26,8 @@ struct BadRegions {
 [[nodiscard]] std::optional<std::vector<BadRegions>> find_bad_regions(const RegionNet& net, const Property& property,
                                                                       const std::vector<LocalSpace>& spaces);
 
-/// Adds that no interaction is possible for sure: of one component's states, or of two components'. False: the time is
-/// over.
+/// Adds that no interaction is possible for sure: of one component's states, or of two components'. The source is the
+/// connector's row, or the number of a port's step (RegionNet::first_own_step). False: the time is over.
 [[nodiscard]] bool add_deadlock(const RegionNet& net, const RegionSpaces& spaces, ExclusionProgram& program,
                                 const CancellationToken& cancellation);
 

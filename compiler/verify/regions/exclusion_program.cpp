@@ -51,7 +51,26 @@ u32 ExclusionProgram::add_component(u32 states) {
 
 void ExclusionProgram::add(Implication implication) {
   BIP_ASSERT(std::is_sorted(implication.states.begin(), implication.states.end()), "states are not sorted");
-  if (!implication.states.empty()) implications_.push_back(std::move(implication));
+  if (implication.states.empty()) return;
+  if (!implication.implied.empty()) implication.other = component_of_[implication.implied.front()];
+  implications_.push_back(std::move(implication));
+}
+
+void ExclusionProgram::forbid(u32 state, u32 source) {
+  if (!is_possible(state)) return;
+  is_possible_[state] = 0;
+  const bool is_next = !forbidden_.empty() && forbidden_.back().source == source && forbidden_.back().others.empty() &&
+                       component_of_[forbidden_.back().states.front()] == component_of_[state];
+  if (is_next) forbidden_.back().states.push_back(state);
+  else forbidden_.push_back({{state}, {}, source});
+}
+
+std::vector<u32> ExclusionProgram::impossible_states(u32 component) const {
+  std::vector<u32> states;
+  for (u32 state = first_[component]; state < end_of(component); ++state) {
+    if (!is_possible(state)) states.push_back(state);
+  }
+  return states;
 }
 
 // States that imply nothing that is possible are impossible themselves. Afterwards implications are about possible
@@ -61,7 +80,7 @@ void ExclusionProgram::propagate() {
   for (Implication& implication : implications_) shorten(implication);
   // What was true of all states of a component says now that others are impossible.
   forbid_by_implications();
-  std::sort(implications_.begin(), implications_.end());
+  std::stable_sort(implications_.begin(), implications_.end());
   implications_.erase(std::unique(implications_.begin(), implications_.end()), implications_.end());
 }
 
@@ -72,7 +91,10 @@ void ExclusionProgram::forbid_by_implications() {
       std::erase_if(implication.implied, [&](u32 state) { return !is_possible(state); });
       std::erase_if(implication.states, [&](u32 state) { return !is_possible(state); });
       if (!implication.implied.empty() || implication.states.empty()) continue;
-      for (const u32 state : implication.states) forbid(state);
+      Forbidden row{implication.states, {}, implication.source};
+      if (implication.other != kNone) row.others = impossible_states(implication.other);
+      forbidden_.push_back(std::move(row));
+      for (const u32 state : implication.states) is_possible_[state] = 0;
       implication.states.clear();
       is_changed = true;
     }
@@ -83,9 +105,8 @@ void ExclusionProgram::forbid_by_implications() {
 // The possible states of the component of `states` that are not among these.
 std::vector<u32> ExclusionProgram::others_than(const std::vector<u32>& states) const {
   const u32 component = component_of_[states.front()];
-  const u32 end = component + 1 < first_.size() ? first_[component + 1] : size();
   std::vector<u32> others;
-  for (u32 state = first_[component]; state < end; ++state) {
+  for (u32 state = first_[component]; state < end_of(component); ++state) {
     if (is_possible(state) && !std::binary_search(states.begin(), states.end(), state)) others.push_back(state);
   }
   return others;
@@ -101,6 +122,7 @@ void ExclusionProgram::shorten(Implication& implication) const {
   }
   std::vector<u32> others = others_than(implication.states);
   if (not_implied.size() + others.size() >= implication.states.size() + implication.implied.size()) return;
+  implication.other = component_of_[implication.states.front()];
   implication.states = std::move(not_implied);
   implication.implied = std::move(others);
 }
@@ -147,9 +169,9 @@ ExclusionProgram::Classes ExclusionProgram::find_classes() const {
 std::optional<ExclusionProgram::Proof> ExclusionProgram::refute(const CancellationToken& cancellation) {
   propagate();
   for (u32 component = 0; component < first_.size(); ++component) {
-    const u32 end = component + 1 < first_.size() ? first_[component + 1] : size();
     bool has_state = false;
-    for (u32 state = first_[component]; state < end && !has_state; ++state) has_state = is_possible(state);
+    for (u32 state = first_[component]; state < end_of(component) && !has_state; ++state)
+      has_state = is_possible(state);
     if (!has_state) return Proof{{}, 1};
   }
   const Classes classes = find_classes();
@@ -179,8 +201,7 @@ std::optional<ExclusionProgram::Proof> ExclusionProgram::refute(const Cancellati
   }
   for (std::size_t row = 0; row < classes.components.size(); ++row) {
     const u32 component = classes.components[row];
-    const u32 end = component + 1 < first_.size() ? first_[component + 1] : size();
-    for (u32 state = first_[component]; state < end; ++state) {
+    for (u32 state = first_[component]; state < end_of(component); ++state) {
       if (is_possible(state)) changes[classes.of_state[state]] -= 1;
     }
     program.bounds[implications + row] = 1;

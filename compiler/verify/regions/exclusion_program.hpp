@@ -18,8 +18,10 @@
 // Selman, Dimension Reduction via Colour Refinement, 2014). The program of the classes has a solution exactly if the
 // whole one has, and its size does not grow with the number of like components. The proof is checked for the whole one.
 #pragma once
+#include <compare>
 #include <cstdint>
 #include <optional>
+#include <tuple>
 #include <vector>
 
 #include "compiler/verify/solver/cancellation.hpp"
@@ -31,17 +33,35 @@ using u32 = std::uint32_t;
 struct Implication {
   std::vector<u32> states;   // of one component, ascending
   std::vector<u32> implied;  // of another one, ascending
+  u32 source = ~u32{0};      // why it holds, as the caller says
+  u32 other = ~u32{0};       // the component of `implied`
   std::int64_t multiplier = 0;
-  friend bool operator==(const Implication&, const Implication&) = default;
-  friend auto operator<=>(const Implication&, const Implication&) = default;
+  friend bool operator==(const Implication& a, const Implication& b) {
+    return a.states == b.states && a.implied == b.implied;
+  }
+  friend auto operator<=>(const Implication& a, const Implication& b) {
+    return std::tie(a.states, a.implied) <=> std::tie(b.states, b.implied);
+  }
 };
 
 class ExclusionProgram {
  public:
   /// Adds a component with so many states. Returns the number of its first state.
   u32 add_component(u32 states);
-  /// This state is not possible.
-  void forbid(u32 state) { is_possible_[state] = 0; }
+  static constexpr u32 kNone = ~u32{0};
+  /// Impossible states of a component: those of another one are, too, and the source of an implication says that one
+  /// would need them; or, if there are none, the source says so by itself.
+  struct Forbidden {
+    std::vector<u32> states, others;
+    u32 source = kNone;
+  };
+
+  /// This state is not possible, for a reason that the caller knows.
+  void forbid(u32 state, u32 source = kNone);
+  /// What is impossible, in the order in which it was found out.
+  [[nodiscard]] const std::vector<Forbidden>& forbidden() const { return forbidden_; }
+  [[nodiscard]] u32 component_of(u32 state) const { return component_of_[state]; }
+  [[nodiscard]] std::vector<u32> impossible_states(u32 component) const;
   [[nodiscard]] bool is_possible(u32 state) const { return is_possible_[state] != 0; }
   [[nodiscard]] u32 size() const { return static_cast<u32>(component_of_.size()); }
   [[nodiscard]] std::size_t implications() const { return implications_.size(); }
@@ -62,6 +82,9 @@ class ExclusionProgram {
     std::vector<std::uint64_t> members;                 // by class of states
     std::vector<std::uint64_t> implication_members;     // by class of implications
   };
+  [[nodiscard]] u32 end_of(u32 component) const {
+    return component + 1 < first_.size() ? first_[component + 1] : size();
+  }
   void propagate();
   void forbid_by_implications();
   void shorten(Implication& implication) const;
@@ -74,6 +97,7 @@ class ExclusionProgram {
   std::vector<u32> first_;         // by component
   std::vector<std::uint8_t> is_possible_;
   std::vector<Implication> implications_;
+  std::vector<Forbidden> forbidden_;
 };
 
 }  // namespace bip::verify

@@ -31,8 +31,12 @@ class AloneExplorer {
     is_plain_.resize(type.ports.size(), 0);
     writes_.resize(type.ports.size());
     steps_.resize(type.ports.size());
-    for (u32 port = 0; port < type.ports.size(); ++port) is_plain_[port] = type.ports[port].exported ? 0 : 1;
-    for (const u32 connector : net.connectors[atom]) add(connector);
+    if (net.writing == Writing::Anything) {
+      for (u32 port = 0; port < type.ports.size(); ++port) write_anything(port);
+    } else {
+      for (u32 port = 0; port < type.ports.size(); ++port) is_plain_[port] = type.ports[port].exported ? 0 : 1;
+      for (const u32 connector : net.connectors[atom]) add(connector);
+    }
     for (u32 port = 0; port < type.ports.size(); ++port) forget_overwritten(port);
   }
 
@@ -46,6 +50,14 @@ class AloneExplorer {
   }
 
  private:
+  // Whether or not a connector is there: what is reached is closed under all that the component may do.
+  void write_anything(u32 port) {
+    LocalSpace::Writes writes;
+    for (const u32 variable : net_.written[net_.system->atoms[AtomId(std::size_t{atom_})].type.value][port])
+      writes.emplace_back(variable, net_.range(atom_, variable));
+    if (writes.empty()) is_plain_[port] = 1;
+    else writes_[port].insert(std::move(writes));
+  }
   void add(u32 connector) {
     RegionStep step = step_of(net_, connector, {atom_});
     const RegionStep::Member member = step.members.front();

@@ -1,7 +1,8 @@
 // The local states of one component, whatever the others do: a least fixpoint.
 //
-// What a connector writes counts; that its guard may be false counts only where it writes to this component. Cost: a
-// step for each state and each different thing that connectors write.
+// What a connector writes counts; that its guard may be false counts only where it writes to this component. Or
+// connectors may write anything (region_net.hpp). Cost: a step for each state and each different thing that connectors
+// write.
 #pragma once
 #include <optional>
 

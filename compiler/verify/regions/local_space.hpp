@@ -30,6 +30,8 @@ class LocalSpace {
   [[nodiscard]] std::vector<u32> initial();
   /// Returns the states that a transition of the port may lead to, if these values are written. Each once.
   [[nodiscard]] std::vector<u32> after(u32 state, u32 port, const Writes& writes);
+  /// Do states tell the regions of the variable apart?
+  [[nodiscard]] bool follows(u32 variable) const { return column_[variable] != kNone; }
   /// The range of a variable in a state.
   [[nodiscard]] const Range& range(u32 state, u32 variable) const;
   [[nodiscard]] const std::vector<u32>& marking(u32 state) const { return markings_[marking_of_[state]]; }

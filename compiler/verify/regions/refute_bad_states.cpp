@@ -10,6 +10,7 @@
 #include "compiler/verify/regions/bad_regions.hpp"
 #include "compiler/verify/regions/explore_alone.hpp"
 #include "compiler/verify/regions/joint_explorer.hpp"
+#include "compiler/verify/regions/region_rows.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
@@ -28,8 +29,8 @@ using Follows = std::vector<std::vector<std::uint8_t>>;
 
 class Refuter {
  public:
-  Refuter(const RegionNet& net, const Property* property, const CancellationToken& cancellation)
-      : net_(net), property_(property), cancellation_(cancellation) {
+  Refuter(const RegionNet& net, const Property* property, const CancellationToken& cancellation, RegionRows rows)
+      : net_(net), property_(property), cancellation_(cancellation), wants_rows_(rows == RegionRows::Yes) {
     atoms_of_type_.resize(net.system->atom_types.size());
     for (u32 atom = 0; atom < net.connectors.size(); ++atom) {
       all_atoms_.push_back(atom);
@@ -174,6 +175,7 @@ class Refuter {
     }
     const std::optional<std::vector<BadRegions>> bad = find_bad_regions(net_, *property_, spaces.spaces);
     if (!bad) return std::nullopt;
+    if (wants_rows_) refutation.rows = local_state_rows(net_, spaces, atoms_of(*property_));
     for (const BadRegions& each : *bad) {
       if (!refute(spaces, &each, refutation)) return std::nullopt;
     }
@@ -195,6 +197,7 @@ class Refuter {
       }
     }
     if (is_refuted(program, spaces, refutation)) return true;
+    if (wants_rows_) return false;
     JointExplorer joint(net_, observed_);
     std::vector<u32> beside{RegionStep::kNone};
     if (bad != nullptr) beside = bad->atoms;
@@ -297,6 +300,11 @@ class Refuter {
                                 RegionRefutation& refutation) const {
     const std::optional<ExclusionProgram::Proof> proof = program.refute(cancellation_);
     if (!proof) return false;
+    if (wants_rows_) {
+      std::optional<std::string> rows = deadlock_rows(net_, spaces, program, *proof);
+      if (!rows) return false;
+      refutation.rows = std::move(*rows);
+    }
     refutation.implications += proof->used.size();
     for (const Implication& each : proof->used) {
       if (refutation.reasons.size() >= kMostReasons) break;
@@ -336,13 +344,15 @@ class Refuter {
   Follows observed_;
   std::vector<Kind> kinds_;
   std::vector<std::vector<u32>> atoms_of_type_;
+  bool wants_rows_ = false;
   bool is_too_slow_ = false;
 };
 
 }  // namespace
 
-RegionSearch refute_bad_states(const RegionNet& net, const Property* property, const CancellationToken& cancellation) {
-  return Refuter(net, property, cancellation).run();
+RegionSearch refute_bad_states(const RegionNet& net, const Property* property, const CancellationToken& cancellation,
+                               RegionRows rows) {
+  return Refuter(net, property, cancellation, rows).run();
 }
 
 }  // namespace bip::verify

@@ -22,7 +22,10 @@ struct RegionRefutation {
   std::size_t explored = 0;          // pairs and triples of components
   std::size_t implications = 0;      // that proofs use
   std::vector<std::string> reasons;  // some of them, as text
+  std::string rows;                  // of a certificate, if they are wanted
 };
+/// Are rows of a certificate wanted? Then neighbourhoods are not explored: no row says what they show.
+enum class RegionRows : std::uint8_t { No, Yes };
 
 struct RegionSearch {
   std::optional<RegionRefutation> proof;
@@ -32,6 +35,6 @@ struct RegionSearch {
 /// Of deadlock if `property` is null. Ends early if the neighbourhoods that are left would take longer than there is
 /// time.
 [[nodiscard]] RegionSearch refute_bad_states(const RegionNet& net, const Property* property,
-                                             const CancellationToken& cancellation);
+                                             const CancellationToken& cancellation, RegionRows rows = RegionRows::No);
 
 }  // namespace bip::verify

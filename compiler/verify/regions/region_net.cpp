@@ -55,6 +55,42 @@ void sort_constants(RegionConstants& constants) {
   }
 }
 
+// What the code of connector types reads and writes of what they bind.
+void read_connector_types(RegionNet& net) {
+  for (const ConnectorType& type : net.system->connector_types) {
+    const u32 binds = type.bind_count(net.system->port_types);
+    std::vector<std::uint8_t>& assigned = net.assigned.emplace_back(binds, std::uint8_t{0});
+    std::vector<bool>& reads = net.reads.emplace_back(binds, false);
+    for (const Clause& clause : type.clauses) {
+      model::mark_reads(net.system->code, clause.guard, Op::LoadBind, reads);
+      for (const StmtId body : {clause.up, clause.down}) {
+        model::for_each_assigned(net.system->code, body, Op::LoadBind, [&](u32 bind) { assigned[bind] = 1; });
+        model::for_each_stmt(net.system->code, body,
+                             [&](const Stmt& s) { model::mark_reads(net.system->code, s.value, Op::LoadBind, reads); });
+      }
+    }
+  }
+}
+
+void find_written(RegionNet& net) {
+  const System& system = *net.system;
+  for (const AtomType& type : system.atom_types) net.written.emplace_back(type.ports.size());
+  for (const Connector& connector : system.connectors) {
+    const ConnectorType& type = system.connector_types[connector.type];
+    for (std::size_t param = 0; param < connector.ports.size(); ++param) {
+      const PortRef& ref = connector.ports[param];
+      const std::vector<u32>& variables = net.type_of(ref.atom.value).ports[ref.port].variables;
+      std::vector<u32>& written = net.written[system.atoms[ref.atom].type.value][ref.port];
+      for (u32 k = 0; k < variables.size(); ++k) {
+        const auto at = std::lower_bound(written.begin(), written.end(), variables[k]);
+        const bool is_new = at == written.end() || *at != variables[k];
+        if (is_new && net.assigned[connector.type.value][type.params[param].first_bind + k] != 0)
+          written.insert(at, variables[k]);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 bool is_plain_rendezvous(const System& system) {
@@ -78,32 +114,34 @@ bool is_plain_rendezvous(const System& system) {
   return true;
 }
 
-RegionNet build_region_net(const System& system, const rt::Image& image) {
+RegionNet build_region_net(const System& system, const rt::Image& image, Writing writing) {
   RegionNet net;
   net.system = &system;
-  net.ranges = find_ranges(system, image);
+  net.writing = writing;
+  read_connector_types(net);
+  find_written(net);
+  std::vector<std::uint8_t> is_free;
+  if (writing == Writing::Anything) {
+    is_free.assign(image.cell_count, 0);
+    for (u32 atom = 0; atom < image.atoms.size; ++atom) {
+      for (const std::vector<u32>& variables : net.written[system.atoms[AtomId(std::size_t{atom})].type.value]) {
+        for (const u32 variable : variables) is_free[image.atoms[atom].first_cell + variable] = 1;
+      }
+    }
+  }
+  net.ranges = find_ranges(system, image, is_free);
+  auto own_steps = static_cast<u32>(system.connectors.size());
   for (u32 atom = 0; atom < image.atoms.size; ++atom) {
     net.first_cell.push_back(image.atoms[atom].first_cell);
     const AtomType& type = net.type_of(atom);
+    net.first_own_step.push_back(own_steps);
+    own_steps += static_cast<u32>(type.ports.size());
     for (u32 k = 0; k < type.variables.size(); ++k) {
       const Type of = type.variables[k].type;
       if (of != Type::Int && of != Type::Bool) net.ranges[net.first_cell.back() + k] = kAnyInt;
     }
   }
   net.values = find_value_classes(system);
-  for (const ConnectorType& type : system.connector_types) {
-    const u32 binds = type.bind_count(system.port_types);
-    std::vector<std::uint8_t>& assigned = net.assigned.emplace_back(binds, std::uint8_t{0});
-    std::vector<bool>& reads = net.reads.emplace_back(binds, false);
-    for (const Clause& clause : type.clauses) {
-      model::mark_reads(system.code, clause.guard, Op::LoadBind, reads);
-      for (const StmtId body : {clause.up, clause.down}) {
-        model::for_each_assigned(system.code, body, Op::LoadBind, [&](u32 bind) { assigned[bind] = 1; });
-        model::for_each_stmt(system.code, body,
-                             [&](const Stmt& s) { model::mark_reads(system.code, s.value, Op::LoadBind, reads); });
-      }
-    }
-  }
   net.connectors.resize(system.atoms.size());
   for (std::size_t row = 0; row < system.connectors.size(); ++row) {
     const Connector& connector = system.connectors[ConnectorId(row)];
