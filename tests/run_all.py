@@ -233,6 +233,7 @@ def groups(options):
                          script("timed certificates", "tests/verify/test_timed_certificates.py", weight=15, sample=["5"]),
                          *timed_zone_jobs(),
                          script("certificate table", "tests/verify/test_certificate_table.py", weight=5),
+                         script("region certificates", "tests/verify/test_region_certificates.py", weight=5, sample=["20"]),
                          script("sizes", "tests/verify/test_sizes.py", weight=10, sample=["--count", "12"]))),
         ("differential", needs("bip-gen", script("differential", "tests/differential/test_differential.sh", str(options.systems), str(options.first), *(["--without-emitted"] if options.without_emitted else []), weight=150, sample=["40", "2001"]),
                                script("engines", "tests/differential/test_engines.sh", "100", weight=40, sample=["20"]))),

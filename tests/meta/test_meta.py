@@ -353,8 +353,8 @@ def check_format():
 
 
 def check_certcheck_can_be_read():
-    """A user who trusts no other program can read certcheck: at most 4,184 lines of code (neither blank nor only comment) and 4,777 in all. A limit is raised for a new kind of certificate only."""
-    most_code, most = 4184, 4777
+    """A user who trusts no other program can read certcheck: at most 4,347 lines of code (neither blank nor only comment) and 4,956 in all. A limit is raised for a new kind of certificate only."""
+    most_code, most = 4347, 4956
     lines = [line.strip() for p in SOURCES if relative(p).startswith("tools/certcheck/") for line in p.read_text(encoding="utf-8").splitlines()]
     code = sum(line != "" and not line.startswith("//") for line in lines)
     problems = [f"tools/certcheck: {code} lines of code are more than {most_code}"] if code > most_code else []

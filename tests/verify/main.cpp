@@ -80,7 +80,7 @@ struct Totals {
   // Questions about voters; those that hold; proofs of these by counting, and of other systems with equal components.
   std::uint64_t votes = 0, votes_hold = 0, by_counting = 0, equal_by_counting = 0;
   // Questions about levels; those that hold; proofs of these by regions of values, and of other systems.
-  std::uint64_t levels = 0, levels_hold = 0, by_regions = 0, others_by_regions = 0;
+  std::uint64_t levels = 0, levels_hold = 0, by_regions = 0, certified_by_regions = 0, others_by_regions = 0;
   std::uint64_t reused = 0, whole = 0, rows = 0, forged_rows = 0;
   verify::test::RelevanceCounts relevance;
 };
@@ -198,7 +198,9 @@ class Check {
       if (!holds) continue;
       ++t_.levels;
       t_.levels_hold += *holds ? 1 : 0;
-      t_.by_regions += is_proved_by_regions(c, question, property.empty() ? "deadlock" : property, *holds) ? 1 : 0;
+      const std::string named = property.empty() ? "deadlock" : property;
+      t_.by_regions += is_proved_by_regions(c, question, named, *holds) ? 1 : 0;
+      certify_by_regions(c, question, named, *holds, static_cast<char>('0' + (&property - asked.data())));
     }
   }
 
@@ -368,6 +370,29 @@ class Check {
     const bool is_proved = found.outcome == verify::Outcome::Holds;
     if (is_proved && !holds) fail(asked + ": proved by regions of values, but a bad state is reachable");
     return is_proved;
+  }
+
+  // The same with rows of a certificate, which certcheck is given.
+  void certify_by_regions(const gen::Compiled& c, const verify::Question& question, const std::string& asked,
+                          bool holds, char digit) {
+    verify::Portfolio portfolio(
+        *c.system, c.lowered->image, verify::StateAccess::Searchable, [] { return true; },
+        [](const char*, std::uint64_t, const char*) {});
+    verify::SystemParts parts(*c.system, c.lowered->image, verify::StateAccess::Searchable, [] { return true; });
+    verify::PortfolioLimits limits;
+    limits.cancellation = verify::within_seconds(5);
+    limits.wants_certificate = true;
+    const verify::Report report = [](const char*, std::uint64_t, const char*) {};
+    verify::ProofContext context{parts, question, limits, report, nullptr, {}, {}};
+    if (!verify::kRegionEngine.applies_to(context)) return;
+    verify::EngineResult found = verify::kRegionEngine.attempt(context, {}, limits.cancellation);
+    if (found.outcome != verify::Outcome::Holds) return;
+    ++t_.certified_by_regions;
+    if (!holds) fail(asked + ": a certificate by regions of values, but a bad state is reachable");
+    verify::Decision d;
+    d.outcome = found.outcome;
+    d.evidence = std::move(found.evidence);
+    if (!o_.out.empty()) write(c, question, portfolio, d, name_ + '-' + digit);
   }
 
   // A property with a quantifier: if the first conditions stand for all, they have the answer of all.
@@ -618,9 +643,12 @@ int main(int argc, char** argv) {
     ++t.failed;
     std::printf("FAILED: of %llu properties of voters none of each kind\n", n(t.votes));
   }
-  std::printf("regions: %llu questions about levels, %llu hold, %llu proved; %llu of other systems proved\n",
-              n(t.levels), n(t.levels_hold), n(t.by_regions), n(t.others_by_regions));
-  if (t.levels >= kManySymmetric && (t.by_regions == 0 || t.by_regions > t.levels_hold || t.levels_hold == t.levels)) {
+  std::printf(
+      "regions: %llu questions about levels, %llu hold, %llu proved, %llu with certificates; %llu of other systems "
+      "proved\n",
+      n(t.levels), n(t.levels_hold), n(t.by_regions), n(t.certified_by_regions), n(t.others_by_regions));
+  if (t.levels >= kManySymmetric &&
+      (t.by_regions == 0 || t.certified_by_regions == 0 || t.by_regions > t.levels_hold || t.levels_hold == t.levels)) {
     ++t.failed;
     std::printf("FAILED: of %llu questions about levels none of each kind\n", n(t.levels));
   }

@@ -240,6 +240,7 @@ class CertificateReader {
     const auto connector = steps_.find(name);
     if (connector == steps_.end()) {
       const auto [path, port] = split(name, name.rfind('.'));
+      need(atoms_.contains(path), "is neither a connector nor a port", name);
       const std::size_t atom = atom_of(path);
       return own_step(model_.first_port[atom] + row_of(model_.type_of(atom).ports, port, &Port::name), name);
     }

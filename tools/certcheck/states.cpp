@@ -452,7 +452,9 @@ std::string check(const Model& model, const Certificate& c, z3::context& z) {
            (c.claim.starts_with("r") ? "; fairness of runs: " + (c.fairness.empty() ? "none" : c.fairness) : "");
   if (!c.states.empty())
     return components + (zones == 0 ? "" : count(zones, "zone") + " of ") + states + (c.pair ? " of any two" : "");
-  return components + count(c.sets.size(), "invariant") + (c.facts.empty() ? "" : ", " + count(c.facts.size(), "fact"));
+  return components + count(c.sets.size(), "invariant") +
+         (c.facts.empty() ? "" : ", " + count(c.facts.size(), "fact")) +
+         (c.unless.empty() ? "" : ", " + count(c.unless.size(), "sum") + " of states without a step");
 }
 
 }  // namespace certcheck

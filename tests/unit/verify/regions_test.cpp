@@ -216,6 +216,62 @@ TEST_CASE("regions: a component without a state is refuted, by implications of n
   CHECK(proof->used.empty());
 }
 
+TEST_CASE("regions: why states are impossible, in the order in which it is found out") {
+  ExclusionProgram program;
+  (void)program.add_component(3);
+  (void)program.add_component(2);
+  program.forbid(3, 7);
+  program.forbid(3, 8);
+  program.add({{0, 1}, {3}, 9});
+  program.add({{4}, {0, 1}, 10});
+  // The second component's only state that is left implies states of the first that need the other one.
+  const std::optional<ExclusionProgram::Proof> proof = program.refute({});
+  REQUIRE(proof);
+  CHECK(proof->used.empty());
+  REQUIRE(program.forbidden().size() == 3);
+  CHECK(program.forbidden()[0].states == std::vector<u32>{3});
+  CHECK(program.forbidden()[0].source == 7);
+  CHECK(program.forbidden()[0].others.empty());
+  CHECK(program.forbidden()[1].states == std::vector<u32>{0, 1});
+  CHECK(program.forbidden()[1].source == 9);
+  CHECK(program.forbidden()[1].others == std::vector<u32>{3});
+  CHECK(program.forbidden()[2].states == std::vector<u32>{4});
+  CHECK(program.forbidden()[2].others == std::vector<u32>{0, 1});
+}
+
+TEST_CASE("regions: rows of a certificate") {
+  const Lock lock("3", kGuard, "process.me");
+  const auto count = [](const std::string& text, const std::string& part) {
+    std::size_t found = 0;
+    for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
+    return found;
+  };
+  for (const Writing writing : {Writing::Anything, Writing::Followed}) {
+    const RegionNet net = build_region_net(*lock.compiled.system, lock.compiled.lowered->image, writing);
+    const RegionSearch found = refute_bad_states(net, nullptr, {}, RegionRows::Yes);
+    REQUIRE(found.proof);
+    const std::string& rows = found.proof->rows;
+    // Four processes wait at three levels each; each of the two other kinds of places is left at once.
+    CHECK(count(rows, "@LOOKS&ROOT.process[2].level=1*1 ROOT.level[0]@L&ROOT.level[0].last=2*-1\n") == 1);
+    CHECK(count(rows, "*-1") == 12);
+    CHECK(count(rows, "unless ROOT.leave[1] ROOT.process[1]@CRITICAL") == 1);
+    CHECK(count(rows, "lemma ROOT.process[3].self=3\n") == 1);
+    // Whatever is written to it: then nothing is known of it.
+    CHECK(count(rows, "lemma ROOT.level[1].last=-1..3\n") == (writing == Writing::Followed ? 1 : 0));
+    const Result<Property> exclusion =
+        parse_property("never process[0]@CRITICAL && process[1]@CRITICAL", *lock.compiled.system);
+    REQUIRE(exclusion);
+    CHECK_FALSE(refute_bad_states(net, &*exclusion, {}, RegionRows::Yes).proof);
+    const Result<Property> range = parse_property("always process[2].level <= 3", *lock.compiled.system);
+    REQUIRE(range);
+    const RegionSearch local = refute_bad_states(net, &*range, {}, RegionRows::Yes);
+    REQUIRE(local.proof);
+    CHECK(count(local.proof->rows, "unless") == 0);
+    CHECK(count(local.proof->rows, "lemma ROOT.process[2].level=0..3\n") == 1);
+    CHECK(count(local.proof->rows, "lemma ROOT.process[0].self=0\n") == (writing == Writing::Followed ? 1 : 0));
+  }
+}
+
 TEST_CASE("regions: locks by levels, and locks that are none") {
   const std::string exclusion = "never process[0]@CRITICAL && process[1]@CRITICAL";
   // Overtaken is overtaken: with as many levels as processes but one, one is critical.
