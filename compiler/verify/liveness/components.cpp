@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "compiler/analysis/graph_algorithms.hpp"
+#include "compiler/verify/liveness/fair_units.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {

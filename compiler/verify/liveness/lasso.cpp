@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "compiler/verify/liveness/fair_units.hpp"
 #include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {

@@ -8,6 +8,7 @@
 #include "compiler/verify/liveness/automaton.hpp"
 #include "compiler/verify/liveness/bad_prefix.hpp"
 #include "compiler/verify/liveness/components.hpp"
+#include "compiler/verify/liveness/fair_units.hpp"
 #include "compiler/verify/liveness/lasso.hpp"
 #include "compiler/verify/liveness/product.hpp"
 #include "compiler/verify/liveness/graph_rounds.hpp"
