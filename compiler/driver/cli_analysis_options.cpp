@@ -62,7 +62,8 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
   command
       ->add_flag("--partial", a.partial,
                  "decide whether some components can wait forever while others move (local deadlock)")
-      ->excludes("--property");
+      ->excludes("--property")
+      ->excludes("--fair");
   command
       ->add_option("--for-all", a.for_all,
                    "decide whether a compound with one parameter, `int N`, is free of deadlocks for every value of it, "
@@ -70,6 +71,7 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
       ->excludes("--property")
       ->excludes("--properties")
       ->excludes("--partial")
+      ->excludes("--fair")
       ->type_name("'N [>= NUMBER]'");
   command->add_flag("--all-steps", a.all_steps,
                     "show also the steps that the run which violates the property does not need");

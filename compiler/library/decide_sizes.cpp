@@ -262,19 +262,22 @@ const CompoundType* sized_type(const Compilation& model, const std::string& root
   const std::string named = root.substr(0, root.find('('));
   const CompoundType* type = nullptr;
   std::size_t count = 0;
-  std::string names;
+  std::string names, other;  // those of the parameter's name; one of another name
   for (const CompoundType& row : model.model->compound_types) {
     const bool is_own = row.decl->name.range.file == model.model->packages.back().file;
-    const bool has_size =
-        row.params.size() == 1 && row.params.front().type == Type::Int && row.params.front().name == asked.parameter;
-    if (!is_own || !has_size || (!named.empty() && row.name != named)) continue;
+    const bool is_sized = row.params.size() == 1 && row.params.front().type == Type::Int;
+    if (!is_own || !is_sized || (!named.empty() && row.name != named)) continue;
+    if (row.params.front().name != asked.parameter) {
+      other = fmt::format("; that of `{}` is `{}`", row.name, row.params.front().name);
+      continue;
+    }
     type = &row;
     names += (count++ == 0 ? "`" : ", `") + row.name + "`";
   }
   if (count == 1) return type;
   if (count == 0) {
-    none.usage_error = fmt::format("no compound type{} has one parameter, `int {}`",
-                                   named.empty() ? "" : " `" + named + "`", asked.parameter);
+    none.usage_error = fmt::format("no compound type{} has one parameter, `int {}`{}",
+                                   named.empty() ? "" : " `" + named + "`", asked.parameter, other);
   } else {
     none.usage_error =
         fmt::format("{} have a parameter `int {}`: choose one by `--root {}`", names, asked.parameter, type->name);

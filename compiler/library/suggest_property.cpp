@@ -107,6 +107,34 @@ bool has_quantifier(std::string_view text) {
                      });
 }
 
+/// Are they the same but for small and capital letters?
+bool is_same_word(std::string_view a, std::string_view b) {
+  const auto small = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char x, char y) { return small(x) == small(y); });
+}
+
+/// A name alone: that of a property that the model states, with a slip or without its compound.
+std::optional<PropertySuggestion> suggest_stated(std::string_view text, const System& system) {
+  const bool is_name = !text.empty() && std::all_of(text.begin(), text.end(), [](char c) {
+    return is_name_char(c) || c == '.' || c == '[' || c == ']';
+  });
+  const bool is_word = std::find(std::begin(kWords), std::end(kWords), text) != std::end(kWords);
+  if (!is_name || is_word || system.properties.empty()) return std::nullopt;
+  constexpr std::size_t kShown = 4;
+  std::vector<std::string> names;
+  std::string ending, shown;
+  for (const StatedProperty& stated : system.properties) {
+    names.push_back(stated.name);
+    if (ending.empty() && stated.name.ends_with('.' + std::string(text))) ending = stated.name;
+    if (names.size() <= kShown) shown += (shown.empty() ? "`" : ", `") + stated.name + "`";
+  }
+  if (names.size() > kShown) shown += ", …";
+  const std::vector<std::string> similar = similar_names(text, names);
+  return PropertySuggestion{"the model states the properties " + shown, !ending.empty()    ? ending
+                                                                        : !similar.empty() ? similar.front()
+                                                                                           : ""};
+}
+
 /// Gives each name that is not of the system the likeliest one that is.
 class NameMender {
  public:
@@ -221,6 +249,9 @@ class NameMender {
   }
   static std::string similar_or(const std::string& name, const Paths& known) {
     if (std::find(known.begin(), known.end(), name) != known.end()) return name;
+    for (const std::string& other : known) {
+      if (is_same_word(name, other)) return other;
+    }
     const std::vector<std::string> similar = similar_names(name, known);
     return similar.empty() ? name : similar.front();
   }
@@ -292,6 +323,7 @@ class NameMender {
 std::optional<PropertySuggestion> suggest_property(const std::string& text, const System& system) {
   const std::string_view whole = trimmed(text);
   if (const std::string question = meant_question(whole); !question.empty()) return PropertySuggestion{"", question};
+  if (std::optional<PropertySuggestion> stated = suggest_stated(whole, system)) return stated;
   // Of a property of states, without what only runs have.
   if (const std::size_t under = whole.rfind(" under "); under != std::string_view::npos) {
     const std::string before(whole.substr(0, under));

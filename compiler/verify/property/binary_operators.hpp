@@ -1,10 +1,12 @@
 // The signs of C's operators with two operands, as properties have them. Internal to compiler/verify/property.
 #pragma once
 #include <algorithm>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "compiler/model/operators.hpp"
+#include "compiler/verify/property/property.hpp"
 
 namespace bip::verify {
 
@@ -26,6 +28,15 @@ inline const std::vector<BinaryOperator>& binary_operators() {
     return rows;
   }();
   return kBinaryOperators;
+}
+
+/// What was meant by an operator that does not take this left side; empty: who knows.
+[[nodiscard]] inline std::string hint_of(Op op, const PropertyNode& left) {
+  if (left.type != Type::Bool) return {};
+  if (op == Op::BitAnd) return ": `&&` joins conditions";
+  if (op == Op::BitOr) return ": `||` joins conditions";
+  const bool is_chain = is_order(op) && left.kind == PropertyKind::Operator && is_comparison(left.op);
+  return is_chain ? ": a chain of comparisons is written `a <= b && b <= c`" : "";
 }
 
 }  // namespace bip::verify

@@ -21,7 +21,6 @@
 #include "compiler/verify/property/rows_of_paths.hpp"
 #include "runtime/core/text.hpp"
 #include "runtime/engine/event_file.hpp"
-#include "runtime/include/bip/assert.hpp"
 
 namespace bip::verify {
 
@@ -267,6 +266,9 @@ class PropertyParser : private PropertyRows {
     }
     const std::size_t dot = name.rfind('.');
     const std::uint32_t atom = dot == std::string::npos ? kNotFound : find_atom(name.substr(0, dot));
+    for (const OtherSign& other : kOtherFunctions) {
+      if (name == other.sign) return wrong(std::string(other.word));
+    }
     if (!accepts_formulas_ && name == "possibly")
       return wrong("`possibly` asks what may follow a state, which `bipc verify --property` answers");
     // The first word of all.
@@ -401,7 +403,7 @@ class PropertyParser : private PropertyRows {
       skip_blanks();
       const std::size_t start = at_;
       // No subtraction of what is greater.
-      if (accepts_formulas_ && text_.compare(at_, 2, "->") == 0) return left;
+      if (accepts_formulas_ && (text_.compare(at_, 2, "->") == 0 || text_.compare(at_, 3, "-->") == 0)) return left;
       const BinaryOperator* found = nullptr;
       for (const BinaryOperator& binary : binary_operators()) {
         if (found == nullptr && text_.compare(at_, binary.sign.size(), binary.sign) == 0) found = &binary;
@@ -427,9 +429,10 @@ class PropertyParser : private PropertyRows {
                                                        : takes(operands, type(a)) && takes(operands, type(b));
     const bool is_float = type(a) == Type::Float || type(b) == Type::Float;
     const Type result = result_of(binary.op, is_float ? Type::Float : Type::Int);
-    if (!fits) {
+    if (!fits && problem_.empty()) {
       at_ = start;
-      set_problem("`" + std::string(binary.sign) + "` does not take " + name_of(type(a)) + " and " + name_of(type(b)));
+      set_problem("`" + std::string(binary.sign) + "` does not take " + name_of(type(a)) + " and " + name_of(type(b)) +
+                  hint_of(binary.op, property_.nodes[a]));
     }
     if (is_division(binary.op) && result == Type::Int && problem_.empty()) {
       const std::optional<std::int32_t> divisor = constant_of(b);
@@ -588,9 +591,8 @@ class PropertyParser : private PropertyRows {
     if (!problem_.empty() || !take_words("under")) return std::nullopt;
     Result<Fairness> read = read_fairness(text_, at_, system_, rows_);
     at_ = text_.size();
-    if (read) return std::move(*read);
-    problem_ = read.error();
-    return std::nullopt;
+    if (!read) problem_ = read.error();
+    return read ? std::optional(std::move(*read)) : std::nullopt;
   }
   // What stands behind a whole property.
   std::string about_rest() {
@@ -760,8 +762,6 @@ class PropertyParser : private PropertyRows {
   }
 
   static constexpr std::uint32_t kNotFound = 0xffffffffu;
-  static constexpr const char* kWithinAlone =
-      "`within` stands in a property of its own: `E leads to F within 50 ms` or `eventually E within 50 ms`";
   const std::string& text_;
   const System& system_;
   const RowsOfPaths& rows_;

@@ -51,7 +51,16 @@ inline constexpr OtherSign kOtherPrefixes[] = {{"[]", "always"},
                                                {"AF", "eventually"},
                                                {"AX", "next"},
                                                {"yesterday", "previously"}};
-inline constexpr OtherSign kOtherConnectives[] = {{"->", "implies"}, {"=>", "implies"}, {"~>", "leads to"},
-                                                  {"U", "until"},    {"W", "unless"},   {"S", "since"}};
+inline constexpr OtherSign kOtherConnectives[] = {{"-->", "leads to"}, {"->", "implies"}, {"=>", "implies"},
+                                                  {"~>", "leads to"},  {"U", "until"},    {"W", "unless"},
+                                                  {"S", "since"}};
+
+inline constexpr const char* kWithinAlone =
+    "`within` stands in a property of its own: `E leads to F within 50 ms` or `eventually E within 50 ms`";
+// Words of other notations where data was expected.
+inline constexpr OtherSign kOtherFunctions[] = {
+    {"sum", "`sum` is no word of properties: `at most 1 i in ARRAY: …`, `at least` and `exactly` count"},
+    {"count", "`count` is no word of properties: `at most 1 i in ARRAY: …`, `at least` and `exactly` count"},
+    {"P", "`P` asks how probable something is, which `bipc simulate --query` answers"}};
 
 }  // namespace bip::verify
