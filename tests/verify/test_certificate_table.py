@@ -45,7 +45,7 @@ ROWS = {
     "properties of runs, invariants that look back": [
         ("liveness/philosophers_queue.bip", ["--root", "Table(3)", "--property", "phil[0]@HUNGRY leads to phil[0]@EATS", "--fair", "weak"], "accepted", "state "),
         ("runs_k_liveness.golden", ["--property", "p[3]@WAITS leads to p[3]@BUSY", "--fair", "strong", "--memory", "20"], "accepted", "rounds "),
-        ("liveness/train_gate.bip", ["--root", "Crossing(2)", "--property", "always eventually train[0]@CROSSES", "--fair", "strong:approaches[0]"], "accepted", "fairness strong:connector:"),
+        ("liveness/train_gate.bip", ["--root", "Crossing(3)", "--property", "always eventually train[0]@CROSSES", "--fair", "strong:approaches[0]"], "accepted", "fairness strong:connector:"),
         ("runs_k_liveness.golden", ["--property", "p[3]@WAITS leads to p[3]@BUSY under strong:begin[3],weak:key[1]", "--memory", "20"], "accepted", "turn strong:connector:"),
         ("scaling/filter_lock.bip", ["--root", "Lock(6)", "--timeout", "4", "--memory", "50", "--fair", "weak", "--property", "process[0]@ENTERS leads to process[0]@CRITICAL"], "unknown", None)],
     "the same, of a model with time": [
