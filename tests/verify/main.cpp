@@ -200,7 +200,7 @@ class Check {
       t_.levels_hold += *holds ? 1 : 0;
       const std::string named = property.empty() ? "deadlock" : property;
       t_.by_regions += is_proved_by_regions(c, question, named, *holds) ? 1 : 0;
-      certify_by_regions(c, question, named, *holds, static_cast<char>('0' + (&property - asked.data())));
+      certify_by_regions(c, question, named, *holds, name + '-' + static_cast<char>('0' + (&property - asked.data())));
     }
   }
 
@@ -374,7 +374,7 @@ class Check {
 
   // The same with rows of a certificate, which certcheck is given.
   void certify_by_regions(const gen::Compiled& c, const verify::Question& question, const std::string& asked,
-                          bool holds, char digit) {
+                          bool holds, const std::string& file) {
     verify::Portfolio portfolio(
         *c.system, c.lowered->image, verify::StateAccess::Searchable, [] { return true; },
         [](const char*, std::uint64_t, const char*) {});
@@ -392,7 +392,7 @@ class Check {
     verify::Decision d;
     d.outcome = found.outcome;
     d.evidence = std::move(found.evidence);
-    if (!o_.out.empty()) write(c, question, portfolio, d, name_ + '-' + digit);
+    if (!o_.out.empty()) write(c, question, portfolio, d, file);
   }
 
   // A property with a quantifier: if the first conditions stand for all, they have the answer of all.
@@ -453,7 +453,11 @@ class Check {
     const bool is_violated = all.end == verify::SearchEnd::Found;
     (is_violated ? t_.violated : t_.holds) += is_known ? 1 : 0;
     const std::string told = question.what == verify::QuestionKind::State ? question.property.text : "deadlock";
-    if (is_known) t_.others_by_regions += is_proved_by_regions(c, question, told, !is_violated) ? 1 : 0;
+    if (is_known) {
+      t_.others_by_regions += is_proved_by_regions(c, question, told, !is_violated) ? 1 : 0;
+      certify_by_regions(c, question, told, !is_violated,
+                         file.substr(0, file.size() - 1) + static_cast<char>(file.back() + ('r' - '0')));
+    }
 
     for (const bool with_search : {false, true}) {
       verify::PortfolioLimits decide;

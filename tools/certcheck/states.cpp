@@ -1,5 +1,5 @@
 // The states that the rows allow: the first one is among them, every step stays among them, and none of them is bad.
-// All at once, as terms with the rows as facts.
+// All at once, as terms with the rows as facts. That none is without a step may be said by weights, row by row.
 #include "tools/certcheck/branches.hpp"
 #include "tools/certcheck/rounds.hpp"
 #include "tools/certcheck/waits.hpp"

@@ -272,6 +272,38 @@ TEST_CASE("regions: rows of a certificate") {
   }
 }
 
+TEST_CASE("regions: rows about steps of ports alone, and what they lead to") {
+  const gen::Compiled c = gen::compile_texts({R"(package p
+  port type Signal()
+  port type Number(int n)
+  connector type Pass(Number a, Number b) define a b on a b provided (a.n < b.n) end
+  atom type Turns(int me)
+    data int n = me
+    export port Number give(n), take(n)
+    port Signal tick()
+    place AWAY, READY
+    initial to AWAY
+    on tick from AWAY to READY
+    on give from READY to AWAY
+    on take from READY to AWAY
+  end
+  compound type Root()
+    component Turns a(1), b(2)
+    connector Pass pass(a.give, b.take)
+  end
+end
+)"});
+  REQUIRE(c.problem.empty());
+  const RegionNet net = build_region_net(*c.system, c.lowered->image, Writing::Anything);
+  const RegionSearch found = refute_bad_states(net, nullptr, {}, RegionRows::Yes);
+  REQUIRE(found.proof);
+  // `a` has no state: away it takes its own step, and ready it needs that `b` is away, which takes one, too.
+  CHECK(found.proof->rows ==
+        "lemma ROOT.a@AWAY ROOT.a@READY\nlemma ROOT.a.n=1\nlemma ROOT.b@AWAY ROOT.b@READY\nlemma ROOT.b.n=2\n"
+        "unless ROOT.pass ROOT.a@READY*1 ROOT.b@AWAY*-1\nunless ROOT.a.tick ROOT.a@AWAY*1\n"
+        "unless ROOT.b.tick ROOT.b@AWAY*1\n");
+}
+
 TEST_CASE("regions: locks by levels, and locks that are none") {
   const std::string exclusion = "never process[0]@CRITICAL && process[1]@CRITICAL";
   // Overtaken is overtaken: with as many levels as processes but one, one is critical.
