@@ -648,9 +648,8 @@ int main(int argc, char** argv) {
     std::printf("FAILED: of %llu properties of voters none of each kind\n", n(t.votes));
   }
   std::printf(
-      "regions: %llu questions about levels, %llu hold, %llu proved, %llu with certificates; %llu of other systems "
-      "proved\n",
-      n(t.levels), n(t.levels_hold), n(t.by_regions), n(t.certified_by_regions), n(t.others_by_regions));
+      "regions: %llu questions about levels, %llu hold, %llu proved; %llu of other systems proved; %llu certificates\n",
+      n(t.levels), n(t.levels_hold), n(t.by_regions), n(t.others_by_regions), n(t.certified_by_regions));
   if (t.levels >= kManySymmetric &&
       (t.by_regions == 0 || t.certified_by_regions == 0 || t.by_regions > t.levels_hold || t.levels_hold == t.levels)) {
     ++t.failed;
