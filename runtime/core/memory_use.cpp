@@ -48,7 +48,7 @@ MemoryUse memory_use(const CoreParts& core) {
   const PriorityTables& rules = core.priorities.tables();
   MemoryUse use;
   use.atoms = bytes(image.atoms) + bytes_of_names(image.atoms) + bytes(image.args) +
-              all_of(t.atoms, t.port_atom, t.mark_base, t.port_out.first, t.atom_watch, t.atom_rules) +
+              all_of(t.atoms, t.port_atom, t.idle_ports, t.mark_base, t.port_out.first, t.atom_watch, t.atom_rules) +
               all_of(core.memory.places, core.memory.marks) + core.ports.port_bytes();
   if (core.clocks.is_timed()) use.atoms += core.clocks.bytes() + core.events.bytes() + core.actions.bytes();
 
@@ -59,13 +59,13 @@ MemoryUse memory_use(const CoreParts& core) {
   for (const Choice& choice : image.choices) use.connectors += bytes(choice.ports);
   use.connectors += t.interactions.bytes() + all_of(t.interaction_of_connector, t.flat_ports, t.inner_start, t.node_out,
                                                     t.port_out.items, t.port_watch, t.plans, t.plan_nodes, t.plan_uses,
-                                                    t.plan_params, t.plan_ports);
+                                                    t.plan_params, t.plan_ports, t.plan_choices);
   use.connectors += core.enabled.bytes() + bytes(core.memory.binds.own) + core.ports.network_bytes() +
                     core.programs.bytes() + core.steps.bytes() + core.search.bytes();
   // Rules hide and show interactions: theirs is what they keep.
-  use.connectors +=
-      all_of(rules.is_involved, rules.high_edges, rules.high_of_interaction, rules.low_of_interaction,
-             rules.interactions_of_low, rules.next, rules.previous, rules.component, rules.members, rules.cyclic);
+  use.connectors += all_of(rules.is_involved, rules.has_one_candidate, rules.high_edges, rules.high_of_interaction,
+                           rules.low_of_interaction, rules.interactions_of_low, rules.next, rules.previous,
+                           rules.component, rules.members, rules.cyclic);
   use.connectors += bytes(image.priorities) + core.priorities.bytes();
 
   use.data = u64{core.memory.cells.size()} * sizeof(Cell) + u64{image.step_cells} * sizeof(ColumnCell);

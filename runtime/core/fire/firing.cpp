@@ -81,8 +81,16 @@ bool Firing::fire_flat(const InteractionInfo& info) {
 }
 
 inline bool Firing::fire_ports(Span<u32> ports) {
+  const std::vector<u64>& idle = core_.tables.idle_ports;
+  // An atom whose part of a step is in progress is busy, even if that changes nothing.
+  if (idle.empty() || core_.partial.is_beginning()) {
+    for (const u32 instance : ports) {
+      if (!core_.atom_steps.fire_port(instance)) return false;
+    }
+    return true;
+  }
   for (const u32 instance : ports) {
-    if (!core_.atom_steps.fire_port(instance)) return false;
+    if ((idle[instance >> 6] >> (instance & 63) & 1) == 0 && !core_.atom_steps.fire_port(instance)) return false;
   }
   return true;
 }
@@ -213,8 +221,30 @@ Span<u32> Firing::ports(const Candidate& candidate) {
   return {ports_.data(), static_cast<u32>(ports_.size())};
 }
 
+// What is available takes part.
+void Firing::list_choices(const Plan& plan) {
+  const PlanChoice* choices = core_.tables.plan_choices.data();
+  ports_.clear();
+  for (u32 row = plan.first_choice; row < plan.end_choice;) {
+    const PlanChoice& choice = choices[row++];
+    switch (choice.kind) {
+      case PlanChoice::Kind::Port: ports_.push_back(choice.ref); break;
+      case PlanChoice::Kind::PortIfEnabled:
+        if (core_.ports.enabled_row(choice.ref) != kNone) ports_.push_back(choice.ref);
+        break;
+      case PlanChoice::Kind::Group:
+        if (core_.ports.values()[choice.ref] < 0) row = choice.end;
+        break;
+    }
+  }
+}
+
 Span<u32> Firing::planned_ports(const Candidate& candidate, const InteractionInfo& info) {
   const Plan& plan = core_.tables.plans[info.plan()];
+  if (plan.end_choice != plan.first_choice && !info.searched) {
+    list_choices(plan);
+    return {ports_.data(), static_cast<u32>(ports_.size())};
+  }
   if (choices_.empty()) choices_.resize(core_.tables.plans.size());
   ListedChoices& known = choices_[info.plan()];
   const Span<u64> key = core_.search.choice_key(candidate, plan);

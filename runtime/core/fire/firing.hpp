@@ -66,6 +66,7 @@ class Firing {
   bool fire_star(const InteractionInfo& info);
   /// ports() of a planned interaction.
   Span<u32> planned_ports(const Candidate& candidate, const InteractionInfo& info);
+  void list_choices(const Plan& plan);
   bool fire_planned(const Candidate& candidate, const InteractionInfo& info);
   bool run_transfer(const InteractionInfo& info, u32 clause);
 

@@ -221,6 +221,12 @@ void add_plan(Tables& tables, InteractionInfo& info) {
       "a plan of {} nodes, its root ends at {}", plan.node_count, nodes[0].end);
   std::sort(connectors.begin(), connectors.end());
   plan.is_tree = std::adjacent_find(connectors.begin(), connectors.end()) == connectors.end();
+  std::size_t links = 0, maximal = 0;
+  for (u32 i = 0; i < plan.node_count; ++i) {
+    links += nodes[i].kind == NodeKind::Link ? 1 : 0;
+    maximal += nodes[i].maximal_only ? 1 : 0;
+  }
+  plan.is_listed_at_once = plan.rigid && plan.is_tree && plan.witnesses.empty() && (maximal == 0 || maximal == links);
   plan.has_ranges = plan.guarded && !plan.rigid && !plan.has_choice && plan.is_tree;
   for (u32 i = 0; i < plan.use_count && plan.has_ranges; ++i) {
     for (const Clause& clause : tables.connector_type(tables.plan_uses[plan.first_use + i].connector).clauses)
@@ -342,10 +348,12 @@ void link_network(Tables& tables) {
   const u32 first_choice = interaction_count;
   starts.assign(image.choices.size, -1);
 
+  std::vector<u32> first_group(image.connectors.size);
   std::vector<u32> group;  // by define node of the connector at hand
   for (u32 connector = 0; connector < image.connectors.size; ++connector) {
     const ConnectorType& type = tables.connector_type(connector);
     group.assign(type.define.size, kNone);
+    first_group[connector] = interaction_count + static_cast<u32>(starts.size());
     for (u32 i = 0; i < type.define.size; ++i) {
       // A root that is a leaf counts as a group of one.
       if (type.define[i].is_leaf && i != 0) continue;
@@ -392,6 +400,35 @@ void link_network(Tables& tables) {
              "an edge beyond {} nodes", tables.node_count());
   tables.port_out = Csr::build(tables.port_atom.size(), from_ports);
   tables.node_out = Csr::build(tables.node_count(), from_nodes);
+  link_plan_choices(tables, first_group);
+}
+
+// Interactions that read an atom, from which on comparing its data costs less than to look at those.
+static constexpr u32 kFewWatching = 8;
+
+// Must they be told of each transition? Guards of rules are not looked at.
+static bool is_watched_by_calls(const Tables& tables, u32 atom) {
+  const Image& image = *tables.image;
+  if (tables.atom_watch[atom].size < kFewWatching) return true;
+  if (image.ffi == nullptr) return false;
+  const Span<Var>& variables = tables.atom_type(atom).variables;
+  if (tables.atom_rules[atom].size != 0 ||
+      std::any_of(variables.begin(), variables.end(), [](const Var& v) { return is_ffi(v.type); }))
+    return true;
+  const auto calls = [&](u32 connector) {
+    const Span<Clause>& clauses = tables.connector_type(connector).clauses;
+    return std::any_of(clauses.begin(), clauses.end(),
+                       [](const Clause& clause) { return clause.may_fault || clause.guard_may_fault; });
+  };
+  const Span<InteractionId> watching = tables.atom_watch[atom];
+  return std::any_of(watching.begin(), watching.end(), [&](InteractionId interaction) {
+    const InteractionInfo info = tables.interactions[interaction];
+    if (info.kind != InteractionKind::Planned) return calls(info.row);
+    const Plan& plan = tables.plans[info.plan()];
+    if (!plan.witnesses.empty()) return true;
+    const auto uses = tables.plan_uses.begin() + plan.first_use;
+    return std::any_of(uses, uses + plan.use_count, [&](const PlanUse& use) { return calls(use.connector); });
+  });
 }
 
 void link_watches(Tables& tables) {
@@ -461,8 +498,10 @@ void link_watches(Tables& tables) {
   tables.port_watch = InteractionsBy::build(tables.port_atom.size(), ports);
   tables.atom_watch = InteractionsBy::build(image.atoms.size, atoms);
   tables.atom_rules = Csr::build(image.atoms.size, atom_rules);
-  for (u32 atom = 0; atom < image.atoms.size; ++atom)
-    tables.atoms[atom].watched = tables.atom_watch[atom].size != 0 || tables.atom_rules[atom].size != 0 ? 1 : 0;
+  for (u32 atom = 0; atom < image.atoms.size; ++atom) {
+    if (tables.atom_watch[atom].size != 0 || tables.atom_rules[atom].size != 0)
+      tables.atoms[atom].watched = is_watched_by_calls(tables, atom) ? kWatchedByCalls : kWatchedByData;
+  }
 }
 
 }  // namespace bip::rt

@@ -171,6 +171,8 @@ PriorityTables link_priorities(const Tables& tables) {
   if (rules.count == 0) return rules;
   const std::size_t interaction_count = tables.interactions.size();
   rules.is_involved.assign(interaction_count, 0);
+  for (const InteractionId interaction : tables.interactions.ids())
+    rules.has_one_candidate.push(tables.has_one_candidate(tables.interactions[interaction]) ? 1 : 0);
   std::vector<RowsByInteraction::Pair> low;
   std::vector<InteractionsBy::Pair> low_back;
   std::vector<Csr::Pair> chain, chain_back;
@@ -183,14 +185,24 @@ PriorityTables link_priorities(const Tables& tables) {
     else by_low.push_back({rule.low.connector, row});
     // The search of interactions decides about those: here only their guards and chains count.
     if (tables.inner_rules.of_rule(row) != kNone) continue;
+    // Where an interaction has several candidates, each is asked whether it matches when they are known.
+    const auto may_match = [&](InteractionId interaction, const auto& matches) {
+      if (!tables.has_one_candidate(tables.interactions[interaction])) return true;
+      const u32 connector = tables.connector_of(interaction);
+      std::vector<u32> params(tables.connector_type(connector).params.size);
+      std::iota(params.begin(), params.end(), 0u);
+      return matches(tables, rule, connector, params);
+    };
     for (const InteractionId interaction : interactions_of(tables, rule, rule.low, rule.high)) {
+      if (!may_match(interaction, matches_low)) continue;
       low.push_back({interaction, row});
       low_back.push_back({row, interaction});
-      rules.is_involved[interaction] = 1;
+      rules.is_involved[interaction] |= PriorityTables::kLow;
     }
     for (const InteractionId interaction : interactions_of(tables, rule, rule.high, rule.low)) {
+      if (!may_match(interaction, matches_high)) continue;
       rules.high_edges.push_back({interaction, row});
-      rules.is_involved[interaction] = 1;
+      rules.is_involved[interaction] |= PriorityTables::kHigh;
     }
   }
   std::stable_sort(rules.high_edges.begin(), rules.high_edges.end(),

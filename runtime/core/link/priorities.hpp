@@ -15,17 +15,20 @@ struct HighEdge {
   InteractionId interaction;
   u32 rule;
 };
+/// An interaction that has one candidate at most stands only under rules that match that.
 struct PriorityTables {
   u32 count = 0;
-  IndexVector<InteractionId, std::uint8_t> is_involved;  // empty without rules
-  std::vector<HighEdge> high_edges;                      // sorted by interaction
-  RowsByInteraction high_of_interaction;                 // rows of high_edges
-  RowsByInteraction low_of_interaction;                  // rules
-  InteractionsBy interactions_of_low;                    // by rule
-  Csr next, previous;                                    // the chain graph, by rule
-  std::vector<u32> component;                            // by rule: weakly connected part of the chain graph
-  Csr members;                                           // by component
-  std::vector<std::uint8_t> cyclic;                      // by component: guards alone keep it from being a cycle
+  static constexpr std::uint8_t kLow = 1, kHigh = 2;
+  IndexVector<InteractionId, std::uint8_t> is_involved;        // on which sides of rules; empty without rules
+  IndexVector<InteractionId, std::uint8_t> has_one_candidate;  // at most; the same size
+  std::vector<HighEdge> high_edges;                            // sorted by interaction
+  RowsByInteraction high_of_interaction;                       // rows of high_edges
+  RowsByInteraction low_of_interaction;                        // rules
+  InteractionsBy interactions_of_low;                          // by rule
+  Csr next, previous;                                          // the chain graph, by rule
+  std::vector<u32> component;                                  // by rule: weakly connected part of the chain graph
+  Csr members;                                                 // by component
+  std::vector<std::uint8_t> cyclic;                            // by component: guards alone keep it from being a cycle
 };
 struct RuleState {
   bool guard = false;

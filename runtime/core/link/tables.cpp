@@ -82,6 +82,14 @@ bool is_idle(const AtomType& type, u32 row) {
                       [&](const EventPort& event) { return event.port == t.port; });
 }
 
+// Do all transitions of the port leave the atom as it is?
+bool is_idle_port(const Tables& tables, const LinkedType& linked, u32 port) {
+  if (linked.is_timed) return false;
+  const auto begin = tables.transitions.begin() + linked.first_transition;
+  return std::all_of(begin, begin + linked.transition_count,
+                     [&](const LinkedTransition& t) { return t.port != port || t.is_idle; });
+}
+
 // For each transition of a fixed type the ports whose enabled transition changes.
 void add_deltas(Tables& tables, const AtomType& type, const LinkedType& linked) {
   std::vector<u32> before(type.ports.size), after(type.ports.size);
@@ -102,6 +110,24 @@ void add_deltas(Tables& tables, const AtomType& type, const LinkedType& linked) 
       }
     }
     t.delta_count = static_cast<u32>(tables.deltas.size()) - t.delta_first;
+  }
+}
+
+void link_idle_ports(Tables& tables) {
+  const Image& image = *tables.image;
+  std::vector<std::vector<u32>> idle(image.atom_types.size);
+  for (u32 row = 0; row < image.atom_types.size; ++row) {
+    for (u32 port = 0; port < image.atom_types[row].ports.size; ++port) {
+      if (is_idle_port(tables, tables.types[row], port)) idle[row].push_back(port);
+    }
+  }
+  if (std::all_of(idle.begin(), idle.end(), [](const auto& ports) { return ports.empty(); })) return;
+  tables.idle_ports.assign((tables.port_atom.size() + 63) / 64, 0);
+  for (u32 atom = 0; atom < image.atoms.size; ++atom) {
+    for (const u32 port : idle[tables.atoms[atom].type]) {
+      const u32 instance = tables.instance(atom, port);
+      tables.idle_ports[instance >> 6] |= u64{1} << (instance & 63);
+    }
   }
 }
 
@@ -162,6 +188,7 @@ void link_atoms(Tables& tables) {
     tables.atom_cells = std::max(tables.atom_cells, row.first_cell + type.variables.size);
   }
   tables.atoms.push_back({static_cast<u32>(tables.port_atom.size()), {}, 0, 0});
+  link_idle_ports(tables);
 }
 
 void Binds::make(const Image& image) {

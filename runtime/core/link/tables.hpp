@@ -76,11 +76,13 @@ void CsrOf<From, To>::sort_unique(std::vector<Pair>& pairs) {
 }
 
 // ---- atoms -------------------------------------------------------------------------------------------------------
+constexpr u32 kWatchedByData = 1;   // by many, whose code has the same answers for the same data
+constexpr u32 kWatchedByCalls = 2;  // by few, by a rule's guard, by code that may call C++, or they are C++ objects
 struct AtomInfo {
   u32 port_base = 0;      // number of its port 0 among all port instances
   VariableId first_cell;  // its variables stand from here on
   u32 type = 0;
-  u32 watched = 0;  // 1: a guard or rule reads its data
+  u32 watched = 0;  // 0: no guard or rule reads its data; kWatchedByData, kWatchedByCalls
 };
 struct LinkedTransition {
   Code guard, action;            // fn null: none
@@ -141,6 +143,18 @@ struct PlanWitness {
   u32 connector = 0;
   u32 use = 0, root = 0;  // rows in the plan
 };
+/// How to list the ports of a plan that chooses by triggers alone, in the order of firing: which ports and groups are
+/// available decides, and a group has a node in the availability network that knows.
+struct PlanChoice {
+  enum class Kind : std::uint8_t {
+    Port,           // takes part
+    PortIfEnabled,  // is below a trigger
+    Group           // what follows, up to `end`, takes part only if it is available
+  };
+  Kind kind = Kind::Port;
+  u32 ref = 0;  // port instance; Group: node of the availability network
+  u32 end = 0;  // Group: row of plan_choices
+};
 struct Plan {
   u32 connector = 0;
   u32 first_node = 0, node_count = 0;
@@ -148,8 +162,13 @@ struct Plan {
   u32 leaves = 0, words = 0;  // 64-bit words of a configuration
   // Rows of plan_ports: of a rigid plan without code to fire, its ports in the order of firing.
   u32 first_port = 0, port_count = 0;
+  // Rows of plan_choices: of a plan that is not rigid, without guards, merged ports and code to fire.
+  u32 first_choice = 0, end_choice = 0;
   bool guarded = false;  // a clause in its tree has a guard, or an `up` that may fault
   bool rigid = true;     // no triggers and no choices: one configuration, all ports
+  // Rigid, and its guards are found bottom up, each connector's once: without inner rules, in a tree in which all
+  // parameters show only maximal interactions, or none does.
+  bool is_listed_at_once = false;
   bool has_choice = false;
   bool is_tree = true;                 // no connector has two uses
   std::vector<PlanWitness> witnesses;  // by depth of the group's compound, deepest last
@@ -187,6 +206,7 @@ struct Tables {
   Csr place_internals;          // the same, internal ones
   std::vector<AtomInfo> atoms;  // and one more, whose port_base is the number of port instances
   std::vector<u32> port_atom;   // by port instance
+  std::vector<u64> idle_ports;  // a bit by port instance: to fire it changes nothing, ever. Empty: there are none
   std::vector<u32> mark_base;   // by atom (Petri types): first word. Empty: there are none
   u32 mark_words = 0;
   u32 atom_cells = 0;  // so many variables, which come first, belong to atoms
@@ -214,6 +234,7 @@ struct Tables {
   std::vector<PlanUse> plan_uses;
   std::vector<u32> plan_params;
   std::vector<u32> plan_ports;
+  std::vector<PlanChoice> plan_choices;
   std::vector<std::vector<u32>> clause_order;  // by connector type: its clauses, sorted by their parameters
   InnerRules inner_rules;
 
@@ -239,6 +260,11 @@ struct Tables {
     if (info.kind == InteractionKind::Flat) return {flat_ports.data() + info.first, info.count};
     if (info.kind != InteractionKind::Planned || plans[info.plan()].port_count == 0) return {};
     return {plan_ports.data() + plans[info.plan()].first_port, plans[info.plan()].port_count};
+  }
+  /// Has it one candidate at most, in which all its parameters take part?
+  [[nodiscard]] bool has_one_candidate(const InteractionInfo& info) const {
+    if (!info.searched || info.kind == InteractionKind::Flat) return true;
+    return info.kind == InteractionKind::Planned && plans[info.plan()].rigid && plans[info.plan()].witnesses.empty();
   }
   [[nodiscard]] u32 first_mark(u32 atom) const { return mark_base.empty() ? 0 : mark_base[atom]; }
   /// No interaction if it exports a port.
@@ -291,6 +317,8 @@ void link_atoms(Tables& tables);
 void link_inner_rules(Tables& tables);
 void link_interactions(Tables& tables, MaximalProgress progress);
 void link_network(Tables& tables);
+/// Connector k's groups that are no interactions are nodes from first_group[k] on, in the order of its `define`.
+void link_plan_choices(Tables& tables, const std::vector<u32>& first_group);
 void link_watches(Tables& tables);
 
 }  // namespace bip::rt

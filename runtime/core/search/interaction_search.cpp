@@ -80,7 +80,7 @@ void InteractionSearch::direct_params(InteractionId interaction, u32 config, std
   const u32 count = core_.tables.connector_type(core_.tables.connector_of(interaction)).params.size;
   // Only connectors that are searched are told apart further.
   const u32 plan_row = listing_of(interaction) == kNone ? kNone : core_.tables.interactions[interaction].plan();
-  if (plan_row == kNone) {
+  if (plan_row == kNone || core_.tables.plans[plan_row].is_listed_at_once) {
     for (u32 param = 0; param < count; ++param) out.push_back(param);
     return;
   }
@@ -123,6 +123,32 @@ bool InteractionSearch::list_flat(const InteractionInfo& info, Listing& listing)
   return status == 0 || !clause.may_fault || core_.firing.run_code(core_.tables.code(clause.up), info.row);
 }
 
+// A plan of one configuration, all of whose ports are enabled: its guards decide. As evaluate does for each part that
+// shows only maximal interactions: a connector is not looked at if one below it has failed.
+bool InteractionSearch::list_at_once(const Plan& plan, Listing& listing) {
+  const PlanNode* nodes = core_.tables.plan_nodes.data() + plan.first_node;
+  const bool has_parts = plan.use_count > 1 && nodes[core_.tables.plan_uses[plan.first_use + 1].link].maximal_only;
+  ++search_work_.searches;
+  std::fill(use_clause_.begin(), use_clause_.begin() + plan.use_count, 0u);  // 1: failed
+  for (u32 i = plan.use_count; i-- > 0;) {
+    const PlanUse& use = core_.tables.plan_uses[plan.first_use + i];
+    if (has_parts || i + 1 == plan.use_count) ++search_work_.configurations;
+    bool holds = use_clause_[i] == 0;
+    if (holds) {
+      ++search_work_.connectors;
+      if (!evaluate_use(use, use.clause, holds)) return false;
+    }
+    if (holds) continue;
+    if (!has_parts || i == 0) return true;
+    const u32 above = nodes[use.link].parent;
+    use_clause_[above == kNone ? 0 : nodes[above].use] = 1;
+  }
+  listing.configs.assign(plan.words, ~u64{0});
+  if (plan.leaves % 64 != 0) listing.configs.back() = ~(~u64{0} << plan.leaves % 64);
+  listing.count = 1;
+  return true;
+}
+
 bool InteractionSearch::list(InteractionId interaction) {
   BIP_ASSERT(is_searched(interaction), "interaction {} is not searched", interaction);
   Listing& listing = listings_[listing_of(interaction)];
@@ -142,6 +168,7 @@ bool InteractionSearch::list(InteractionId interaction) {
   const InteractionInfo info = core_.tables.interactions[interaction];
   if (info.kind == InteractionKind::Flat) return list_flat(info, listing);
   const Plan& plan = core_.tables.plans[info.plan()];
+  if (plan.is_listed_at_once) return list_at_once(plan, listing);
   if (const std::vector<u64>* known = remembered_.recall(core_, info.plan())) {
     ++search_work_.recalled;
     listing.configs = *known;
@@ -199,9 +226,11 @@ void InteractionSearch::choose(const Candidate& candidate, const Plan& plan) {
   if (listing_of(candidate.interaction) != kNone) {
     BIP_ASSERT(candidate.config < listing(candidate.interaction).count, "configuration {} of {}", candidate.config,
                listing(candidate.interaction).count);
-    choose_bits(
-        plan, listings_[listing_of(candidate.interaction)].configs.data() + std::size_t{candidate.config} * plan.words);
-    return;
+    if (!plan.is_listed_at_once) {
+      choose_bits(plan, listings_[listing_of(candidate.interaction)].configs.data() +
+                            std::size_t{candidate.config} * plan.words);
+      return;
+    }
   }
   if (plan.rigid) {
     std::fill(chosen_.begin(), chosen_.begin() + plan.node_count, std::uint8_t{1});
@@ -315,6 +344,23 @@ u32 InteractionSearch::chosen_clause(const Plan& plan, u32 use_row) {
   return core_.tables.clause_of(type_row, {params_.data(), static_cast<u32>(params_.size())});
 }
 
+// The guard of a clause (or kNone) of the use's connector, and its `up` if that holds. False: a fault.
+inline bool InteractionSearch::evaluate_use(const PlanUse& use, u32 clause_row, bool& holds) {
+  core_.firing.zero_frame(use.connector);
+  if (clause_row == kNone) return true;
+  const Clause& clause = core_.tables.connector_type(use.connector).clauses[clause_row];
+  const Code guard = core_.tables.code(clause.guard);
+  if (guard.fn != nullptr) {
+    const Connector& connector = core_.tables.image->connectors[use.connector];
+    const std::int32_t status = guard.fn(guard.context, core_.memory.cells.from(connector.variable(0)),
+                                         core_.memory.cells.all(), core_.memory.binds.rows + connector.binds);
+    if (status >= 2) return core_.faults.fail_code(status, kNone, use.connector, nullptr);
+    holds = status != 0;
+    if (!holds) return true;
+  }
+  return core_.firing.run_code(core_.tables.code(clause.up), use.connector);
+}
+
 // Guards and `up`s of the choice below root, bottom up. failed: the use whose guard is false, or kNone. False: a fault.
 bool InteractionSearch::evaluate(const Plan& plan, u32 root, const Bits& bits, u32& failed) {
   // What a use computes follows from its sub-choice, and is still in its frame.
@@ -333,24 +379,13 @@ bool InteractionSearch::evaluate(const Plan& plan, u32 root, const Bits& bits, u
       }
     }
     ++search_work_.connectors;
-    core_.firing.zero_frame(use.connector);
     if (use.has_choice) bind_choices(plan, use);
-    const u32 row = chosen_clause(plan, i);
-    if (row == kNone) continue;
-    const Clause& clause = core_.tables.connector_type(use.connector).clauses[row];
-    const Code guard = core_.tables.code(clause.guard);
-    if (guard.fn != nullptr) {
-      const Connector& connector = core_.tables.image->connectors[use.connector];
-      const std::int32_t status = guard.fn(guard.context, core_.memory.cells.from(connector.variable(0)),
-                                           core_.memory.cells.all(), core_.memory.binds.rows + connector.binds);
-      if (status >= 2) return core_.faults.fail_code(status, kNone, use.connector, nullptr);
-      if (status == 0) {
-        if (remembers) evaluated_.uses[i].holds = false;
-        failed = i;
-        return true;
-      }
-    }
-    if (!core_.firing.run_code(core_.tables.code(clause.up), use.connector)) return false;
+    bool holds = true;
+    if (!evaluate_use(use, chosen_clause(plan, i), holds)) return false;
+    if (holds) continue;
+    if (remembers) evaluated_.uses[i].holds = false;
+    failed = i;
+    return true;
   }
   return true;
 }

@@ -116,6 +116,8 @@ class InteractionSearch {
     return listing_of_.empty() ? kNone : listing_of_[interaction];
   }
   FlatGuard flat_guard(const InteractionInfo& info);
+  bool list_at_once(const Plan& plan, Listing& listing);
+  bool evaluate_use(const PlanUse& use, u32 clause_row, bool& holds);
   bool list_flat(const InteractionInfo& info, Listing& listing);
   void bind_choices(const Plan& plan, const PlanUse& use);
   void look_at_availability(const Plan& plan, u32 root);

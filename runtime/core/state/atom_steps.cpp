@@ -2,11 +2,19 @@
 #include "runtime/core/state/atom_steps.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstring>
 
 #include "bip/assert.hpp"
 #include "runtime/core/state/flip.hpp"
 
 namespace bip::rt {
+
+namespace {
+// Variables of an atom that are compared before and after a transition: more than that cost as much as what they save.
+constexpr u32 kMostCompared = 16;
+using DataBefore = std::array<Cell, kMostCompared>;
+}  // namespace
 
 void AtomSteps::link() {
   u32 ports = 0;
@@ -126,6 +134,32 @@ inline bool AtomSteps::look_at(u32 atom, u32 row) {
   return true;
 }
 
+// Ports of an automaton with at most one transition for each place and port: only those that the two places offer can
+// change.
+static inline bool update_places(CoreParts& core, u32 atom, u32 place_before) {
+  const AtomInfo& state = core.atoms[atom];
+  const u32 first_place = core.tables.types[state.type].first_place;
+  const u32 place_now = core.memory.places[atom];
+  Cell* const all = core.memory.cells.all();
+  for (const u32 row : core.tables.place_transitions[first_place + place_now]) {
+    const LinkedTransition& transition = core.tables.transitions[row];
+    std::int32_t status = 1;
+    if (transition.guard.fn != nullptr) {
+      status = transition.guard.fn(transition.guard.context, core.memory.cells.from(state.first_cell), all, nullptr);
+      BIP_ASSERT(status >= 0, "a guard of atom {} returns {}", atom, status);
+      if (status >= 2) return core.faults.fail_code(status, atom, kNone, transition.source);
+    }
+    core.ports.set_port(state.port_base + transition.port, status != 0 ? row : kNone);
+  }
+  if (place_before == place_now) return true;
+  // What a port still has from the old place is not offered by the new one.
+  for (const u32 row : core.tables.place_transitions[first_place + place_before]) {
+    const u32 instance = state.port_base + core.tables.transitions[row].port;
+    if (core.ports.port(instance).transition == row) core.ports.set_port(instance, kNone);
+  }
+  return true;
+}
+
 bool AtomSteps::update_ports(u32 atom, u32 place_before) {
   const AtomInfo& state = core_.atoms[atom];
   const LinkedType& type = core_.tables.types[state.type];
@@ -150,21 +184,7 @@ bool AtomSteps::update_ports(u32 atom, u32 place_before) {
     // Only ports that the two places offer can change.
     const Span<u32> old_rows = core_.tables.place_transitions[type.first_place + place_before];
     const Span<u32> rows = core_.tables.place_transitions[type.first_place + place_now];
-    if (type.one_each) {
-      for (const u32 row : rows) {
-        const LinkedTransition& transition = core_.tables.transitions[row];
-        bool enabled = true;
-        if (transition.guard.fn != nullptr && !is_enabled_from(atom, transition, enabled)) return false;
-        core_.ports.set_port(state.port_base + transition.port, enabled ? row : kNone);
-      }
-      if (place_before == place_now) return true;
-      // What a port still has from the old place is not offered by the new one.
-      for (const u32 row : old_rows) {
-        const u32 instance = state.port_base + core_.tables.transitions[row].port;
-        if (core_.ports.port(instance).transition == row) core_.ports.set_port(instance, kNone);
-      }
-      return true;
-    }
+    if (type.one_each) return update_places(core_, atom, place_before);
     for (u32 row : rows) now[core_.tables.transitions[row].port] = kNone;
     if (place_before != place_now) {
       for (u32 row : old_rows) now[core_.tables.transitions[row].port] = kNone;
@@ -217,6 +237,25 @@ bool AtomSteps::settle_atom(u32 atom, u32 place_before, const LinkedTransition* 
   return update_ports(atom, place_before);
 }
 
+// How many bytes of the atom's data tell whether the transition changes what others read; 0: it counts as a change.
+// Data that a port shows may have been written by the transfer before.
+static std::size_t compared_data(const CoreParts& core, u32 atom, const LinkedTransition& transition) {
+  if (core.tables.types[core.atoms[atom].type].is_timed) return 0;
+  const AtomType& type = core.tables.atom_type(atom);
+  if (type.variables.size > kMostCompared || type.ports[transition.port].variables.size != 0) return 0;
+  return type.variables.size * sizeof(Cell);
+}
+[[gnu::noinline]] static void copy_data(CoreParts& core, u32 atom, const LinkedTransition& transition,
+                                        DataBefore& out) {
+  std::memcpy(out.data(), core.memory.cells.from(core.atoms[atom].first_cell), compared_data(core, atom, transition));
+}
+[[gnu::noinline]] static bool has_same_data(CoreParts& core, u32 atom, const LinkedTransition& transition,
+                                            const DataBefore& before) {
+  const std::size_t compared = compared_data(core, atom, transition);
+  return compared != 0 &&
+         std::memcmp(before.data(), core.memory.cells.from(core.atoms[atom].first_cell), compared) == 0;
+}
+
 bool AtomSteps::fire_port(u32 instance) {
   BIP_ASSERT(core_.ports.port(instance).transition != kNone, "port {} is disabled", instance);
   if (core_.partial.is_beginning()) return core_.partial.begin_port(instance);
@@ -238,6 +277,10 @@ bool AtomSteps::fire_port(u32 instance) {
     if (const Async* async = core_.actions.async_of(atom, transition))
       return core_.actions.begin_action(atom, transition, *async);
   }
+  // What reads the data of an atom is evaluated again only if they have changed.
+  DataBefore data_before;
+  if (info.watched == kWatchedByData) [[unlikely]]
+    copy_data(core_, atom, transition, data_before);
   if (!move(atom, transition)) return false;
   BIP_ASSERT(!type.fixed || transition.delta_first + transition.delta_count <= core_.tables.deltas.size(),
              "changes from {} on", transition.delta_first);
@@ -250,9 +293,12 @@ bool AtomSteps::fire_port(u32 instance) {
       for (u32 i = 0; i < transition.delta_count; ++i)
         core_.ports.set_port(info.port_base + delta[i].port, delta[i].transition);
     }
+  } else if (type.one_each && !type.is_timed && !type.has_internal && !type.has_invariants && !type.has_priorities) {
+    if (!update_places(core_, atom, before)) return false;
   } else if ((type.has_invariants && !check_invariants(atom, &transition)) || !settle_atom(atom, before, &transition)) {
     return false;
   }
+  if (info.watched == kWatchedByData && has_same_data(core_, atom, transition, data_before)) return true;
   if (info.watched != 0) core_.ports.touch(atom);
   return true;
 }

@@ -8,7 +8,8 @@
 // the last one, what comes goes to the end.
 //
 // Most systems have at most one candidate an interaction; only `weighted` sets keep a weight an interaction. A set
-// starts ranked; one that only draws uniformly ranks no more until it is asked for a rank.
+// starts ranked; one that only draws uniformly ranks no more until it is asked for a rank, as one with weights is where
+// an interaction has several candidates.
 #pragma once
 #include <algorithm>
 #include <bit>
@@ -72,7 +73,7 @@ class EnabledSet {
       }
     }
     listed_ = true;
-    ranked_ = !weights_.empty();
+    ranked_ = false;
   }
   /// In the order that it had before. What that lacks came since it was up to date, what it has too much went.
   void list(const std::vector<InteractionId>& order, std::uint32_t interactions) {
@@ -160,12 +161,13 @@ class EnabledSet {
       toggle(interaction, weight_now - before);
       return;
     }
-    const std::uint64_t bit = std::uint64_t{1} << bit_of(interaction);
-    if (weight_now != 0) words_[word_of(interaction)] |= bit;
-    else words_[word_of(interaction)] &= ~bit;
     if (listed_ && (before == 0) != (weight_now == 0)) note(interaction);
     weights_[interaction] = weight_now;
     total_ += weight_now - before;
+    if (!ranked_) return;
+    const std::uint64_t bit = std::uint64_t{1} << bit_of(interaction);
+    if (weight_now != 0) words_[word_of(interaction)] |= bit;
+    else words_[word_of(interaction)] &= ~bit;
     add(interaction, weight_now - before);
   }
 
@@ -382,16 +384,22 @@ class EnabledSet {
     }
     changed_.clear();
   }
-  // Counts anew, from the list.
+  // Counts anew, from the weights or the list.
   void ensure_ranked() const {
     if (ranked_) return;
     ranked_ = true;
     std::fill(words_.begin(), words_.end(), std::uint64_t{0});
     std::fill(counts_.begin(), counts_.end(), 0u);
-    const auto enter = [&](InteractionId interaction) {
+    const auto enter = [&](InteractionId interaction, std::uint32_t candidates = 1) {
       words_[word_of(interaction)] |= std::uint64_t{1} << bit_of(interaction);
-      add(interaction, 1);
+      add(interaction, candidates);
     };
+    if (!weights_.empty()) {
+      for (const InteractionId interaction : weights_.ids()) {
+        if (weights_[interaction] != 0) enter(interaction, weights_[interaction]);
+      }
+      return;
+    }
     for (std::uint32_t i = 0; i < listed_count_; ++i) {
       if (pending_[listed(i)] == 0) enter(listed(i));
     }

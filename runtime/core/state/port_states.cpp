@@ -84,20 +84,20 @@ void PortStates::crossed(u32 node, bool on) {
     }
     return;
   }
-  // Inner groups: iterative, for the hierarchy may be deep. Each crossing moves every counter above by one, so the
-  // order in which crossings are worked off does not matter.
-  crossings_.emplace_back(node, on);
-  const std::size_t bottom = crossings_.size() - 1;
-  while (crossings_.size() > bottom) {
-    const auto [from, now] = crossings_.back();
-    crossings_.pop_back();
-    for (u32 above : core_.tables.node_out[from]) {
+  // Inner groups: iterative, for the hierarchy may be deep. Each crossing moves every counter above by one, in the same
+  // direction, so the order in which crossings are worked off does not matter.
+  const std::size_t bottom = crossings_.size();
+  for (u32 from = node;; crossings_.pop_back()) {
+    for (const u32 above : core_.tables.node_out[from]) {
+      if (above < interaction_count) {
+        bump(above, on);
+        continue;
+      }
       BIP_ASSERT(above < values_.size(), "node {} of {}", above, values_.size());
-      const bool crosses = now ? ++values_[above] == 0 : values_[above]-- == 0;
-      if (!crosses) continue;
-      if (above < interaction_count) crossed(above, now);
-      else crossings_.emplace_back(above, now);
+      if (on ? ++values_[above] == 0 : values_[above]-- == 0) crossings_.emplace_back(above, on);
     }
+    if (crossings_.size() == bottom) return;
+    from = crossings_.back().first;
   }
 }
 

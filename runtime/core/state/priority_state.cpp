@@ -1,6 +1,8 @@
 // See priority_state.hpp.
 #include "runtime/core/state/priority_state.hpp"
 
+#include <algorithm>
+
 #include "bip/assert.hpp"
 #include "runtime/core/core_parts.hpp"
 #include "runtime/core/graph_algorithms.hpp"
@@ -21,25 +23,39 @@ std::size_t PriorityState::bytes() const {
          changed_components_.bytes() + reweigh_.bytes();
 }
 
+// The rule has so many candidates of the edge's interaction on its high side.
+inline void PriorityState::contribute(u32 edge, u32 count) {
+  if (contributions_[edge] == count) return;
+  const u32 rule = tables_.high_edges[edge].rule;
+  RuleState& state = rule_states_[rule];
+  const u32 before = state.high_count;
+  BIP_ASSERT(before >= contributions_[edge], "rule {} counts {}, {} of them of one interaction", rule, before,
+             contributions_[edge]);
+  state.high_count = before - contributions_[edge] + count;
+  contributions_[edge] = count;
+  if ((before == 0) != (state.high_count == 0)) changed_components_.mark(tables_.component[rule]);
+}
+
 // How many candidates of the interaction match the high sides of its rules.
-void PriorityState::recount(InteractionId interaction) {
+inline void PriorityState::recount(InteractionId interaction) {
+  if ((tables_.is_involved[interaction] & PriorityTables::kHigh) == 0) return;
+  const Span<u32> edges = tables_.high_of_interaction[interaction];
+  const u32 candidates = core_.search.base_count(interaction);
+  if (tables_.has_one_candidate[interaction] != 0) {
+    // Its rules match it: link_priorities left out the others.
+    for (const u32 edge : edges) contribute(edge, candidates);
+    return;
+  }
   const Image& image = *core_.tables.image;
   const u32 connector = core_.tables.connector_of(interaction);
-  for (u32 edge : tables_.high_of_interaction[interaction]) {
-    const u32 rule = tables_.high_edges[edge].rule;
+  for (const u32 edge : edges) {
     u32 count = 0;
-    for (u32 config = 0; config < core_.search.base_count(interaction); ++config) {
+    for (u32 config = 0; config < candidates; ++config) {
       core_.search.direct_params(interaction, config, params_);
-      count += matches_high(core_.tables, image.priorities[rule], connector, params_) ? 1u : 0u;
+      count +=
+          matches_high(core_.tables, image.priorities[tables_.high_edges[edge].rule], connector, params_) ? 1u : 0u;
     }
-    RuleState& state = rule_states_[rule];
-    const u32 before = state.high_count;
-    BIP_ASSERT(before >= contributions_[edge], "rule {} counts {}, {} of them of one interaction", rule, before,
-               contributions_[edge]);
-    state.high_count = before - contributions_[edge] + count;
-    contributions_[edge] = count;
-    const u32 component = tables_.component[rule];
-    if ((before == 0) != (state.high_count == 0)) changed_components_.mark(component);
+    contribute(edge, count);
   }
 }
 
@@ -68,6 +84,17 @@ bool PriorityState::evaluate_rule_guards() {
 // Which rules of the component hide: those from which a chain of true guards reaches an enabled high side.
 bool PriorityState::recompute_component(u32 component) {
   const Span<u32> members = tables_.members[component];
+  const auto changed = [&](u32 rule) {
+    for (const InteractionId interaction : tables_.interactions_of_low[rule]) reweigh_.mark(interaction);
+  };
+  if (members.size == 1 && tables_.cyclic[component] == 0) {
+    // A rule that chains with no other one.
+    RuleState& state = rule_states_[members[0]];
+    const bool is_active = state.guard && state.high_count != 0;
+    if (is_active != state.active) changed(members[0]);
+    state.active = is_active;
+    return true;
+  }
   std::vector<u32>& todo = rule_todo_;
   todo.clear();
   if (tables_.cyclic[component] != 0) {
@@ -113,39 +140,44 @@ bool PriorityState::recompute_component(u32 component) {
     }
   }
   for (u32 rule : members) {
-    if (rule_states_[rule].active == rule_states_[rule].was_active) continue;
-    for (const InteractionId interaction : tables_.interactions_of_low[rule]) {
-      reweigh_.mark(interaction);
-    }
+    if (rule_states_[rule].active != rule_states_[rule].was_active) changed(rule);
   }
   return true;
 }
 
 // Hides what active rules match and puts the rest into the enabled set.
-void PriorityState::weigh(InteractionId interaction) {
-  const Image& image = *core_.tables.image;
+inline void PriorityState::weigh(InteractionId interaction) {
   const u32 count = core_.search.base_count(interaction);
-  Listing* listing = core_.search.is_searched(interaction) ? &core_.search.listing(interaction) : nullptr;
-  if (listing != nullptr) listing->hidden.clear();
-  bool any_active = false;
-  for (u32 rule : tables_.low_of_interaction[interaction]) any_active |= rule_states_[rule].active;
+  if ((tables_.is_involved[interaction] & PriorityTables::kLow) == 0) {
+    core_.enabled.set(interaction, count);
+    return;
+  }
+  const Span<u32> rules = tables_.low_of_interaction[interaction];
+  const bool any_active = std::any_of(rules.begin(), rules.end(), [&](u32 rule) { return rule_states_[rule].active; });
+  if (tables_.has_one_candidate[interaction] != 0) {
+    // As in recount: what is active hides it.
+    core_.enabled.set(interaction, any_active ? 0 : count);
+    return;
+  }
+  Listing& listing = core_.search.listing(interaction);
+  listing.hidden.clear();
   if (!any_active || count == 0) {
     core_.enabled.set(interaction, count);
     return;
   }
+  const Image& image = *core_.tables.image;
   const u32 connector = core_.tables.connector_of(interaction);
   u32 visible = 0;
   for (u32 config = 0; config < count; ++config) {
     core_.search.direct_params(interaction, config, params_);
     bool hidden = false;
-    for (u32 rule : tables_.low_of_interaction[interaction]) {
+    for (const u32 rule : rules) {
       hidden |= rule_states_[rule].active && matches_low(core_.tables, image.priorities[rule], connector, params_);
     }
     visible += hidden ? 0u : 1u;
-    if (listing != nullptr) listing->hidden.push_back(hidden ? 1 : 0);
+    listing.hidden.push_back(hidden ? 1 : 0);
   }
-  BIP_ASSERT(visible <= count && (listing == nullptr || listing->hidden.size() == count), "{} of {} candidates",
-             visible, count);
+  BIP_ASSERT(visible <= count && listing.hidden.size() == count, "{} of {} candidates", visible, count);
   core_.enabled.set(interaction, visible);
 }
 
@@ -158,7 +190,11 @@ bool PriorityState::settle() {
   BIP_ASSERT(dirty_rules_.empty(), "guards of rules are not known");
   changed_components_.clear();
   for (const InteractionId interaction : core_.ports.dirty()) weigh(interaction);
-  for (const InteractionId interaction : reweigh_) weigh(interaction);
+  // Those that were marked have been weighed, unless they are held back.
+  const bool all_were_weighed = !core_.partial.is_on();
+  for (const InteractionId interaction : reweigh_) {
+    if (!all_were_weighed || !core_.ports.dirty().has(interaction)) weigh(interaction);
+  }
   reweigh_.clear();
   return true;
 }

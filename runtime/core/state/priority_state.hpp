@@ -37,6 +37,7 @@ class PriorityState {
  private:
   bool evaluate_rule_guards();
   bool recompute_component(u32 component);
+  void contribute(u32 edge, u32 count);
   void recount(InteractionId interaction);
   void weigh(InteractionId interaction);
 

@@ -182,11 +182,18 @@ int grow(Generator& random, Reference& reference, int depth, bool exports, bool 
 void build(const Reference& reference, ImageBuilder& b) {
   b.atom_type({.name = "T",
                .params = {"ready", "x"},
-               .data = {},
+               .data = {"fired"},
                .ports = {{.name = "p", .vars = {"x"}}, {.name = "t", .vars = {}}},
                .places = {"S"},
                .initial = {"S"},
-               .transitions = {{"p", {"S"}, {"S"}, [](Cell* self, Cell*, const u32*) { return self[0].i; }},
+               .transitions = {{"p",
+                                {"S"},
+                                {"S"},
+                                [](Cell* self, Cell*, const u32*) { return self[0].i; },
+                                [](Cell* self, Cell*, const u32*) {
+                                  ++self[2].i;
+                                  return 1;
+                                }},
                                {"t", {"S"}, {"S"}, nullptr, [](Cell* self, Cell*, const u32*) {
                                   self[0].i = 1 - self[0].i;
                                   return 1;
@@ -253,6 +260,25 @@ std::set<Leaves> listed(Core& core, int top) {
   }
   return out;
 }
+// Fires one of the connector's candidates: its participants take part, and no other atom does.
+bool fires_participants(Core& core, int top, Generator& random) {
+  std::vector<Candidate> of_top;
+  for (std::uint64_t k = 0; k < core.candidate_count(); ++k) {
+    if (core.candidate(k).connector == static_cast<u32>(top)) of_top.push_back(core.candidate(k));
+  }
+  if (of_top.empty()) return true;
+  const Candidate chosen = of_top[static_cast<std::size_t>(random.below(static_cast<int>(of_top.size())))];
+  std::vector<Participant> who;
+  core.participants(chosen, who);
+  const auto fired = [&](u32 atom) { return core.cell(core.tables().atoms[atom].first_cell + 2).i; };
+  std::vector<std::int32_t> expected;
+  for (u32 atom = 0; atom < core.image().atoms.size; ++atom) expected.push_back(fired(atom));
+  for (const Participant& p : who) ++expected[p.atom];
+  if (!core.fire(chosen)) return false;
+  std::vector<std::int32_t> found;
+  for (u32 atom = 0; atom < core.image().atoms.size; ++atom) found.push_back(fired(atom));
+  return found == expected;
+}
 std::set<Leaves> as_set(const std::vector<Alternative>& alternatives) {
   std::set<Leaves> out;
   for (const Alternative& a : alternatives) out.insert(a.leaves);
@@ -279,6 +305,7 @@ TEST_CASE("candidates equal the definition on random trees") {
       const std::vector<Alternative> enabled = reference.enabled(top);
       REQUIRE(listed(core, top) == as_set(Reference::maximal(enabled)));
       REQUIRE(listed(all, top) == as_set(enabled));
+      for (Core* each : {&core, &all}) REQUIRE(fires_participants(*each, top, random));
       compared += enabled.empty() ? 0 : 1;
       several += enabled.size() > 1 ? 1 : 0;
       // Toggle one atom's readiness; what follows is incremental.
