@@ -89,15 +89,26 @@ inline std::atomic<ServiceCaller>& service_caller() {
 /// How long the codels of a program took, by name. Any thread.
 class CodelTimes {
  public:
+  /// Of one codel.
+  struct Row {
+    std::uint64_t calls = 0, over = 0;
+    std::chrono::nanoseconds total{0}, longest{0}, budget{0};
+    const char* text = nullptr;  // its name, where it was looked up last
+  };
   /// What a call of it may take.
   void set_budget(const char* codel, std::chrono::microseconds budget) {
     const std::lock_guard<std::mutex> hold(lock_);
-    rows_[codel].budget = budget;
+    find(codel).budget = budget;
   }
-  /// Returns whether it took longer than it may.
-  bool add(const char* codel, std::chrono::nanoseconds took) {
+  /// Returns whether it took longer than it may. last: the row of the caller's last call, which mostly is of the same
+  /// codel; null at first. Only this function changes it.
+  bool add(const char* codel, std::chrono::nanoseconds took, Row*& last) {
     const std::lock_guard<std::mutex> hold(lock_);
-    Row& row = rows_[codel];
+    if (last == nullptr || last->text != codel) {
+      last = &find(codel);
+      last->text = codel;
+    }
+    Row& row = *last;
     ++row.calls;
     row.total += took;
     row.longest = std::max(row.longest, took);
@@ -122,10 +133,11 @@ class CodelTimes {
   }
 
  private:
-  struct Row {
-    std::uint64_t calls = 0, over = 0;
-    std::chrono::nanoseconds total{0}, longest{0}, budget{0};
-  };
+  Row& find(const char* codel) {
+    const auto found = rows_.find(std::string_view(codel));
+    return found != rows_.end() ? found->second : rows_[codel];
+  }
+
   mutable std::mutex lock_;
   std::map<std::string, Row, std::less<>> rows_;
 };
@@ -142,12 +154,19 @@ inline bool& codel_was_late() {
 class CodelTimer {
  public:
   explicit CodelTimer(const char* codel) : codel_(codel) {}
+  /// last: see CodelTimes::add; outlives the timer.
+  CodelTimer(const char* codel, CodelTimes::Row*& last) : codel_(codel), last_(&last) {}
   CodelTimer(const CodelTimer&) = delete;
   CodelTimer& operator=(const CodelTimer&) = delete;
-  ~CodelTimer() { codel_was_late() = codel_times().add(codel_, std::chrono::steady_clock::now() - begun_); }
+  ~CodelTimer() {
+    CodelTimes::Row* none = nullptr;
+    const auto took = std::chrono::steady_clock::now() - begun_;
+    codel_was_late() = codel_times().add(codel_, took, last_ != nullptr ? *last_ : none);
+  }
 
  private:
   const char* codel_;
+  CodelTimes::Row** last_ = nullptr;
   std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
 };
 struct CodelBudget {
@@ -168,7 +187,9 @@ inline const char* codel_times_text() {
 
 template <class Codel>
 int guarded(const char* name, const CodelOwner& owner, ReplyNotes& notes, const char* whose, int failed, Codel codel) {
-  const CodelTimer timer(name);
+  // A codel's call has a type of its own, in most programs.
+  static CodelTimes::Row* last = nullptr;
+  const CodelTimer timer(name, last);
   try {
     return codel();
   } catch (const std::exception& exception) {
