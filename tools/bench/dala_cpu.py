@@ -5,7 +5,7 @@ rules, as in the paper. `plain` runs GenoM's own cycles (controller/plain.cpp). 
 cost is what `plain` costs; the rest of the controller's time is shared out by the ports that take part in its steps.
 
 A second pair of rows leaves out what the codels of the cameras do (VIAM takes images, Hueblob searches them), which is most of what all codels do; with `real`
-both are also run in real time, a tick each 10 ms, where waking up costs both something. GenoM's own run time is not here: no public source of GenoM 2 builds on today's systems without changes of
+both are also run in real time, a tick each 10 ms, where waking up costs both something. `instructions` counts, under valgrind, where those of the second pair go. GenoM's own run time is not here: no public source of GenoM 2 builds on today's systems without changes of
 its own, so `plain` is its cycles, not its processes, messages and shared memory, which would make the first column larger.
 """
 import collections
@@ -138,6 +138,55 @@ def real_pair(work):
     with concurrent.futures.ThreadPoolExecutor() as pool:
         runs = {"controller": pool.submit(run, work, "controller", "--seed", "1", "--silent", real=True), "plain": pool.submit(run, work, "plain", real=True)}
         return {name: mission(r.result()) for name, r in runs.items()}
+
+
+# Whose instructions they are, by the names of functions; what remains are codels and libraries that they call.
+CAUSES = (("codels are timed", r"Codel[A-Z]|codel_was_late|steady_clock|clock_gettime"),
+          ("choice of a step, list of what is enabled", r"RunLoop|Scheduler|EnabledSet|CoreParts|Prng|collect_strings|wants_collection|__sort|__introsort"),
+          ("atoms: transitions, guards, actions", r"AtomSteps|update_places|compared_data|copy_data|has_same_data|^model::"),
+          ("counters of connectors that a port moves", r"PortStates"),
+          ("priorities", r"PriorityState|matches_"),
+          ("ports that take part, transfers", r"Firing"),
+          ("guards and choices of connectors", r"InteractionSearch|RememberedSearches|evaluate"))
+
+
+def self_costs(work, *command):
+    """{function: its own instructions} of a run under callgrind, and the run's text"""
+    out = work / "callgrind.out"
+    done = subprocess.run(["valgrind", "--tool=callgrind", f"--callgrind-out-file={out}", str(work / command[0]), *command[1:]], cwd=work, capture_output=True, text=True)
+    costs, names, function, is_call = collections.Counter(), {}, "", False
+    for line in out.open(encoding="utf-8", errors="replace"):
+        if found := re.match(r"c?fn=\((\d+)\)(?: (.*))?$", line):
+            if found.group(2):
+                names[found.group(1)] = found.group(2)
+            function = names[found.group(1)] if line[0] == "f" else function
+        elif line.startswith("calls="):
+            is_call = True
+        elif found := re.match(r"[+\-*\d]\S* (\d+)$", line):
+            # What follows a call are the instructions of the called function, which it has itself.
+            costs[function] += 0 if is_call else int(found.group(1))
+            is_call = False
+    return costs, done.stdout + done.stderr
+
+
+def print_instructions(bipc, work):
+    """Where the instructions of a mission without the codels of images go, by cause. One run of each program: with one seed they are always the same."""
+    if shutil.which("valgrind") is None:
+        raise SystemExit("instructions are counted by valgrind, which is not installed")
+    make(bipc, work, images=False)
+    start, _ = self_costs(work, "controller", "--seed", "1", "--silent", "--limit", "1")
+    whole, text = self_costs(work, "controller", "--seed", "1", "--silent")
+    plain, plain_text = self_costs(work, "plain")
+    ticks, plain_ticks = mission(text)[0], mission(plain_text)[0]
+    rows = collections.Counter({"start": sum(start.values())})
+    for function, cost in whole.items():
+        cause = next((name for name, pattern in CAUSES if re.search(pattern, function)), "codels and libraries")
+        rows[cause] += cost - start[function]
+    print(f"\n{'instructions a tick':<46} {'plain':>9} {'BIP':>9}")
+    for name in (*(name for name, _ in CAUSES), "codels and libraries", "start"):
+        print(f"{name:<46} {'':>9} {rows[name] / ticks:>9.0f}")
+    total, plain_total = sum(whole.values()) / ticks, sum(plain.values()) / plain_ticks
+    print(f"{'all':<46} {plain_total:>9.0f} {total:>9.0f}   {total / plain_total:.2f}x")
 
 
 def mission(text):
