@@ -114,7 +114,7 @@ void add_verify(CLI::App& app, VerifyArguments& a) {
       "Example:\n  bipc verify --root 'Table(1000)' --certificate table.cert model.bip\n"
       "  bipc verify --property 'never phil[0]@EATS && phil[1]@EATS' model.bip\n"
       "  bipc verify --property 'phil[0]@HUNGRY leads to phil[0]@EATS' --fair=weak model.bip\n"
-      "  bipc verify --property 'eventually lamp@ON' --fair=weak:press,strong:lamp.light model.bip\n"
+      "  bipc verify --property 'always eventually phil[0]@EATS' --fair=weak,strong:eat[0] model.bip\n"
       "  bipc verify --property errors model.bip\n"
       "  bipc verify --for-all n --root Table model.bip");
 }

@@ -257,6 +257,7 @@ class PropertyParser : private PropertyRows {
       const std::uint32_t atom = find_atom(name);
       if (atom == kNotFound) return wrong("there is no component `" + name + "`");
       const std::string place = parse_path();
+      if (place.empty()) return wrong("a place of `" + name + "` is missing behind `@`");
       const std::vector<std::string>& places = type_of(atom).places;
       for (std::size_t k = 0; k < places.size(); ++k) {
         if (places[k] == place)
