@@ -163,12 +163,13 @@ class LevelWriter {
   void module(std::size_t m) {
     const Plan& p = plans_[m];
     const std::string prefix = p.component + ".";
-    out_ += fmt::format("\n    // {}: a request takes the semaphore; what no rule is about is free.\n",
-                        p.module->name.text);
+    out_ += fmt::format("\n    // {}: a request takes the semaphore{}; what no rule is about is free.\n",
+                        p.module->name.text, p.takes_semaphore_to_decide() ? " when it is decided" : "");
     std::vector<std::string> reads;
     for (std::size_t i = 0; i < p.services.size(); ++i) service({m, i}, reads);
     if (p.execution_activities > 0) {
-      Wire abort{.name = p.component + "_read_Abort", .ports = {prefix + "read_Abort", "semaphore.take"}};
+      Wire abort{.name = p.component + "_read_Abort", .ports = {prefix + "read_Abort"}};
+      takes_to_read(abort.ports, m);
       asks(abort, m, p.services.size());
       hears(abort, m);
       if (is_served())
@@ -187,7 +188,8 @@ class LevelWriter {
     }
     if (p.passes()) pass(m);
     if (p.is_launched_by_rules) launches(m);
-    wire({.name = p.component + "_give", .ports = {prefix + "give", "semaphore.give"}});
+    if (!p.takes_semaphore_to_decide())
+      wire({.name = p.component + "_give", .ports = {prefix + "give", "semaphore.give"}});
     for (std::size_t i = 0; i < p.tasks.size(); ++i) {
       const Task& t = p.module->tasks[i];
       if (!t.has_permanent() && t.reads.empty()) continue;
@@ -217,6 +219,7 @@ class LevelWriter {
     requests(s, port + "read_" + id, reads);
     decide(s, port);
     std::vector<std::string> trig{port + "trig_" + id};
+    if (plan(s).takes_semaphore_to_decide()) trig.push_back("semaphore.give");
     for (std::size_t i = 0; i < constraints_.parameters.size(); ++i) {
       if (constraints_.parameters[i].service == s) trig.push_back(parts_.parameters[i] + ".accept");
     }
@@ -247,6 +250,10 @@ class LevelWriter {
     for (std::size_t row = 0; row < constraints_.rows.size(); ++row) {
       if (constraints_.rows[row].kind == ConstraintKind::Keep && constraints_.rows[row].subject == s) stop(row);
     }
+  }
+
+  void takes_to_read(std::vector<std::string>& ports, std::size_t module) const {
+    if (!plans_[module].takes_semaphore_to_decide()) ports.push_back("semaphore.take");
   }
 
   // Whoever counts from its last success hears of it.
@@ -310,7 +317,8 @@ class LevelWriter {
   // One connector; without an executive one a value of its parameters.
   void requests(ServiceRef s, const std::string& read, std::vector<std::string>& reads) {
     const std::string name = plan(s).component + "_read_" + plan(s).services[s.service].id;
-    std::vector<Wire> wires{{.name = name, .ports = {read, "semaphore.take"}}};
+    std::vector<Wire> wires{{.name = name, .ports = {read}}};
+    takes_to_read(wires[0].ports, s.module);
     if (has_any_value()) asks(wires[0], s.module, s.service);
     hears(wires[0], s.module);
     std::size_t k = 0;
@@ -376,12 +384,17 @@ class LevelWriter {
       if (c.condition.kind == ConditionKind::Operator) condition = "(" + condition + ")";
       guard += (guard.empty() ? "" : " && ") + condition;
     }
-    if (!guard.empty()) wire({.name = plan(s).component + "_allow_" + id, .ports = ports, .guard = guard});
+    const bool is_decided = !guard.empty();
+    const bool takes = plan(s).takes_semaphore_to_decide();
+    if (is_decided && takes) ports.push_back("semaphore.take");
+    if (is_decided) wire({.name = plan(s).component + "_allow_" + id, .ports = ports, .guard = guard});
     ports = {port + "abtInc_" + id};
+    if (!is_decided && takes) ports.push_back("semaphore.take");
+    const std::size_t needed = ports.size();
     for (const Constraint& c : constraints_.rows) {
       if (c.subject == s && c.kind == ConstraintKind::Interrupt && !waits_already(c)) tell(c, ports);
     }
-    wire({.name = plan(s).component + "_abtInc_" + id, .ports = ports, .triggers = ports.size() > 1 ? 1u : 0u});
+    wire({.name = plan(s).component + "_abtInc_" + id, .ports = ports, .triggers = ports.size() > needed ? needed : 0});
   }
 
   void reject(std::size_t row) {
@@ -477,8 +490,9 @@ class LevelWriter {
         continue;
       done.push_back(parts_.recoveries[row]);
       const Plan& p = plans_[m];
-      std::vector<std::string> ports{fmt::format("{}.read_{}", p.component, p.services[c.recovery->service].id),
-                                     "semaphore.take", parts_.recoveries[row] + ".run"};
+      std::vector<std::string> ports{fmt::format("{}.read_{}", p.component, p.services[c.recovery->service].id)};
+      takes_to_read(ports, m);
+      ports.push_back(parts_.recoveries[row] + ".run");
       if (is_served()) ports.push_back(executives_[m] + ".recover");
       const std::string name = wire({.name = fmt::format("{}_recover_{}", p.component, c.name), .ports = ports});
       for (const std::string& read : reads) priorities_.emplace_back(read, name);

@@ -34,6 +34,8 @@ class ModuleWriter {
   void add_ports(std::vector<std::string>& ports, const Codel& codel) const;
   [[nodiscard]] std::string called(const std::vector<Codel>& codels, std::size_t activity,
                                    const std::string& port) const;
+  [[nodiscard]] std::string begins(const Service& s, std::size_t activity) const;
+  [[nodiscard]] std::string runs(const Service& s, std::size_t activity) const;
   [[nodiscard]] std::string accepted(const Service& s, std::size_t activity) const;
   [[nodiscard]] std::string answered(const std::string& answer, std::size_t k, std::size_t reports) const;
   void add_module_lock(std::vector<std::string>& ports, const char* what) const;

@@ -29,6 +29,7 @@ constexpr const char* kOwnTypes[] = {"Signal",
                                      "Poster",
                                      "ServiceController",
                                      "ControlService",
+                                     "PatientControlService",
                                      "TaskController",
                                      "Permanent",
                                      "ControlIds",
@@ -186,7 +187,7 @@ class Planner {
     const bool is_execution = s.kind == ServiceKind::Execution;
     BIP_ASSERT(!is_execution || s.task_index < module_.tasks.size(), "service `{}` is of task {} of {}", s.name.text,
                s.task_index, module_.tasks.size());
-    plan.type = "ControlService";
+    plan.type = plan_.accepts_before_data() ? "PatientControlService" : "ControlService";
     if (is_execution) {
       plan.type = types_.claim(plan_.type + type_name(s.name.text), "Service");
       plan.activity = plan_activity(s.activity, StoppedBy::Requests, activity_reports(plan_, s), module_.generation);

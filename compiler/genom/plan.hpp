@@ -121,6 +121,13 @@ struct Plan {
   [[nodiscard]] bool gives_lock(const Service& s) const {
     return !by_codel && (waits_in_box() || (s.waits && s.kind == ServiceKind::Execution));
   }
+  /// Returns whether a request takes the semaphore when it is decided, and gives it back when it is accepted. Where
+  /// codels run in threads a request may wait for data as long as a codel takes; holding the semaphore meanwhile, as it
+  /// does from `read` to `give` elsewhere, it would hold up all modules.
+  [[nodiscard]] bool takes_semaphore_to_decide() const { return has_task_threads && design == Design::Ours; }
+  /// Returns whether control services wait for the data of their codels when they have been accepted, and what they
+  /// interrupt has been told: not before, since who has the data may be what they interrupt.
+  [[nodiscard]] bool accepts_before_data() const { return takes_semaphore_to_decide() && by_codel; }
   /// Returns whether a control cycle is a single step if it has nothing to do: no request waits, no final reply is due,
   /// no activity waits to begin. It is so where it is known who asks: the port `calm` of a mailbox, or of the
   /// executive, is enabled while no request waits.

@@ -12,8 +12,10 @@
 //   okay   -allow_X-> alld   if rules say so (only where there are some), or -rej_X-> laun
 //   okay, alld -abtInc_X-> abtI  what is incompatible is told to stop
 //   abtI   -trig_X->  laun (execution) or exec (control) -final-> laun
+//   turn   -run_X->   exec   where codels run in threads, a control service has the data of its codels
 //   laun   -launch->  laun   activities begin that need wait for nobody; -done-> give
 //   give   -give/rest-> idle the lock and the semaphore go back
+// Where codels run in threads the box keeps no semaphore (Plan::takes_semaphore_to_decide): `rest` ends each cycle.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -38,6 +40,9 @@ struct Box {
 
 std::string asked_for(const std::string& name) { return fmt::format(" provided (rqst == \"{}\")", name); }
 
+// The semaphore is kept from here to the end of the cycle.
+const char* keeps_token(const Plan& plan) { return plan.takes_semaphore_to_decide() ? "" : " token = true;"; }
+
 bool is_checked(const Plan& plan, const Service& s) {
   return plan.has_checks() && s.kind == ServiceKind::Execution && !s.is_init;
 }
@@ -49,7 +54,7 @@ void requests(Box& box, const Plan& plan) {
     const std::string& id = plan.services[i].id;
     box.signal("read_" + id);
     box.on("read_" + id, "read", is_checked(plan, m.services[i]) ? "asked" : "allowed",
-           fmt::format(" do {{ rqst = \"{}\"; rep = \"OK\"; token = true; }}", m.services[i].name.text));
+           fmt::format(" do {{ rqst = \"{}\"; rep = \"OK\";{} }}", m.services[i].name.text, keeps_token(plan)));
   }
   box.signal("none");
   box.on("none", "read", "laun");
@@ -131,7 +136,17 @@ void write_control(std::string& out, const Plan& plan) {
     }
     box.on("abtInc_" + id, plan.services[i].is_decided ? "alld" : "okay", "abtI", guard);
     box.on("rej_" + id, "okay", "laun", guard);
-    box.on("trig_" + id, "abtI", s.kind == ServiceKind::Control ? "exec" : waits ? "back" : "laun", guard);
+    const bool is_patient = s.kind == ServiceKind::Control && plan.accepts_before_data();
+    box.on("trig_" + id, "abtI",
+           is_patient                       ? "turn"
+           : s.kind == ServiceKind::Control ? "exec"
+           : waits                          ? "back"
+                                            : "laun",
+           guard);
+    if (is_patient) {
+      box.signal("run_" + id);
+      box.on("run_" + id, "turn", "exec", guard);
+    }
   }
   box.transitions += "\n";
   if (any_validate) {
@@ -140,7 +155,7 @@ void write_control(std::string& out, const Plan& plan) {
   }
   if (any_control) {
     box.report("final");
-    box.places += ", exec";
+    box.places += plan.accepts_before_data() ? ", turn, exec" : ", exec";
     box.on("final", "exec", plan.waits_in_box() && any_waits ? "back" : "laun");
   }
   if (any_waits) {
@@ -156,30 +171,36 @@ void write_control(std::string& out, const Plan& plan) {
     for (const char* name : {"unknown", "launch"}) box.signal(name);
     box.places += ", abor";
     box.transitions += "\n    // Abort names an activity.\n";
-    box.on("read_Abort", "read", "abor", " do { rqst = \"Abort\"; rep = \"OK\"; token = true; }");
+    box.on("read_Abort", "read", "abor", fmt::format(" do {{ rqst = \"Abort\"; rep = \"OK\";{} }}", keeps_token(plan)));
     box.on("abort", "abor", "laun");
     box.on("unknown", "abor", "laun", is_served ? " do { rep = \"UNKNOWN_ACTIVITY\"; }" : "");
     box.transitions += "\n    // Start what is ready.\n";
     box.on("launch", "laun", "laun");
   }
-  for (const char* name : {"done", "give", "rest"}) box.signal(name);
+  const bool has_token = !plan.takes_semaphore_to_decide();
+  box.signal("done");
+  if (has_token) box.signal("give");
+  box.signal("rest");
   box.places += ", give_back, fini";
   const std::string answer =
       fmt::format(" do {{ if (rqst != \"\") then executive_answer(\"{}\", rqst, rep); rqst = \"\"; fi }}", m.name.text);
-  const std::string is_told = is_served ? " && rqst == \"\"" : "";
   box.on("done", "laun", "give_back", plan.executive == Executive::Cpp ? answer : "");
   if (is_served) box.ports.emplace_back("Told", "told(rqst, rep)");
   if (is_served) box.on("told", "give_back", "give_back", " provided (rqst != \"\") do { rqst = \"\"; }");
-  box.on("give", "give_back", "idle", fmt::format(" provided (token{}) do {{ token = false; }}", is_told));
-  box.on("rest", "give_back", "idle", fmt::format(" provided (!token{})", is_told));
+  const std::string is_told = is_served ? "rqst == \"\"" : "";
+  if (has_token) {
+    const std::string and_told = is_served ? " && " + is_told : "";
+    box.on("give", "give_back", "idle", fmt::format(" provided (token{}) do {{ token = false; }}", and_told));
+    box.on("rest", "give_back", "idle", fmt::format(" provided (!token{})", and_told));
+  } else {
+    box.on("rest", "give_back", "idle", is_served ? fmt::format(" provided ({})", is_told) : "");
+  }
 
   out += fmt::format(
       "\n  // Receives the requests to {} and answers them, one control cycle after the other (Figure 8).\n",
       m.name.text);
-  out += fmt::format(
-      "  atom type {}()\n    data string rqst = \"\", rep = \"OK\"\n    data bool token = false\n    port Signal "
-      "init()\n",
-      plan.box_type);
+  out += fmt::format("  atom type {}()\n    data string rqst = \"\", rep = \"OK\"\n{}    port Signal init()\n",
+                     plan.box_type, has_token ? "    data bool token = false\n" : "");
   if (is_served) out += "    data string activity = \"\"\n";
   for (const auto& [type, name] : box.ports) out += fmt::format("    export port {} {}\n", type, name);
   out += fmt::format("\n    place {}\n\n    initial to off\n\n{}  end\n", box.places, box.transitions);

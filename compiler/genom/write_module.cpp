@@ -68,11 +68,13 @@ void ModuleWriter::run(const GenerateOptions& options) {
   }
   wire({.name = "done", .ports = done, .exported = plan_.is_launched_by_rules});
   std::vector<std::string> rest{control("rest")};
-  std::vector<std::string> give{control("give")};
   add_module_lock(rest, "give");
-  add_module_lock(give, "give");
   wire({.name = "rest", .ports = rest});
-  wire({.name = "give", .ports = give, .exported = true});
+  if (!plan_.takes_semaphore_to_decide()) {
+    std::vector<std::string> give{control("give")};
+    add_module_lock(give, "give");
+    wire({.name = "give", .ports = give, .exported = true});
+  }
   for (std::size_t i = 0; i < module_.tasks.size(); ++i) task(i);
   time();
   priorities();
@@ -146,23 +148,33 @@ std::string ModuleWriter::called(const std::vector<Codel>& codels, std::size_t a
   return action;
 }
 
-// What C++ does as a request is accepted.
-std::string ModuleWriter::accepted(const Service& s, std::size_t activity) const {
-  const std::string calls = called(s.body, activity, "trig.answer");
-  const std::string begins =
-      plan_.has_processes ? fmt::format("service_accepted({})", plan_.owner_of_activity(activity)) : "";
-  if (!plan_.calls_c) return begins + (begins.empty() || calls.empty() ? "" : "; ") + calls;
-  // The codel that judges the input has read it.
-  std::string action = begins;
-  const auto then = [&](const std::string& more) {
-    if (!more.empty()) action += (action.empty() ? "" : action.ends_with("fi") ? " " : "; ") + more;
-  };
-  then(s.validate.name.is_set() ? "" : fmt::format("service_begin({})", plan_.owner_of_activity(activity)));
-  then(calls);
+static std::string in_sequence(const std::vector<std::string>& actions) {
+  std::string all;
+  for (const std::string& action : actions) {
+    if (!action.empty()) all += (all.empty() ? "" : all.ends_with("fi") ? " " : "; ") + action;
+  }
+  return all;
+}
+
+// What C++ does as a request is accepted: its input is stored. A codel that judges the input has read it.
+std::string ModuleWriter::begins(const Service& s, std::size_t activity) const {
+  const std::size_t owner = plan_.owner_of_activity(activity);
+  return in_sequence({plan_.has_processes ? fmt::format("service_accepted({})", owner) : "",
+                      plan_.calls_c && !s.validate.name.is_set() ? fmt::format("service_begin({})", owner) : ""});
+}
+
+// A control service's codels, and its output.
+std::string ModuleWriter::runs(const Service& s, std::size_t activity) const {
+  const std::string answer = plan_.accepts_before_data() ? "run.answer" : "trig.answer";
+  const std::string calls = called(s.body, activity, answer);
+  if (!plan_.calls_c || s.kind != ServiceKind::Control) return calls;
   const std::string end = fmt::format("service_end({})", plan_.owner_of_activity(activity));
-  if (s.kind == ServiceKind::Control)
-    then(calls.empty() ? end : fmt::format("if ({} == 0) then {}; fi", of_activity(activity, "trig.answer"), end));
-  return action;
+  return in_sequence(
+      {calls, calls.empty() ? end : fmt::format("if ({} == 0) then {}; fi", of_activity(activity, answer), end)});
+}
+
+std::string ModuleWriter::accepted(const Service& s, std::size_t activity) const {
+  return in_sequence({begins(s, activity), runs(s, activity)});
 }
 
 // The k-th of so many reports; the last one stands for whatever else a codel returns.
@@ -246,10 +258,20 @@ void ModuleWriter::request(std::size_t i) {
   for (const std::size_t activity : p.activities) {
     const std::string& name = plan_.activities[activity].component;
     std::vector<std::string> trig{control("trig_" + p.id), of_activity(activity, "trig")};
-    if (!is_execution) add_locks(trig, bodies(s), 0, "take");
+    const bool is_patient = !is_execution && plan_.accepts_before_data();
+    if (!is_execution && !is_patient) add_locks(trig, bodies(s), 0, "take");
     std::string guard;
     if (plan_.waits_in_box()) wait_for_interrupted(s, activity, trig, guard);
-    wire({.name = "trig_" + name, .ports = trig, .guard = guard, .action = accepted(s, activity), .exported = true});
+    wire({.name = "trig_" + name,
+          .ports = trig,
+          .guard = guard,
+          .action = is_patient ? begins(s, activity) : accepted(s, activity),
+          .exported = true});
+    if (is_patient) {
+      std::vector<std::string> run{control("run_" + p.id), of_activity(activity, "run")};
+      add_locks(run, bodies(s), 0, "take");
+      wire({.name = "run_" + name, .ports = run, .action = runs(s, activity)});
+    }
     const std::string rejected = control("rej_" + p.id);
     wire({.name = "rej_" + name,
           .ports = {rejected, of_activity(activity, "rej")},
@@ -360,11 +382,8 @@ void ModuleWriter::validated(const Service& s, std::size_t activity) {
 
 void ModuleWriter::interruptions(const Service& s, const ServicePlan& p) {
   std::vector<std::string> ports{control("abtInc_" + p.id)};
-  std::size_t triggers = 1;
-  if (waits(s)) {
-    ports.push_back(plan_.lock + ".give");
-    triggers = 2;
-  }
+  if (waits(s)) ports.push_back(plan_.lock + ".give");
+  const std::size_t triggers = ports.size();
   for (const std::size_t other : s.interrupted) {
     for (const std::size_t activity : plan_.services[other].activities) ports.push_back(of_activity(activity, "abt"));
   }

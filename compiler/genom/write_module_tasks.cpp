@@ -365,7 +365,7 @@ void ModuleWriter::exports() {
   }
   if (plan_.executive == Executive::Served) write_export(out_, out_of("woken"), "woken");
   if (plan_.executive == Executive::Served) write_export(out_, control("told"), "told");
-  write_export(out_, out_of("give"), "give");
+  if (!plan_.takes_semaphore_to_decide()) write_export(out_, out_of("give"), "give");
   for (std::size_t i = 0; i < module_.tasks.size(); ++i) {
     if (module_.tasks[i].has_permanent() || !module_.tasks[i].reads.empty())
       write_export(out_, out_of("begin_" + plan_.tasks[i].component), "begin_" + plan_.tasks[i].component);

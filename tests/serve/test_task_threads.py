@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Codels in threads, for which their tasks wait (`bipc genom --task-threads`, compiler/docs/genom.md): a slow one holds up its task and who needs its
-data, and nothing else. Both generations of GenoM, one lock a module and one a datum; without the option the same codels hold up everything,
-so that the test shows what it is for. A slow codel takes until the test lets it go (`Gate`), so no check depends on how fast the machine is. Python's library only. The last line is "task threads: N passed, N failed".
+data, and nothing else: a request that waits for that data holds up no other module, and rules between the two hold. Both generations of GenoM, one lock a
+module and one a datum; without the option the same codels hold up everything, so that the test shows what it is for. A slow codel takes until the test lets it go (`Gate`), so no check depends on how fast the machine is. Python's library only. The last line is "task threads: N passed, N failed".
 """
 import os
 import pathlib
@@ -25,7 +25,10 @@ SLOW = """component slow {
     codel<stop> slowStop(ids out count) yield ether;
     interrupts think;
   };
+  activity judged() { task heavy; validate slowJudge(ids in count); codel<start> slowJudged(ids in other) yield ether; };
   function rest() { codel slowRest(ids in other); interrupts think; };
+  function tally() { codel slowTally(ids inout count); };
+  function drop() { codel slowTally(ids inout count); interrupts think; };
   attribute get_count(out count);
   attribute get_other(out other);
 };
@@ -33,12 +36,16 @@ SLOW = """component slow {
 QUICK = """component quick {
   ids { long ticks; };
   task fast { period 10 ms; codel<start> quickTask(ids inout ticks) yield pause::start; };
+  activity spin() { task fast; codel<start> quickSpin() yield pause::start; codel<stop> quickHalt() yield ether; };
+  function halt() { interrupts spin; };
   attribute get_ticks(out ticks);
 };
 """
 RULES = """rules both;
 modules "slow.gen", "quick.gen";
 when slow.think.late run slow.rest;
+quick.get_ticks before slow.tally;
+apart: never slow.tally && quick.spin;
 """
 C = """#include "acslow.h"
 #include "acquick.h"
@@ -75,11 +82,16 @@ genom_event slowStart(int32_t ms, int32_t *count, int32_t *counted, genom_contex
 genom_event slowAgain(int32_t *count, genom_context self) { (void)self; *count += 10; return slow_pause_again; }
 genom_event slowStop(int32_t *count, genom_context self) { (void)self; *count = -1; return slow_ether; }
 genom_event slowRest(int32_t other, genom_context self) { (void)other, (void)self; return genom_ok; }
+genom_event slowJudge(int32_t count, genom_context self) { (void)count, (void)self; return genom_ok; }
+genom_event slowJudged(int32_t other, genom_context self) { (void)other, (void)self; return slow_ether; }
+genom_event slowTally(int32_t *count, genom_context self) { (void)self; ++*count; return genom_ok; }
+genom_event quickSpin(genom_context self) { (void)self; return quick_pause_start; }
+genom_event quickHalt(genom_context self) { (void)self; return quick_ether; }
 genom_event quickTask(int32_t *ticks, genom_context self) { (void)self; ++*ticks; return quick_pause_start; }
 """
 OLD = """module old { number: 1; internal_data: DATA; };
 request Go { type: exec; exec_task: Motion; codel_main: oldGo; codel_inter: oldInter; };
-request Stop { type: control; interrupt_activity: Go; };
+request Stop { type: control; codel_control: oldMayStop; interrupt_activity: Go; };
 exec_task Motion { period: 10; codel_task_main: oldMotion; };
 """
 LIVELY = """module lively { number: 2; internal_data: DATA; };
@@ -112,6 +124,7 @@ static void pass_gate() {
   touch("left");
 }
 int oldGo(int&) { nap(300); return 2; }
+int oldMayStop() { return 0; }
 int oldInter(int&) { return overlaps ? 201 : 0; }
 int oldMotion() {
   if (is_shut()) pass_gate();
@@ -165,10 +178,10 @@ class Level:
         assert answer["ok"], answer
         return answer["request"]
 
-    def next(self, number, reply):
-        """A note, also one that came while another was waited for."""
+    def next(self, number, reply=None):
+        """A note, also one that came while another was waited for; the next reply of any kind."""
         def is_it(note):
-            return note["note"] == "request" and note["request"] == number and note["reply"] == reply
+            return note["note"] == "request" and note["request"] == number and reply in (None, note["reply"])
         while not any(map(is_it, self.notes)):
             self.notes.append(self.client.note(timeout=LONG))
         note = next(filter(is_it, self.notes))
@@ -244,6 +257,42 @@ def test_genom3(level):
     check("it ends", level.end() == 0)
 
 
+def begin_and_wait(level, module, service, gate):
+    """Asks for what needs the data of a codel at a gate; returns when its module has taken the request, and so waits."""
+    number = level.begin(f"{module}.{service}")
+    box = f"ROOT.{module}.control.box"
+    # It leaves these places when it has the data.
+    check(f"`{service}` is taken", until(lambda: level.client.ask("state", atoms=[box])["atoms"][box]["place"] in ("allowed", "abtI", "turn")))
+    check(f"`{service}` waits", any(row["request"] == number for row in level.client.ask("requests")["requests"]) and gate.holds())
+    return number
+
+
+def test_waiting_requests(level):
+    """By what a request waits for: its codel, one that rules decide about, the codel that judges its input."""
+    for service in ("get_count", "tally", "drop", "judged"):
+        gate, thinks = think(level)
+        waits = begin_and_wait(level, "slow", service, gate)
+        reports = [level.ask(f"quick.{of}")["report"] for of in ("get_ticks", "halt", "get_ticks")]
+        check(f"other components answer while `{service}` waits for data", reports == ["OK"] * 3 and gate.holds(), reports)
+        if service == "drop":
+            controller = "ROOT.slow.think.controller"
+            check("what it interrupts is told before", level.client.ask("state", atoms=[controller])["atoms"][controller]["place"] == "abrt" and gate.holds())
+        gate.open()
+        check(f"`{service}` is answered after that", level.next(waits, "final")["report"] == "OK")
+        check("what had the data is stopped", level.ask("slow.rest")["report"] == "OK" and level.next(thinks, "final")["report"] == "interrupted")
+    gate, thinks = think(level)
+    waits = begin_and_wait(level, "slow", "tally", gate)
+    refused = level.ask("quick.spin")
+    check("what a rule excludes is refused while the other waits", refused["report"] == "APART" and gate.holds(), refused)
+    gate.open()
+    check("which is answered after that", level.next(waits, "final")["report"] == "OK")
+    check("what had the data is stopped at last", level.ask("slow.rest")["report"] == "OK" and level.next(thinks, "final")["report"] == "interrupted")
+    spins = level.begin("quick.spin")
+    check("what was excluded is accepted then", level.next(spins)["reply"] == "intermediate")
+    check("and excludes the other", level.ask("slow.tally")["report"] == "APART")
+    check("until it has ended", level.ask("quick.halt")["report"] == "OK" and level.next(spins, "final")["report"] == "interrupted" and level.ask("slow.tally")["report"] == "OK")
+
+
 def test_without(level):
     gate, thinks = think(level)
     answers = []
@@ -277,9 +326,12 @@ def test_genom2(level, lock):
     before = ticks_of_genom2(level)
     reports = [level.ask("lively.Count")["report"] for _ in range(10)]
     goes_on = until(lambda: ticks_of_genom2(level) >= before + 40)
-    check(f"lock {lock}: a module goes on while codels of another sleep for longer than their period", reports == ["OK"] * 10 and goes_on and gate.holds(), reports)
+    # Its control codel waits: with one lock a module before the request is read, with a lock a datum after that.
+    begun = level.begin("old.Stop")
+    reports += [level.ask("lively.Count")["report"] for _ in range(2)]
+    check(f"lock {lock}: a module goes on while codels of another sleep for longer than their period", reports == ["OK"] * 12 and goes_on and gate.holds(), reports)
     gate.open()
-    stopped = level.ask("old.Stop")
+    stopped = level.next(begun, "final")
     ended = level.next(goes, "final")
     check(f"lock {lock}: it can be stopped, and its codels never overlap", stopped["report"] == "OK" and ended["report"] == "ACTIVITY_INTERRUPTED", (stopped, ended))
     check(f"lock {lock}: it ends", level.end() == 0)
@@ -291,6 +343,7 @@ def main():
             (pathlib.Path(work) / name).write_text(content, encoding="utf-8")
         for options in ([], ["--processes"]):
             with model_of_genom3(work, "--task-threads", *options) as level:
+                test_waiting_requests(level)
                 test_genom3(level)
         with model_of_genom3(work) as level:
             test_without(level)
