@@ -148,9 +148,12 @@ std::string proof_text(const verify::Question& question, const VerifyRequest& re
 std::string neighbourhood_text(const verify::Question& question, const VerifyRequest& request,
                                const verify::NeighbourhoodProof& proof) {
   const std::string rest = proof.needs_endless_runs ? ", and no run ends" : "";
-  std::string text = fmt::format("holds: `{}`: true of all runs, by {} and at most {} beside{} ({})\n",
-                                 question.formula.text, rt::counted(proof.cases, "case"),
-                                 rt::counted(proof.neighbours, "component"), rest, verify::words_of(request.fairness));
+  const std::string by = proof.neighbours == 0
+                             ? "the components that it names alone"
+                             : fmt::format("{} and at most {} beside", rt::counted(proof.cases, "case"),
+                                           rt::counted(proof.neighbours, "component"));
+  std::string text = fmt::format("holds: `{}`: true of all runs, by {}{} ({})\n", question.formula.text, by, rest,
+                                 verify::words_of(request.fairness));
   if (proof.may_have_errors) text += kErrorsNotLookedAt;
   return text;
 }
