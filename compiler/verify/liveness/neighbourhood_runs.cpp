@@ -73,7 +73,9 @@ class NeighbourhoodProver {
         insert_sorted(named_.atoms, members.front());
     }
     if (named_.atoms.empty() || named_.atoms.size() > kMostNamed) return false;
-    named_.of_states = (std::uint64_t{1} << formula_.states.size()) - 1;
+    // An automaton has 64 conditions at most.
+    named_.of_states =
+        formula_.states.size() == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << formula_.states.size()) - 1;
     for (u32 step = 0; step < steps_.size(); ++step) {
       std::uint64_t& happens = named_.happens.emplace_back(0);
       for (std::size_t k = 0; k < formula_.steps.size(); ++k) {
