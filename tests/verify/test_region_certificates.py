@@ -21,7 +21,7 @@ BUILD = pathlib.Path(os.environ.get("BIPC_BUILD_DIR") or ROOT / "build").resolve
 BIPC = os.path.abspath(os.environ.get("BIPC") or BUILD / "bipc")
 CERTCHECK = pathlib.Path(BIPC).with_name("certcheck")  # not built without Z3
 TIMEOUT = 300 * float(os.environ.get("BIPC_TEST_PATIENCE") or 1)
-SIZE = 10
+SIZE = 16  # of less other engines have proofs, too
 NOBODY_LOOKS = [("other.level < process.level)", "other.level < process.level && other.level < 0 - 1)"),
                 ("        connector Look look[", "      }\n      for k in 1..n {\n        connector Look look[")]
 # Locks with the same names of components and connectors, all of which can have a deadlock: who enters last is not overtaken by all others.
