@@ -126,7 +126,7 @@ struct Plan {
   /// does from `read` to `give` elsewhere, it would hold up all modules.
   [[nodiscard]] bool takes_semaphore_to_decide() const { return has_task_threads && design == Design::Ours; }
   /// Returns whether control services wait for the data of their codels when they have been accepted, and what they
-  /// interrupt has been told: not before, since who has the data may be what they interrupt.
+  /// interrupt has been told: not before, since the activity that has the data may be the one that they interrupt.
   [[nodiscard]] bool accepts_before_data() const { return takes_semaphore_to_decide() && by_codel; }
   /// Returns whether a control cycle is a single step if it has nothing to do: no request waits, no final reply is due,
   /// no activity waits to begin. It is so where it is known who asks: the port `calm` of a mailbox, or of the

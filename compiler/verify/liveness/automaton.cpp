@@ -466,7 +466,7 @@ class PastMonitor {
   PastMonitor(const Formula& formula, const Automaton& automaton)
       : formula_(formula), automaton_(automaton), bit_of_past_(bits_of_past(formula)) {
     const std::size_t conditions = formula.states.size() + formula.steps.size();
-    of_conditions_ = conditions == 64 ? ~ConditionMask{0} : (ConditionMask{1} << conditions) - 1;
+    of_conditions_ = first_conditions(conditions);
     for (FormulaRow row = 0; row < formula.nodes.size(); ++row) {
       if (looks_back(formula.nodes[row].kind)) past_.push_back(row);
     }

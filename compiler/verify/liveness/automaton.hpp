@@ -7,6 +7,7 @@
 // monitor that runs beside the tableau's automaton (Havelund, Rosu 2002). Size: exponential in the formula in the worst
 // case, 2 or 3 states for the usual ones.
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -31,6 +32,11 @@ struct Automaton {
   /// Has the state an edge to itself that requires nothing and has all marks?
   [[nodiscard]] bool accepts_whatever_follows(std::uint32_t state) const;
 };
+
+/// The bits of the first so many conditions, of which an automaton has 64 at most.
+[[nodiscard]] constexpr std::uint64_t first_conditions(std::size_t count) {
+  return count == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << count) - 1;
+}
 
 enum class RunsOf : std::uint8_t { Formula, Negation };
 /// Makes the automaton of the runs that satisfy the formula, or its negation. The error says which limit it exceeds.

@@ -73,9 +73,7 @@ class NeighbourhoodProver {
         insert_sorted(named_.atoms, members.front());
     }
     if (named_.atoms.empty() || named_.atoms.size() > kMostNamed) return false;
-    // An automaton has 64 conditions at most.
-    named_.of_states =
-        formula_.states.size() == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << formula_.states.size()) - 1;
+    named_.of_states = first_conditions(formula_.states.size());
     for (u32 step = 0; step < steps_.size(); ++step) {
       std::uint64_t& happens = named_.happens.emplace_back(0);
       for (std::size_t k = 0; k < formula_.steps.size(); ++k) {
@@ -177,15 +175,14 @@ class NeighbourhoodProver {
     for (const u32 atom : others) candidates_.push_back({atom});
     singles_ = candidates_.size();
     if (named_.atoms.size() + 2 > NeighbourhoodSteps::kMostMembers) return;
+    std::vector<std::uint8_t> is_other(system_.atoms.size(), 0);
+    for (const u32 atom : others) is_other[atom] = 1;
     std::set<std::vector<u32>> pairs;
     for (u32 step = 0; step < steps_.size(); ++step) {
       const std::vector<u32>& members = steps_.atoms_of(step);
       for (std::size_t a = 0; a < members.size(); ++a) {
         for (std::size_t b = a + 1; b < members.size(); ++b) {
-          if (std::count(others.begin(), others.end(), members[a]) +
-                  std::count(others.begin(), others.end(), members[b]) ==
-              2)
-            pairs.insert({members[a], members[b]});
+          if (is_other[members[a]] != 0 && is_other[members[b]] != 0) pairs.insert({members[a], members[b]});
         }
       }
     }

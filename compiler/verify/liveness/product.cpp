@@ -10,7 +10,7 @@ Product::Product(const rt::StateGraph& graph, const Automaton& automaton, const 
   BIP_ASSERT(!automaton.is_empty() && fits(graph.states(), automaton), "{} states, {} of the automaton", graph.states(),
              width_);
   const std::size_t conditions = formula.states.size();
-  const std::uint64_t of_states = conditions == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << conditions) - 1;
+  const std::uint64_t of_states = first_conditions(conditions);
   for (std::uint32_t value = 0; value < graph.valuations(); ++value) {
     const std::uint64_t holds = graph.valuation(value);
     for (const std::vector<AutomatonEdge>& edges : automaton.edges) {

@@ -428,7 +428,7 @@ void RoundMonitor::run_tester(const Formula& formula) {
 // As find_bad_prefix has it: such a state of the automaton is entered, or will be by the state alone, whatever the
 // step.
 void RoundMonitor::find_violated(const Automaton& automaton) {
-  const std::uint64_t of_states = states_ == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << states_) - 1;
+  const std::uint64_t of_states = first_conditions(states_);
   std::vector<Signal> fine;
   for (const SystemStep& step : machine_.steps) {
     if (step.interaction.is_valid()) fine.push_back(step.fine);

@@ -406,7 +406,8 @@ void link_network(Tables& tables) {
 // Interactions that read an atom, from which on comparing its data costs less than to look at those.
 static constexpr u32 kFewWatching = 8;
 
-// Must they be told of each transition? Guards of rules are not looked at.
+// Must the interactions that read the atom be marked after each of its transitions, even if its data are the same? What
+// guards of priority rules do is not examined.
 static bool is_watched_by_calls(const Tables& tables, u32 atom) {
   const Image& image = *tables.image;
   if (tables.atom_watch[atom].size < kFewWatching) return true;
