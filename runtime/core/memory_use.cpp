@@ -57,9 +57,10 @@ MemoryUse memory_use(const CoreParts& core) {
                           image.inner_steps.interactions, image.inner_steps.run_of, image.inner_steps.runs,
                           image.inner_steps.atoms, image.inner_steps.cells);
   for (const Choice& choice : image.choices) use.connectors += bytes(choice.ports);
-  use.connectors += t.interactions.bytes() + all_of(t.interaction_of_connector, t.flat_ports, t.inner_start, t.node_out,
-                                                    t.port_out.items, t.port_watch, t.plans, t.plan_nodes, t.plan_uses,
-                                                    t.plan_params, t.plan_ports, t.plan_choices);
+  use.connectors +=
+      t.interactions.bytes() + all_of(t.interaction_of_connector, t.flat_ports, t.inner_start, t.interaction_start,
+                                      t.node_out, t.port_out.items, t.port_watch, t.plans, t.plan_nodes, t.plan_uses,
+                                      t.plan_params, t.plan_ports, t.plan_transfers, t.plan_choices);
   use.connectors += core.enabled.bytes() + bytes(core.memory.binds.own) + core.ports.network_bytes() +
                     core.programs.bytes() + core.steps.bytes() + core.search.bytes();
   // Rules hide and show interactions: theirs is what they keep.

@@ -37,8 +37,8 @@ bool Firing::fire_parts(const Candidate& candidate) {
     case InteractionKind::Flat: done = fire_flat(info); break;
     case InteractionKind::Star: done = fire_star(info); break;
     case InteractionKind::Planned: {
-      const Span<u32> ports = core_.tables.fixed_ports(info);
-      done = ports.size != 0 ? fire_ports(ports) : fire_planned(candidate, info);
+      const Plan& plan = core_.tables.plans[info.plan()];
+      done = plan.port_count != 0 ? fire_rigid(plan) : fire_planned(candidate, info);
       break;
     }
     case InteractionKind::Port: done = core_.atom_steps.fire_port(info.row); break;
@@ -80,19 +80,30 @@ bool Firing::fire_flat(const InteractionInfo& info) {
   return fire_ports(core_.tables.fixed_ports(info));
 }
 
-inline bool Firing::fire_ports(Span<u32> ports) {
-  const std::vector<u64>& idle = core_.tables.idle_ports;
-  // An atom whose part of a step is in progress is busy, even if that changes nothing.
-  if (idle.empty() || core_.partial.is_beginning()) {
-    for (const u32 instance : ports) {
-      if (!core_.atom_steps.fire_port(instance)) return false;
+bool Firing::fire_ports(Span<u32> ports) { return core_.atom_steps.fire_ports(ports); }
+
+// Its code and its ports in turn.
+bool Firing::fire_rigid(const Plan& plan) {
+  const u32* const ports = core_.tables.plan_ports.data() + plan.first_port;
+  u32 fired = 0;
+  for (u32 row = plan.first_transfer; row < plan.end_transfer; ++row) {
+    const PlanTransfer& transfer = core_.tables.plan_transfers[row];
+    if (transfer.port_end != fired && !core_.atom_steps.fire_ports({ports + fired, transfer.port_end - fired}))
+      return false;
+    fired = transfer.port_end;
+    Cell* const own = core_.memory.cells.from(transfer.first_cell);
+    for (u32 i = 0; i < transfer.zeroed; ++i) own[i] = Cell{0};
+    if (transfer.zeroed != 0 && !core_.memory.ffi_data.empty()) {
+      core_.memory.ffi_data.reset(core_.tables.connector_type(transfer.connector).variables, core_.memory.cells.all(),
+                                  transfer.first_cell.value);
     }
-    return true;
+    const Code code = core_.tables.code(transfer.code);
+    if (code.fn == nullptr) continue;
+    const std::int32_t status =
+        code.fn(code.context, own, core_.memory.cells.all(), core_.memory.binds.rows + transfer.binds);
+    if (status >= 2) return core_.faults.fail_code(status, kNone, transfer.connector, nullptr);
   }
-  for (const u32 instance : ports) {
-    if ((idle[instance >> 6] >> (instance & 63) & 1) == 0 && !core_.atom_steps.fire_port(instance)) return false;
-  }
-  return true;
+  return core_.atom_steps.fire_ports({ports + fired, plan.port_count - fired});
 }
 
 // All ports that are ready take part; that a port fires changes no other atom's readiness, so one pass finds and fires.
@@ -127,6 +138,7 @@ bool Firing::fire_star(const InteractionInfo& info) {
 
 bool Firing::fire_planned(const Candidate& candidate, const InteractionInfo& info) {
   const Plan& plan = core_.tables.plans[info.plan()];
+  BIP_ASSERT(plan.port_count == 0, "a plan that has no choice");
   if (!plan.needs_ups) return fire_ports(planned_ports(candidate, info));
   const PlanNode* nodes = core_.tables.plan_nodes.data() + plan.first_node;
   core_.search.choose(candidate, plan);
@@ -222,28 +234,27 @@ Span<u32> Firing::ports(const Candidate& candidate) {
 }
 
 // What is available takes part.
-void Firing::list_choices(const Plan& plan) {
-  const PlanChoice* choices = core_.tables.plan_choices.data();
-  ports_.clear();
+Span<u32> Firing::list_choices(const Plan& plan) {
+  const PlanChoice* const choices = core_.tables.plan_choices.data();
+  // Room for all of them.
+  if (ports_.size() < plan.end_choice - plan.first_choice) ports_.resize(plan.end_choice - plan.first_choice);
+  u32* const out = ports_.data();
+  u32 count = 0;
   for (u32 row = plan.first_choice; row < plan.end_choice;) {
     const PlanChoice& choice = choices[row++];
-    switch (choice.kind) {
-      case PlanChoice::Kind::Port: ports_.push_back(choice.ref); break;
-      case PlanChoice::Kind::PortIfEnabled:
-        if (core_.ports.enabled_row(choice.ref) != kNone) ports_.push_back(choice.ref);
-        break;
-      case PlanChoice::Kind::Group:
-        if (core_.ports.values()[choice.ref] < 0) row = choice.end;
-        break;
+    if (choice.kind == PlanChoice::Kind::Group) {
+      if (core_.ports.values()[choice.ref] < 0) row = choice.end;
+    } else if (choice.kind == PlanChoice::Kind::Port || core_.ports.enabled_row(choice.ref) != kNone) {
+      out[count++] = choice.ref;
     }
   }
+  return {out, count};
 }
 
 Span<u32> Firing::planned_ports(const Candidate& candidate, const InteractionInfo& info) {
   const Plan& plan = core_.tables.plans[info.plan()];
   if (plan.end_choice != plan.first_choice && !info.searched) {
-    list_choices(plan);
-    return {ports_.data(), static_cast<u32>(ports_.size())};
+    return list_choices(plan);
   }
   if (choices_.empty()) choices_.resize(core_.tables.plans.size());
   ListedChoices& known = choices_[info.plan()];

@@ -63,10 +63,11 @@ class Firing {
   template <class Visit>
   void visit_chosen(const Plan& plan, const Visit& visit);
   bool fire_ports(Span<u32> ports);
+  bool fire_rigid(const Plan& plan);
   bool fire_star(const InteractionInfo& info);
   /// ports() of a planned interaction.
   Span<u32> planned_ports(const Candidate& candidate, const InteractionInfo& info);
-  void list_choices(const Plan& plan);
+  Span<u32> list_choices(const Plan& plan);
   bool fire_planned(const Candidate& candidate, const InteractionInfo& info);
   bool run_transfer(const InteractionInfo& info, u32 clause);
 

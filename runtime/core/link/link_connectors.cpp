@@ -80,27 +80,6 @@ std::vector<u32> groups_below(const Tables& tables, u32 top) {
   return groups;
 }
 
-// As Firing::fire_planned comes to them.
-void list_ports(Tables& tables, Plan& plan) {
-  BIP_ASSERT(plan.rigid && !plan.has_choice, "the ports of a plan that has choices");
-  plan.first_port = static_cast<u32>(tables.plan_ports.size());
-  std::vector<std::pair<u32, u32>> stack{{0, 0}};  // a use and its next parameter
-  while (!stack.empty()) {
-    const PlanUse& use = tables.plan_uses[plan.first_use + stack.back().first];
-    const u32 param = stack.back().second++;
-    if (param == tables.connector_type(use.connector).params.size) {
-      stack.pop_back();
-      continue;
-    }
-    const u32 row = tables.plan_params[use.first_param + param];
-    if (row == kNone) continue;
-    const PlanNode& node = tables.plan_nodes[plan.first_node + row];
-    if (node.kind == NodeKind::Link) stack.emplace_back(node.use, 0);
-    else tables.plan_ports.push_back(node.ref);
-  }
-  plan.port_count = static_cast<u32>(tables.plan_ports.size()) - plan.first_port;
-}
-
 // The plan of an interaction that is Planned: the connector with what lies below.
 void add_plan(Tables& tables, InteractionInfo& info) {
   // What is still to be added, last first: a define node of a use, below a node of the plan.
@@ -239,7 +218,6 @@ void add_plan(Tables& tables, InteractionInfo& info) {
       plan.needs_ups |= clause.down != kNone || (is_seen && clause.up != kNone);
     }
   }
-  if (plan.rigid && !plan.needs_ups) list_ports(tables, plan);
   // Alternatives of one parameter are several candidates: they are listed.
   info.searched |= plan.guarded || plan.has_choice || !plan.witnesses.empty();
   info.ref = static_cast<u32>(tables.plans.size());
@@ -328,6 +306,7 @@ void link_interactions(Tables& tables, MaximalProgress progress) {
 }
 
 std::int32_t Tables::start_of(InteractionId interaction) const {
+  if (!interaction_start.empty()) return interaction_start[interaction.value];
   const InteractionInfo info = interactions[interaction];
   if (info.kind == InteractionKind::Planned) return group_start(connector_type(info.row), 0);
   return info.kind == InteractionKind::Flat && info.count != 0 ? -static_cast<std::int32_t>(info.count) : -1;
@@ -339,7 +318,8 @@ void link_network(Tables& tables) {
   std::vector<u32> root_node(image.connectors.size);
   const u32 interaction_count = static_cast<u32>(tables.interactions.size());
   std::vector<std::int32_t>& starts = tables.inner_start;
-  std::vector<Csr::Pair> from_ports, from_nodes;
+  NetworkEdges edges;
+  auto& [from_ports, from_nodes] = edges;
   from_ports.reserve(interaction_count - tables.connector_interactions + image.port_refs.size);
   for (const InteractionId port : tables.interactions_of_ports())
     from_ports.push_back({tables.interactions[port].row, Tables::node_of(port)});
@@ -398,9 +378,10 @@ void link_network(Tables& tables) {
                            return pair.from < tables.node_count() && pair.to < tables.node_count();
                          }),
              "an edge beyond {} nodes", tables.node_count());
+  link_plan_choices(tables, first_group);
+  contract_network(tables, edges);
   tables.port_out = Csr::build(tables.port_atom.size(), from_ports);
   tables.node_out = Csr::build(tables.node_count(), from_nodes);
-  link_plan_choices(tables, first_group);
 }
 
 // Interactions that read an atom, from which on comparing its data costs less than to look at those.

@@ -25,6 +25,7 @@ Tables link(const Image& image, MaximalProgress progress) {
   link_atoms(tables);
   link_inner_rules(tables);
   link_interactions(tables, progress);
+  link_plan_transfers(tables);
   link_network(tables);
   link_watches(tables);
   BIP_ASSERT(has_matching_sizes(tables), "{} interactions, {} ports", tables.interactions.size(),
@@ -90,26 +91,38 @@ bool is_idle_port(const Tables& tables, const LinkedType& linked, u32 port) {
                      [&](const LinkedTransition& t) { return t.port != port || t.is_idle; });
 }
 
-// For each transition of a fixed type the ports whose enabled transition changes.
+// For each transition of a local type the ports whose enabled transition changes for sure, and the transitions whose
+// guards say the rest.
 void add_deltas(Tables& tables, const AtomType& type, const LinkedType& linked) {
-  std::vector<u32> before(type.ports.size), after(type.ports.size);
+  constexpr u32 kByGuard = kNone - 1;
+  std::vector<u32> before(type.ports.size, kNone), after(type.ports.size, kNone);
+  std::vector<u32> offered;  // ports of the two places; what both offer is there twice, and the second time the same
   const auto ports_of = [&](u32 place, std::vector<u32>& enabled) {
-    for (u32 row : tables.place_transitions[linked.first_place + place]) enabled[tables.transitions[row].port] = row;
+    for (const u32 row : tables.place_transitions[linked.first_place + place]) {
+      const LinkedTransition& next = tables.transitions[row];
+      enabled[next.port] = next.source->guard == kNone ? row : kByGuard;
+      offered.push_back(next.port);
+    }
   };
   for (u32 i = 0; i < linked.transition_count; ++i) {
     LinkedTransition& t = tables.transitions[linked.first_transition + i];
     t.delta_first = static_cast<u32>(tables.deltas.size());
     if (t.from != t.to) {
-      // Only ports of the two places can differ: cost by what they offer, not by the ports of the type.
-      std::fill(before.begin(), before.end(), kNone);
-      std::fill(after.begin(), after.end(), kNone);
+      offered.clear();
       ports_of(t.from, before);
       ports_of(t.to, after);
-      for (u32 port = 0; port < type.ports.size; ++port) {
-        if (before[port] != after[port]) tables.deltas.push_back({port, after[port]});
+      for (const u32 port : offered) {
+        if (before[port] != after[port] && after[port] != kByGuard) tables.deltas.push_back({port, after[port]});
+        before[port] = after[port] = kNone;
       }
     }
     t.delta_count = static_cast<u32>(tables.deltas.size()) - t.delta_first;
+    for (const u32 row : tables.place_transitions[linked.first_place + t.to]) {
+      const LinkedTransition& next = tables.transitions[row];
+      if (next.source->guard != kNone) tables.deltas.push_back({next.port, row});
+    }
+    t.guarded_count = static_cast<u32>(tables.deltas.size()) - t.delta_first - t.delta_count;
+    t.settling = t.is_idle ? Settling::Nothing : linked.simple ? Settling::Flips : Settling::Rows;
   }
 }
 
@@ -158,15 +171,18 @@ void link_atoms(Tables& tables) {
       linked.has_internal |= t.port == kNone;
       const u32 row = static_cast<u32>(tables.transitions.size());
       tables.transitions.push_back({tables.code(t.guard), tables.code(t.action), t.port, automaton ? t.from[0] : kNone,
-                                    automaton ? t.to[0] : kNone, 0, 0, &t, automaton && is_idle(type, k)});
+                                    automaton ? t.to[0] : kNone, 0, 0, 0, &t, Settling::All,
+                                    automaton && is_idle(type, k)});
       if (automaton) (t.port == kNone ? internal : labelled).push_back({linked.first_place + t.from[0], row});
     }
+    linked.is_local =
+        linked.one_each && !linked.is_timed && !linked.has_internal && !linked.has_invariants && !linked.has_priorities;
     tables.types.push_back(linked);
   }
   tables.place_transitions = Csr::build(places, labelled);
   tables.place_internals = Csr::build(places, internal);
   for (u32 i = 0; i < image.atom_types.size; ++i) {
-    if (tables.types[i].fixed) add_deltas(tables, image.atom_types[i], tables.types[i]);
+    if (tables.types[i].is_local) add_deltas(tables, image.atom_types[i], tables.types[i]);
   }
 
   std::size_t ports = 0;

@@ -84,15 +84,24 @@ struct AtomInfo {
   u32 type = 0;
   u32 watched = 0;  // 0: no guard or rule reads its data; kWatchedByData, kWatchedByCalls
 };
+/// What there is to do after a transition's action, until the atom's ports are up to date.
+enum class Settling : std::uint8_t {
+  Nothing,  // the atom's state and its ports stay as they are
+  Flips,    // of a simple type: its deltas
+  Rows,     // its deltas, then the guards of what leaves the new place
+  All       // AtomSteps::settle_atom: the atom has time, internal transitions, invariants, priorities or tokens
+};
 struct LinkedTransition {
   Code guard, action;            // fn null: none
   u32 port;                      // of the type; kNone: internal
   u32 from, to;                  // the place, if the type is an automaton
-  u32 delta_first, delta_count;  // rows of Tables::deltas, if the type is fixed
+  u32 delta_first, delta_count;  // rows of Tables::deltas: what changes for sure
+  u32 guarded_count;             // rows after them: what the guards of transitions from `to` say
   const Transition* source;
+  Settling settling = Settling::All;
   bool is_idle = false;  // the atom's state and its ports stay as they are
 };
-/// Firing a transition of a fixed type makes `transition` (or none) the enabled one of `port`.
+/// Firing a transition makes `transition` (or none) the enabled one of `port`, for sure or if its guard holds.
 struct PortDelta {
   u32 port, transition;
 };
@@ -104,6 +113,7 @@ struct LinkedType {
   bool simple = false;  // fixed, and each port labels one transition: a port is enabled iff the atom is at its place
   bool one_each =
       false;  // automaton, at most one transition for each place and port: whether it is enabled is its guard's
+  bool is_local = false;  // one_each, and nothing but places and guards says what its ports offer
   bool has_internal = false;
   bool has_priorities = false;
   bool has_invariants = false;
@@ -155,13 +165,24 @@ struct PlanChoice {
   u32 ref = 0;  // port instance; Group: node of the availability network
   u32 end = 0;  // Group: row of plan_choices
 };
+/// Code that a rigid plan runs as it fires, after its first `port_end` ports.
+struct PlanTransfer {
+  u32 code = kNone;  // row of the image's codes; kNone: none
+  u32 connector = 0;
+  VariableId first_cell;  // of the connector's own data
+  u32 zeroed = 0;         // so many of them are zero when it begins
+  u32 binds = 0;          // row of the bound variables
+  u32 port_end = 0;
+};
 struct Plan {
   u32 connector = 0;
   u32 first_node = 0, node_count = 0;
   u32 first_use = 0, use_count = 0;
   u32 leaves = 0, words = 0;  // 64-bit words of a configuration
-  // Rows of plan_ports: of a rigid plan without code to fire, its ports in the order of firing.
+  // Rows of plan_ports and plan_transfers: of a rigid plan without witnesses, its ports in the order of firing, and
+  // what runs between them.
   u32 first_port = 0, port_count = 0;
+  u32 first_transfer = 0, end_transfer = 0;
   // Rows of plan_choices: of a plan that is not rigid, without guards, merged ports and code to fire.
   u32 first_choice = 0, end_choice = 0;
   bool guarded = false;  // a clause in its tree has a guard, or an `up` that may fault
@@ -220,12 +241,13 @@ struct Tables {
   // Availability network. Nodes [0, interactions.size()) are the interactions, the rest inner groups. A node is
   // available iff its value >= 0.
   std::vector<std::int32_t>
-      inner_start;            // of inner groups: the value with every port disabled; of interactions: start_of
-  Csr node_out;               // by node: nodes that count it
-  Csr port_out;               // by port instance: nodes that count it
-  InteractionsBy port_watch;  // by port instance: interactions to search again when it flips
-  InteractionsBy atom_watch;  // by atom: interactions that read its data
-  Csr atom_rules;             // by atom: priority rules that read its data
+      inner_start;  // of inner groups: the value with every port disabled; of interactions: start_of
+  std::vector<std::int32_t> interaction_start;  // by interaction, the same. Empty: what its connector says
+  Csr node_out;                                 // by node: nodes that count it
+  Csr port_out;                                 // by port instance: nodes that count it
+  InteractionsBy port_watch;                    // by port instance: interactions to search again when it flips
+  InteractionsBy atom_watch;                    // by atom: interactions that read its data
+  Csr atom_rules;                               // by atom: priority rules that read its data
   bool any_port_watch = false;
   bool any_searched = false;
 
@@ -234,6 +256,7 @@ struct Tables {
   std::vector<PlanUse> plan_uses;
   std::vector<u32> plan_params;
   std::vector<u32> plan_ports;
+  std::vector<PlanTransfer> plan_transfers;
   std::vector<PlanChoice> plan_choices;
   std::vector<std::vector<u32>> clause_order;  // by connector type: its clauses, sorted by their parameters
   InnerRules inner_rules;
@@ -255,7 +278,7 @@ struct Tables {
     return image->port_refs[image->connectors[connector].ports + param];
   }
   /// The ports of an interaction in which always the same ones take part, in the order of firing: of a flat one, and of
-  /// a planned one that runs no code. Empty: they have to be found.
+  /// a planned one that is rigid. Empty: they have to be found.
   [[nodiscard]] Span<u32> fixed_ports(const InteractionInfo& info) const {
     if (info.kind == InteractionKind::Flat) return {flat_ports.data() + info.first, info.count};
     if (info.kind != InteractionKind::Planned || plans[info.plan()].port_count == 0) return {};
@@ -316,7 +339,15 @@ enum class MaximalProgress : std::uint8_t { On, Off };
 void link_atoms(Tables& tables);
 void link_inner_rules(Tables& tables);
 void link_interactions(Tables& tables, MaximalProgress progress);
+/// The ports of rigid plans, and their code.
+void link_plan_transfers(Tables& tables);
 void link_network(Tables& tables);
+/// What counts what in the availability network: ports and nodes, and the nodes that count them.
+struct NetworkEdges {
+  std::vector<Csr::Pair> from_ports, from_nodes;
+};
+/// Lets groups go into the nodes that count them, where that says the same. After link_plan_choices.
+void contract_network(Tables& tables, NetworkEdges& edges);
 /// Connector k's groups that are no interactions are nodes from first_group[k] on, in the order of its `define`.
 void link_plan_choices(Tables& tables, const std::vector<u32>& first_group);
 void link_watches(Tables& tables);

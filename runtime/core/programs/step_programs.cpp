@@ -52,34 +52,19 @@ void StepPrograms::list_port(u32 instance, Parts& parts) {
   }
 }
 
-// The plan's codes and ports in the order in which fire_planned would run them.
+// The plan's codes and ports, as fire_rigid would run them.
 void StepPrograms::list_plan(const Plan& plan, Parts& parts) {
-  const auto clause_code = [&](const PlanUse& use, u32 Clause::*transfer) {
-    if (use.clause == kNone) return Code{};
-    const Clause& clause = core_.tables.connector_type(use.connector).clauses[use.clause];
-    return core_.tables.code(clause.*transfer);
+  u32 fired = 0;
+  const auto list_ports = [&](u32 end) {
+    for (; fired < end; ++fired) list_port(core_.tables.plan_ports[plan.first_port + fired], parts);
   };
-  for (u32 i = plan.use_count; i-- > 0;) {
-    const PlanUse& use = core_.tables.plan_uses[plan.first_use + i];
-    list_code(use.connector, clause_code(use, &Clause::up), OwnData::Zeroed, parts.before);
+  for (u32 row = plan.first_transfer; row < plan.end_transfer; ++row) {
+    const PlanTransfer& transfer = core_.tables.plan_transfers[row];
+    list_ports(transfer.port_end);
+    list_code(transfer.connector, core_.tables.code(transfer.code),
+              transfer.zeroed != 0 ? OwnData::Zeroed : OwnData::Kept, fired == 0 ? parts.before : parts.after);
   }
-  std::vector<std::pair<u32, u32>> stack{{0, 0}};
-  while (!stack.empty()) {
-    const PlanUse& use = core_.tables.plan_uses[plan.first_use + stack.back().first];
-    const u32 param = stack.back().second++;
-    if (param == 0)
-      list_code(use.connector, clause_code(use, &Clause::down), OwnData::Kept,
-                parts.instances.empty() ? parts.before : parts.after);
-    if (param == core_.tables.connector_type(use.connector).params.size) {
-      stack.pop_back();
-      continue;
-    }
-    const u32 node = core_.tables.plan_params[use.first_param + param];
-    if (node == kNone) continue;
-    const PlanNode& at = core_.tables.plan_nodes[plan.first_node + node];
-    if (at.kind == NodeKind::Link) stack.emplace_back(at.use, 0);
-    else list_port(at.ref, parts);
-  }
+  list_ports(plan.port_count);
 }
 
 // Counters and guards that the step moves. False: not a step for a program.

@@ -256,46 +256,82 @@ static std::size_t compared_data(const CoreParts& core, u32 atom, const LinkedTr
          std::memcmp(before.data(), core.memory.cells.from(core.atoms[atom].first_cell), compared) == 0;
 }
 
-bool AtomSteps::fire_port(u32 instance) {
-  BIP_ASSERT(core_.ports.port(instance).transition != kNone, "port {} is disabled", instance);
-  if (core_.partial.is_beginning()) return core_.partial.begin_port(instance);
-  const PortState& port = core_.ports.port(instance);
-  const u32 atom = core_.tables.port_atom[instance];
+// The action, then what that changes, of a transition that needs no more. Within the loop: what the loop holds in
+// registers is loaded once for all ports.
+[[gnu::always_inline]] inline bool AtomSteps::move_and_look(u32 atom, const AtomInfo& info,
+                                                            const LinkedTransition& transition) {
+  BIP_ASSERT(core_.memory.places[atom] == transition.from, "atom {} is at place {}", atom, core_.memory.places[atom]);
+  core_.memory.places[atom] = transition.to;
+  Cell* const all = core_.memory.cells.all();
+  Cell* const own = core_.memory.cells.from(info.first_cell);
+  if (transition.action.fn != nullptr) {
+    const std::int32_t status = transition.action.fn(transition.action.context, own, all, nullptr);
+    if (status >= 2) [[unlikely]]
+      return core_.faults.fail_code(status, atom, kNone, transition.source);
+  }
+  const PortDelta* change = core_.tables.deltas.data() + transition.delta_first;
+  const PortDelta* const guarded = change + transition.delta_count;
+  for (const PortDelta* const end = guarded + transition.guarded_count; change != end; ++change) {
+    u32 row = change->transition;
+    if (change >= guarded) {
+      const LinkedTransition& next = core_.tables.transitions[row];
+      const std::int32_t status = next.guard.fn(next.guard.context, own, all, nullptr);
+      BIP_ASSERT(status >= 0, "a guard of atom {} returns {}", atom, status);
+      if (status >= 2) [[unlikely]]
+        return core_.faults.fail_code(status, atom, kNone, next.source);
+      if (status == 0) row = kNone;
+    }
+    const u32 instance = info.port_base + change->port;
+    if (transition.settling == Settling::Flips ? true : core_.ports.exchange(instance, row))
+      core_.ports.flip(instance, row != kNone);
+  }
+  return true;
+}
+
+bool AtomSteps::fire_port(u32 instance) { return fire_ports({&instance, 1}); }
+
+bool AtomSteps::fire_ports(Span<u32> ports) {
+  // An atom whose part of a step is in progress is busy, even if that changes nothing.
+  if (core_.partial.is_beginning()) [[unlikely]] {
+    return std::all_of(ports.begin(), ports.end(), [&](u32 instance) { return core_.partial.begin_port(instance); });
+  }
+  const u64* const idle = core_.tables.idle_ports.empty() ? nullptr : core_.tables.idle_ports.data();
+  for (const u32 instance : ports) {
+    if (idle != nullptr && (idle[instance >> 6] >> (instance & 63) & 1) != 0) continue;
+    BIP_ASSERT(core_.ports.port(instance).transition != kNone, "port {} is disabled", instance);
+    const LinkedTransition& transition = core_.tables.transitions[core_.ports.port(instance).transition];
+    // Its data stay as they are: nothing that reads them is to be evaluated again.
+    if (transition.settling == Settling::Nothing) continue;
+    const u32 atom = core_.tables.port_atom[instance];
+    const AtomInfo& info = core_.atoms[atom];
+    BIP_ASSERT(transition.port == instance - info.port_base, "the transition of port {} is of port {}", instance,
+               transition.port);
+    if (transition.settling == Settling::All || info.watched == kWatchedByData) [[unlikely]] {
+      if (!fire_and_settle(atom, transition)) return false;
+      continue;
+    }
+    if (!move_and_look(atom, info, transition)) return false;
+    if (info.watched != 0) core_.ports.touch(atom);
+  }
+  return true;
+}
+
+// What reads the data of the atom is evaluated again only if they have changed.
+[[gnu::noinline]] bool AtomSteps::fire_and_settle(u32 atom, const LinkedTransition& transition) {
   const AtomInfo& info = core_.atoms[atom];
   const LinkedType& type = core_.tables.types[info.type];
-  const LinkedTransition& transition = core_.tables.transitions[port.transition];
   const u32 before = core_.memory.places[atom];
-  BIP_ASSERT(transition.port == instance - info.port_base, "the transition of port {} is of port {}", instance,
-             transition.port);
-  BIP_ASSERT(!type.simple || before == port.place, "port {} is enabled from place {}, its atom is at {}", instance,
-             port.place, before);
-  if (transition.is_idle) {
-    // Its data stay as they are: nothing that reads them is to be evaluated again.
-    return !type.is_timed || core_.clocks.begin_resume(atom, &transition);
-  }
+  if (transition.is_idle) return !type.is_timed || core_.clocks.begin_resume(atom, &transition);
   if (type.is_timed && core_.actions.any()) {
     if (const Async* async = core_.actions.async_of(atom, transition))
       return core_.actions.begin_action(atom, transition, *async);
   }
-  // What reads the data of an atom is evaluated again only if they have changed.
   DataBefore data_before;
-  if (info.watched == kWatchedByData) [[unlikely]]
-    copy_data(core_, atom, transition, data_before);
-  if (!move(atom, transition)) return false;
-  BIP_ASSERT(!type.fixed || transition.delta_first + transition.delta_count <= core_.tables.deltas.size(),
-             "changes from {} on", transition.delta_first);
-  if (type.fixed) {
-    const PortDelta* delta = core_.tables.deltas.data() + transition.delta_first;
-    if (type.simple) {
-      for (u32 i = 0; i < transition.delta_count; ++i)
-        core_.ports.flip(info.port_base + delta[i].port, delta[i].transition != kNone);
-    } else {
-      for (u32 i = 0; i < transition.delta_count; ++i)
-        core_.ports.set_port(info.port_base + delta[i].port, delta[i].transition);
-    }
-  } else if (type.one_each && !type.is_timed && !type.has_internal && !type.has_invariants && !type.has_priorities) {
-    if (!update_places(core_, atom, before)) return false;
-  } else if ((type.has_invariants && !check_invariants(atom, &transition)) || !settle_atom(atom, before, &transition)) {
+  if (info.watched == kWatchedByData) copy_data(core_, atom, transition, data_before);
+  if (transition.settling != Settling::All) {
+    if (!move_and_look(atom, info, transition)) return false;
+  } else if (!move(atom, transition) || (type.has_invariants && !check_invariants(atom, &transition)) ||
+             !settle_atom(atom, before, &transition)) {
     return false;
   }
   if (info.watched == kWatchedByData && has_same_data(core_, atom, transition, data_before)) return true;

@@ -19,6 +19,8 @@ class AtomSteps {
 
   /// Fires the transition that the port has enabled, and what follows in the atom; its ports are up to date then.
   bool fire_port(u32 instance);
+  /// The same of ports of different atoms, one after the other.
+  bool fire_ports(Span<u32> ports);
   /// Runs internal transitions as long as there are, then updates the ports. fired: null after `initial`.
   bool settle_atom(u32 atom, u32 place_before, const LinkedTransition* fired);
   /// Finds the enabled transition of each port anew. place_before: kNone if not known.
@@ -41,6 +43,8 @@ class AtomSteps {
 
  private:
   bool look_at(u32 atom, u32 row);
+  bool move_and_look(u32 atom, const AtomInfo& info, const LinkedTransition& transition);
+  bool fire_and_settle(u32 atom, const LinkedTransition& transition);
   bool run_internals(u32 atom);
   bool move(u32 atom, const LinkedTransition& transition);
 

@@ -7,7 +7,7 @@
 
 namespace bip::rt {
 
-inline void PortStates::bump(u32 node, bool on) {
+[[gnu::always_inline]] inline void PortStates::bump(u32 node, bool on) {
   BIP_ASSERT(node < values_.size(), "node {} of {}", node, values_.size());
   if (on ? ++values_[node] != 0 : values_[node]-- != 0) return;
   if (node < direct_.is_direct.size() && direct_.is_direct[Tables::interaction_at(node)] == 0)
@@ -17,25 +17,25 @@ inline void PortStates::bump(u32 node, bool on) {
   else core_.enabled.erase(Tables::interaction_at(node));
 }
 
-inline void PortStates::flip(u32 instance, bool on) {
+[[gnu::always_inline]] inline void PortStates::flip(u32 instance, bool on) {
   BIP_ASSERT(instance < ports_.size(), "port {} of {}", instance, ports_.size());
   for (const u32 node : core_.tables.port_out[instance]) bump(node, on);
-  if (core_.tables.any_port_watch) {
-    for (const InteractionId interaction : core_.tables.port_watch[instance]) {
-      if (is_available(interaction)) mark_dirty(interaction);
-    }
-  }
+  if (core_.tables.any_port_watch && core_.tables.port_watch[instance].size != 0) mark_watching(instance);
 }
 
-inline void PortStates::set_port(u32 instance, u32 transition) {
+inline bool PortStates::exchange(u32 instance, u32 transition) {
   PortState& port = ports_[instance];
   BIP_ASSERT(port.place == kNone, "port {} of a simple type follows its atom's place", instance);
-  const u32 before = port.transition;
   BIP_ASSERT(transition == kNone || core_.tables.transitions[transition].port ==
                                         instance - core_.tables.port_base(core_.tables.port_atom[instance]),
              "transition {} does not label port {}", transition, instance);
+  const u32 before = port.transition;
   port.transition = transition;
-  if ((before == kNone) != (transition == kNone)) flip(instance, transition != kNone);
+  return (before == kNone) != (transition == kNone);
+}
+
+inline void PortStates::set_port(u32 instance, u32 transition) {
+  if (exchange(instance, transition)) flip(instance, transition != kNone);
 }
 
 }  // namespace bip::rt

@@ -101,6 +101,13 @@ void PortStates::crossed(u32 node, bool on) {
   }
 }
 
+// The port has flipped: marks the interactions that are searched again then.
+void PortStates::mark_watching(u32 instance) {
+  for (const InteractionId interaction : core_.tables.port_watch[instance]) {
+    if (is_available(interaction)) mark_dirty(interaction);
+  }
+}
+
 void PortStates::touch(u32 atom) {
   for (const InteractionId interaction : core_.tables.atom_watch[atom]) {
     // What is not available has nothing to evaluate; becoming available marks it.

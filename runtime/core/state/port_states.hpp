@@ -46,6 +46,8 @@ class PortStates {
   [[nodiscard]] u32 enabled_row(u32 instance) const;
   /// Makes the transition (or none) the port's enabled one. Not for ports of simple types.
   void set_port(u32 instance, u32 transition);
+  /// Notes that without telling what is above. Was the port disabled and is enabled, or the other way round?
+  [[nodiscard]] bool exchange(u32 instance, u32 transition);
   /// Tells what is above that the port became enabled or disabled.
   void flip(u32 instance, bool on);
 
@@ -76,6 +78,7 @@ class PortStates {
 
  private:
   void bump(u32 node, bool on);
+  void mark_watching(u32 instance);
 
   CoreParts& core_;
   std::vector<PortState> ports_;
