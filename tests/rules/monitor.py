@@ -24,12 +24,15 @@ class Activity:
 
 
 class Edge:
-    """What a `when` rule has to do: `due` if its recovery has to come before any other request to that module, `may` if it may come."""
+    """What a `when` rule has to do: `due` if its recovery has to come before any other request to that module, `may` how often it may come.
+
+    Each time the condition becomes true asks for one recovery. Those of several times are one if none came between. Within an instant the recovery that an
+    earlier time asked for may come before the level has looked at the condition, and then another one for this time; when time goes on it has looked."""
 
     def __init__(self, rule):
         self.rule = rule
         self.holds = self.held_at_tick = False   # the condition, now and at the end of the last instant
-        self.may = self.due = self.rose = self.recovered = False   # the last two: in this instant
+        self.may, self.due, self.recovered = 0, False, False   # the last: in this instant
 
 
 class Task:
@@ -103,7 +106,7 @@ class Monitor:
         for edge in self.edges:
             holds = self.true(edge.rule[1])
             if holds and not edge.holds:
-                edge.may = edge.rose = True
+                edge.may += 1
             edge.holds = holds
         if "_stop_" in name and any(p.endswith((".halt", ".cancel")) for p in ports):
             self.counts["stopped"] += 1
@@ -207,7 +210,7 @@ class Monitor:
             if is_recovery and rule == of:
                 if not edge.may:
                     raise Forbidden(f"{service} is asked for by {of}, {condition} has not become true")
-                edge.may, edge.due, edge.recovered = edge.due and edge.rose, False, True
+                edge.may, edge.due, edge.recovered = edge.may - 1, False, True
                 self.called[condition[0]] = self.called.get(condition[0], 0) + 1
             elif not is_recovery and edge.due and service.split(".")[0] == module:
                 raise Forbidden(f"something is requested of {module} before {service}, which {of} asks for")
@@ -255,9 +258,9 @@ class Monitor:
 
     def tick(self):
         for edge in self.edges:
-            if edge.holds and not edge.held_at_tick and not edge.recovered:
-                edge.due = edge.may = True
-            edge.held_at_tick, edge.rose, edge.recovered = edge.holds, False, False
+            edge.due = edge.due or (edge.holds and not edge.held_at_tick and not edge.recovered)
+            edge.may = min(edge.may, 1)
+            edge.held_at_tick, edge.recovered = edge.holds, False
         for rule in self.rules:
             if rule[0] == "unless" and rule[3] and self.untold(rule[1]) and self.true(rule[2]):
                 raise Forbidden(f"{rule[1]} runs on, {rule[2]}")

@@ -8,6 +8,7 @@ that a rule forbids, and time has to go on. Over all, every kind of rule has to 
 Python's library only. The last line is "rules: N passed, N failed".
 """
 import argparse
+import json
 import os
 import pathlib
 import random
@@ -169,6 +170,24 @@ def watch(bip, rules, seed, steps, work):
     return {**m.counts, **{f"called by {kind}": n for kind, n in m.called.items()}}
 
 
+def rises(steps):
+    """Does the monitor permit these steps of a level with one rule, `when wheel is silent for 2 ticks run arm.Home`? T: a tick, W: a request to wheel, A: one to arm, R: the recovery."""
+    of = {"T": ("InterModuleSync", "masterTimer.tick"), "W": ("wheel_read_Turn", "wheel.control.box.read_Turn"), "A": ("arm_read_Aim", "arm.control.box.read_Aim"), "R": ("arm_recover_when", "arm.control.box.read_Home")}
+    m = monitor.Monitor([("when", ("silent", "wheel", 2), "arm.Home", "when")])
+    try:
+        m.follow(json.dumps({"step": k, "interaction": f"ROOT.{of[s][0]}", "ports": [{"port": f"ROOT.{of[s][1]}"}]}) for k, s in enumerate(steps))
+    except monitor.Forbidden:
+        return False
+    return True
+
+
+# How often a recovery is asked for, by what compiler/docs/rules.md says: once each time the condition becomes true.
+RISES = (("TTR", True), ("TR", False), ("TTRR", False), ("TTTTRTR", False), ("TTAR", True), ("TTTAR", False),
+         # It becomes true twice: the first recovery comes before the second time, in the instant of the second, or after it.
+         ("TTRWTTR", True), ("TTWTTRR", True), ("TTWTTRTR", True), ("TTWTTRTRTR", False), ("TTTWTTRTR", True), ("TTWTTTR", True), ("TTWTTTRR", False), ("TTWTTTRTR", False),
+         ("TTWTTTAR", False))
+
+
 def main():
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("--sets", type=int, default=60)
@@ -178,6 +197,7 @@ def main():
     arguments.add_argument("--dala", type=int, default=1, help="runs of all fourteen modules with dala.rules")
     options = arguments.parse_args()
     passed, problems, counts = 0, [], {}
+    problems += [f"the monitor {'forbids' if permitted else 'permits'} {steps}" for steps, permitted in RISES if rises(steps) != permitted]
     with tempfile.TemporaryDirectory(prefix="rules-") as folder:
         work = pathlib.Path(folder)
         for name, text in MODULES.items():
