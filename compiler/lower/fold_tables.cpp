@@ -17,6 +17,8 @@ namespace {
 using u32 = std::uint32_t;
 constexpr u32 kMostPeriod = 64;
 constexpr u32 kLeastTimes = 8;  // fewer are not worth a row of Repeat
+// A table is folded if that saves one byte of so many: to read a row of a folded table is a search, else a load.
+constexpr u32 kLeastSaved = 4;
 
 bool is_same(const rt::SourceLine& a, const rt::SourceLine& b) {
   return a.file == b.file && a.line == b.line && a.column == b.column;
@@ -94,11 +96,17 @@ class Folder {
       else row += repeat(row, period);
     }
     BIP_ASSERT(is_as_before(), "{} rows are told by {}", all_.size(), table_.rows.size());
-    if (table_.slopes.empty()) table_.repeats.clear();
+    if (is_hardly_smaller()) unfold();
     table_.rows.shrink_to_fit();
   }
 
  private:
+  [[nodiscard]] bool is_hardly_smaller() const {
+    const std::size_t before = all_.size() * sizeof(T);
+    return table_.rows.size() * sizeof(T) + table_.repeats.size() * sizeof(rt::Repeat) +
+               table_.slopes.size() * sizeof(typename T::Slope) >=
+           before - before / kLeastSaved;
+  }
   // Does the folded table say what the rows said? For assertions.
   [[nodiscard]] bool is_as_before() const {
     const auto view = table_.view();
@@ -171,9 +179,18 @@ class Folder {
     if (table_.repeats.empty() || table_.repeats.back().slope != rt::kNone)
       table_.repeats.push_back({row, 0, at, rt::kNone});
     ++table_.repeats.back().period;
-    T kept_row = all_[row];
-    if constexpr (kHasName<T>) kept_row.name = kept(kept_row.name, arena_);
-    table_.rows.push_back(kept_row);
+    table_.rows.push_back(with_kept_name(all_[row]));
+  }
+  // All rows stand.
+  void unfold() {
+    table_.repeats.clear();
+    table_.slopes.clear();
+    table_.rows.clear();
+    for (const T& row : all_) table_.rows.push_back(with_kept_name(row));
+  }
+  T with_kept_name(T row) {
+    if constexpr (kHasName<T>) row.name = kept(row.name, arena_);
+    return row;
   }
 
   Table<T>& table_;

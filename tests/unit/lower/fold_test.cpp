@@ -89,6 +89,22 @@ TEST_CASE("small tables are left alone") {
   check_same(table, atoms.rows);
 }
 
+TEST_CASE("a table that folding makes hardly smaller is not folded") {
+  // One array among single components: a look at each of them would be a search.
+  for (const u32 elements : {100u, 400u}) {
+    Atoms atoms;
+    for (u32 k = 0; k < 600; ++k) atoms.add("ROOT.single" + std::to_string(k), 1 + k % 5);
+    for (u32 k = 0; k < elements; ++k) atoms.add(indexed("ROOT.p", k), 2);
+    Arena arena;
+    lower::Table<rt::Atom> table;
+    table.rows = atoms.finish();
+    lower::fold(table, arena);
+    CHECK(table.repeats.empty() == (elements == 100));
+    CHECK(table.rows.size() == (elements == 100 ? 700 : 601));
+    check_same(table, atoms.rows);
+  }
+}
+
 TEST_CASE("random tables come out as they went in") {
   for (u32 seed = 0; seed < 40; ++seed) {
     std::mt19937 random(seed);
