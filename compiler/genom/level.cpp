@@ -95,8 +95,10 @@ class LevelWriter {
       requests_.push_back(request_specs_of(plans_[m], m, constraints_));
       if (is_served()) {
         executives_.push_back(names_.claim(plans_[m].component + "_mail", "part"));
+        const std::string patience =
+            plans_[m].has_patient_mailbox() ? "" : std::to_string(100 + 2 * options_.control_period);
         out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component {} {}({})\n",
-                            plans_[m].mailbox_type, executives_.back(), 100 + 2 * options_.control_period);
+                            plans_[m].mailbox_type, executives_.back(), patience);
         continue;
       }
       if (executive.empty()) {

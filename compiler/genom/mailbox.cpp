@@ -18,12 +18,15 @@
 namespace bip::genom {
 namespace {
 
+constexpr const char* kStartsWaiting = "      waited = 0;\n";
+
 // It is due now, whichever of the two it is.
-std::string takes(const std::string& text, const std::string& input, const std::string& number, const char* known) {
+std::string takes(const std::string& text, const std::string& input, const std::string& number, const char* known,
+                  const char* clock = kStartsWaiting) {
   return fmt::format(
       "      due = {};\n      due_input = {};\n      due_number = {};\n      due_service = request_service(due);\n"
-      "      waited = 0;\n      known = {};\n",
-      text, input, number, known);
+      "{}      known = {};\n",
+      text, input, number, clock, known);
 }
 constexpr const char* kIsKnown = "request_known(due, services)";
 constexpr const char* kAgrees = "request_agrees(due, due_input, services)";
@@ -138,13 +141,14 @@ std::string executive_type(const GenerateOptions& options, const std::vector<Req
 }
 
 std::string mailbox_type(const Plan& plan, const std::vector<RequestSpec>& requests) {
+  const bool is_patient = plan.has_patient_mailbox();
+  const char* const clock = is_patient ? "" : kStartsWaiting;
   std::string out = fmt::format(
-      "\n  // Requests of clients to {}: one that waits, and one that overtakes it. What there is not is lost at once, "
-      "what is not taken after `patience` ticks.\n"
-      "  atom type {}(int patience)\n    data string services = \"{}\"\n"
+      "\n  // Requests of clients to {}: one that waits, and one that overtakes it. What there is not is lost at once"
+      "{}.\n  atom type {}({})\n    data string services = \"{}\"\n"
       "    data string wanted = \"\", wanted_input = \"\", wanted_service = \"\", first = \"\", first_input = \"\"\n"
       "    data string due = \"\", due_service = \"\", due_input = \"\", asked = \"\", asked_input = \"\"\n"
-      "    data int wanted_number = 0, first_number = 0, due_number = 0, asked_number = 0, gone = 0, waited = 0\n"
+      "    data int wanted_number = 0, first_number = 0, due_number = 0, asked_number = 0, gone = 0{}\n"
       "    data bool known = false, wanted_is_gone = false, first_is_gone = false, wakes = false\n"
       "    extern port Posts request(wanted, wanted_input, wanted_number) remember\n"
       "    extern port Posts urgent(first, first_input, first_number) remember\n"
@@ -152,7 +156,8 @@ std::string mailbox_type(const Plan& plan, const std::vector<RequestSpec>& reque
       "    export port Signal tick()\n    export port Signal waits()\n    export port Signal calm()\n"
       "    export port Asks ask(due, due_service, due_input, due_number)\n"
       "    export port Signal recover()\n    export port Numbered told(asked_number)\n",
-      plan.module->name.text, plan.mailbox_type, directory(requests));
+      plan.module->name.text, is_patient ? "" : ", what is not taken after `patience` ticks", plan.mailbox_type,
+      is_patient ? "" : "int patience", directory(requests), is_patient ? "" : ", waited = 0");
   std::vector<const RequestSpec*> stops;
   for (const RequestSpec& r : requests) {
     if (!r.stops.empty()) stops.push_back(&r);
@@ -164,9 +169,11 @@ std::string mailbox_type(const Plan& plan, const std::vector<RequestSpec>& reque
       "    port Asks lost(due, due_service, due_input, due_number)\n"
       "    port Asks dropped(due, due_service, due_input, due_number)\n"
       "\n    place NONE, DUE, STOP, BOTH\n\n    initial to NONE\n";
-  const std::string takes_wanted = takes("wanted", "wanted_input", "wanted_number", kAgrees) + "      wakes = true;\n";
+  const std::string takes_wanted =
+      takes("wanted", "wanted_input", "wanted_number", kAgrees, clock) + "      wakes = true;\n";
   const std::string takes_first = "      first_is_gone = first_number != 0 && first_number == gone;\n" +
-                                  takes("first", "first_input", "first_number", kAgrees) + "      wakes = true;\n";
+                                  takes("first", "first_input", "first_number", kAgrees, clock) +
+                                  "      wakes = true;\n";
   out += fmt::format(
       "\n    on request from NONE to DUE eager do {{\n      wanted_service = request_service(wanted);\n"
       "      wanted_is_gone = wanted_number != 0 && wanted_number == gone;\n{}    }}\n",
@@ -187,11 +194,10 @@ std::string mailbox_type(const Plan& plan, const std::vector<RequestSpec>& reque
     out += fmt::format("    on waits from {0} to {0} provided (wakes && known && !{1}) do {{ wakes = false; }}\n",
                        row.from, row.is_gone);
     out += fmt::format("    on dropped from {} to {} provided ({}){}\n", row.from, row.to, row.is_gone, then);
-    out += fmt::format("    on lost from {} to {} provided (!{} && (!known || waited >= patience)){}\n", row.from,
-                       row.to, row.is_gone, then);
-    out += fmt::format(
-        "    on tick from {0} to {0} provided (!{1} && known && waited < patience) do {{ waited = waited + 1; }}\n",
-        row.from, row.is_gone);
+    out += fmt::format("    on lost from {} to {} provided (!{} && {}){}\n", row.from, row.to, row.is_gone,
+                       is_patient ? "!known" : "(!known || waited >= patience)", then);
+    out += fmt::format("    on tick from {0} to {0} provided (!{1} && known{2}\n", row.from, row.is_gone,
+                       is_patient ? ")" : " && waited < patience) do { waited = waited + 1; }");
   }
   out +=
       "    on tick from NONE to NONE\n    on calm from NONE to NONE\n"

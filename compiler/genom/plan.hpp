@@ -128,6 +128,9 @@ struct Plan {
   /// Returns whether control services wait for the data of their codels when they have been accepted, and what they
   /// interrupt has been told: not before, since the activity that has the data may be the one that they interrupt.
   [[nodiscard]] bool accepts_before_data() const { return takes_semaphore_to_decide() && by_codel; }
+  /// Returns whether a request waits until its module takes it. Where codels run in threads a module takes nothing
+  /// while its control task waits for the data of a codel, which may be as long as a codel takes, and time goes on.
+  [[nodiscard]] bool has_patient_mailbox() const { return has_task_threads; }
   /// Returns whether a control cycle is a single step if it has nothing to do: no request waits, no final reply is due,
   /// no activity waits to begin. It is so where it is known who asks: the port `calm` of a mailbox, or of the
   /// executive, is enabled while no request waits.

@@ -272,6 +272,13 @@ def test_waiting_requests(level):
     for service in ("get_count", "tally", "drop", "judged"):
         gate, thinks = think(level)
         waits = begin_and_wait(level, "slow", service, gate)
+        taken_back = level.begin("slow.get_other")
+        check("one that waits for that can be taken back", level.client.ask("cancel", request=taken_back)["ok"] and level.next(taken_back, "final")["report"] == "CANCELLED" and gate.holds())
+        later, abort = level.begin("slow.get_other"), level.begin("slow.Abort(think)")
+        before = ticks_of_genom3(level)
+        check("time goes on for longer than a request waits elsewhere", until(lambda: ticks_of_genom3(level) >= before + 300) and gate.holds(), before)
+        waiting = {row["request"] for row in level.client.ask("requests")["requests"]}
+        check("other requests to that component wait, `Abort` too", {waits, later, abort} <= waiting and gate.holds(), (later, abort, waiting))
         reports = [level.ask(f"quick.{of}")["report"] for of in ("get_ticks", "halt", "get_ticks")]
         check(f"other components answer while `{service}` waits for data", reports == ["OK"] * 3 and gate.holds(), reports)
         if service == "drop":
@@ -279,6 +286,9 @@ def test_waiting_requests(level):
             check("what it interrupts is told before", level.client.ask("state", atoms=[controller])["atoms"][controller]["place"] == "abrt" and gate.holds())
         gate.open()
         check(f"`{service}` is answered after that", level.next(waits, "final")["report"] == "OK")
+        # What it names may have been told to stop, and have ended, before it is read.
+        reports = [level.next(number, "final")["report"] for number in (abort, later)]
+        check("the others, too", reports[0] in ("OK", "UNKNOWN_ACTIVITY") and reports[1] == "OK", reports)
         check("what had the data is stopped", level.ask("slow.rest")["report"] == "OK" and level.next(thinks, "final")["report"] == "interrupted")
     gate, thinks = think(level)
     waits = begin_and_wait(level, "slow", "tally", gate)
@@ -329,6 +339,9 @@ def test_genom2(level, lock):
     # Its control codel waits: with one lock a module before the request is read, with a lock a datum after that.
     begun = level.begin("old.Stop")
     reports += [level.ask("lively.Count")["report"] for _ in range(2)]
+    before = ticks_of_genom2(level)
+    goes_on = goes_on and until(lambda: ticks_of_genom2(level) >= before + 300)
+    check(f"lock {lock}: a request to it waits for longer than elsewhere", any(row["request"] == begun for row in level.client.ask("requests")["requests"]) and gate.holds())
     check(f"lock {lock}: a module goes on while codels of another sleep for longer than their period", reports == ["OK"] * 12 and goes_on and gate.holds(), reports)
     gate.open()
     stopped = level.next(begun, "final")
