@@ -41,7 +41,8 @@ void CoreParts::reset() {
 bool CoreParts::initialize() {
   const Image& image = *tables.image;
   fault = {};
-  reset();
+  if (has_state) reset();
+  has_state = true;
   for (u32 atom = 0; atom < image.atoms.size; ++atom) {
     const AtomType& type = tables.atom_type(atom);
     const LinkedType& linked = tables.types[atoms[atom].type];
@@ -161,6 +162,7 @@ bool CoreParts::restore_atoms(const State& state) {
   // A fault leaves things between two states.
   if (fault) reset();
   fault = {};
+  has_state = true;
   if (clocks.is_timed()) clocks.load(state.time);
   // All objects first: what an atom offers may depend on them. An atom that has one counts as changed.
   if (!memory.ffi_data.empty()) memory.ffi_data.load(memory.cells.all(), state.objects);

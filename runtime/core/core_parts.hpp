@@ -73,6 +73,7 @@ struct CoreParts {
   StateMemory memory;
   EnabledSet enabled;
   bool keeps_list = false;
+  bool has_state = false;  // else as `reset` leaves it
   u64 draw_seed = 0;
   bool has_draw_seed = false;
 

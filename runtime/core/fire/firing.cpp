@@ -111,7 +111,7 @@ bool Firing::fire_star(const InteractionInfo& info) {
   const u32* ports = core_.tables.flat_ports.data() + info.first;
   const u32 type_row = core_.tables.image->connectors[info.row].type;
   BIP_ASSERT(info.clause() == kNone, "a broadcast with one clause");
-  if (!core_.tables.clause_order[type_row].empty()) {
+  if (core_.tables.clause_order[type_row].size != 0) {
     params_.clear();
     for (u32 i = 0; i < info.count; ++i) {
       if (core_.ports.enabled_row(ports[i]) != kNone) params_.push_back(i);

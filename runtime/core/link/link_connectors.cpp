@@ -1,9 +1,9 @@
-// Linking, second part: interactions (what can be a candidate, in canonical order), plans (connectors with their
-// hierarchy expanded), the availability network and the watch lists. See tables.hpp.
+// Linking, second part: interactions (what can be a candidate, in canonical order), the availability network and the
+// watch lists. See tables.hpp.
 #include <algorithm>
-#include <numeric>
 
 #include "bip/assert.hpp"
+#include "runtime/core/link/plan_builder.hpp"
 #include "runtime/core/link/tables.hpp"
 
 namespace bip::rt {
@@ -26,13 +26,14 @@ struct Shape {
   bool trigger = false;
   bool guard = false;
 };
-Shape shape_of(const Tables& tables, u32 connector) {
-  const ConnectorType& type = tables.connector_type(connector);
+Shape shape_of(const Image& image, const ConnectorType& type, u32 first_port_ref) {
   Shape shape;
   for (const DefineNode& node : type.define) shape.trigger |= node.trigger;
   shape.one_level = !type.define[0].is_leaf && type.define[0].children.size == type.params.size;
   for (u32 child : type.define[0].children) {
-    shape.one_level &= type.define[child].is_leaf && tables.port_ref(connector, type.define[child].param).atom != kNone;
+    if (!shape.one_level) break;
+    const DefineNode& node = type.define[child];
+    shape.one_level = node.is_leaf && image.port_refs[first_port_ref + node.param].atom != kNone;
   }
   // An `up` that may fault runs while interactions are computed, like a guard.
   for (const Clause& clause : type.clauses) shape.guard |= clause.guard != kNone || clause.may_fault;
@@ -47,198 +48,31 @@ std::int32_t group_start(const ConnectorType& type, u32 row) {
   return by_trigger || children.size == 0 ? -1 : -static_cast<std::int32_t>(children.size);
 }
 
-// Groups of inner rules that decide about the connector's interactions, or about those of connectors below it, those
-// of outer compounds first.
-std::vector<u32> groups_below(const Tables& tables, u32 top) {
-  const Image& image = *tables.image;
-  std::vector<u32> groups;
-  if (tables.inner_rules.groups.empty()) return groups;
-  std::vector<bool> seen(image.connectors.size, false);
-  std::vector<u32> todo{top};
-  const auto visit = [&](const PortRef& ref) {
-    if (ref.connector != kNone) todo.push_back(ref.connector);
-  };
-  while (!todo.empty()) {
-    const u32 connector = todo.back();
-    todo.pop_back();
-    if (seen[connector]) continue;
-    seen[connector] = true;
-    const u32 group = tables.inner_rules.of_connector(connector);
-    if (group != kNone && std::find(groups.begin(), groups.end(), group) == groups.end()) {
-      groups.push_back(group);
-      for (u32 member : tables.inner_rules.groups[group].members) todo.push_back(member);
-    }
-    for (u32 param = 0; param < tables.connector_type(connector).params.size; ++param) {
-      const PortRef ref = tables.port_ref(connector, param);
-      visit(ref);
-      if (ref.choice == kNone) continue;
-      for (const PortRef& port : image.choices[ref.choice].ports) visit(port);
-    }
-  }
-  const auto key = [&](u32 group) { return std::pair(tables.inner_rules.groups[group].depth, group); };
-  std::sort(groups.begin(), groups.end(), [&](u32 a, u32 b) { return key(a) < key(b); });
-  return groups;
-}
-
-// The plan of an interaction that is Planned: the connector with what lies below.
-void add_plan(Tables& tables, InteractionInfo& info) {
-  // What is still to be added, last first: a define node of a use, below a node of the plan.
-  struct Todo {
-    u32 use, define, parent;
-    bool trigger;
-    const PortRef* alternative = nullptr;  // one of the ports of the choice `parent`, not a define node
-  };
-  std::vector<Todo> todo;
-  std::vector<u32> all_params;
-  Plan plan;
-  plan.connector = info.row;
-  plan.first_node = static_cast<u32>(tables.plan_nodes.size());
-  plan.first_use = static_cast<u32>(tables.plan_uses.size());
-  const auto add_use = [&](u32 connector, u32 link) {
-    const ConnectorType& type = tables.connector_type(connector);
-    for (const Clause& clause : type.clauses) plan.guarded |= clause.guard != kNone || clause.may_fault;
-    all_params.resize(type.params.size);
-    std::iota(all_params.begin(), all_params.end(), 0u);
-    const u32 clause_row =
-        tables.clause_of(tables.image->connectors[connector].type, {all_params.data(), type.params.size});
-    tables.plan_uses.push_back({connector, 0, static_cast<u32>(tables.plan_params.size()), link, clause_row});
-    tables.plan_params.resize(tables.plan_params.size() + type.params.size, kNone);
-    const u32 use = static_cast<u32>(tables.plan_uses.size()) - 1 - plan.first_use;
-    todo.push_back({use, 0, link, false, nullptr});
-  };
-  // Members of groups of inner rules get trees of their own, once the connector's is complete: what they offer decides
-  // what is hidden.
-  std::vector<std::pair<u32, u32>> witnesses;  // group and connector, last first
-  for (u32 group : groups_below(tables, info.row)) {
-    for (u32 member : tables.inner_rules.groups[group].members) witnesses.emplace_back(group, member);
-  }
-  std::reverse(witnesses.begin(), witnesses.end());
-  add_use(info.row, kNone);
-  while (!todo.empty() || !witnesses.empty()) {
-    if (todo.empty()) {
-      const auto [group, member] = witnesses.back();
-      witnesses.pop_back();
-      const u32 root = static_cast<u32>(tables.plan_nodes.size()) - plan.first_node;
-      plan.witnesses.push_back({group, member, static_cast<u32>(tables.plan_uses.size()) - plan.first_use, root});
-      add_use(member, kNone);
-    }
-    const Todo next = todo.back();
-    todo.pop_back();
-    PlanUse& use = tables.plan_uses[plan.first_use + next.use];
-    const DefineNode& define = tables.connector_type(use.connector).define[next.define];
-    const bool is_group = next.alternative == nullptr && !define.is_leaf;
-    const u32 row = static_cast<u32>(tables.plan_nodes.size()) - plan.first_node;
-    PlanNode node;
-    node.trigger = next.trigger;
-    node.parent = next.parent;
-    node.leaf = plan.leaves;
-    node.use = next.use;
-    if (next.define == 0 && next.alternative == nullptr) use.root = row;
-    if (is_group) {
-      node.kind = NodeKind::Group;
-      node.children = define.children.size;
-      for (u32 i = define.children.size; i-- > 0;) {
-        const u32 child = define.children[i];
-        const bool trigger = tables.connector_type(use.connector).define[child].trigger;
-        node.has_trigger |= trigger;
-        plan.rigid &= !trigger;
-        todo.push_back({next.use, child, row, trigger, nullptr});
-      }
-      tables.plan_nodes.push_back(node);
-      continue;
-    }
-    if (next.alternative == nullptr) tables.plan_params[use.first_param + define.param] = row;
-    const PortRef& ref = next.alternative != nullptr ? *next.alternative : tables.port_ref(use.connector, define.param);
-    BIP_ASSERT(next.alternative == nullptr || ref.choice == kNone, "a merged port among the ports of a merged port");
-    if (ref.choice != kNone) {
-      const Span<PortRef>& ports = tables.image->choices[ref.choice].ports;
-      node.kind = NodeKind::Choice;
-      node.maximal_only = true;
-      node.children = ports.size;
-      node.ref = ref.choice;
-      use.has_choice = plan.has_choice = true;
-      plan.rigid = false;
-      for (u32 i = ports.size; i-- > 0;) todo.push_back({next.use, next.define, row, false, &ports[i]});
-      tables.plan_nodes.push_back(node);
-    } else if (ref.atom != kNone) {
-      node.kind = NodeKind::Leaf;
-      node.ref = tables.instance(ref.atom, ref.port);
-      ++plan.leaves;
-      tables.plan_nodes.push_back(node);
-    } else {
-      node.kind = NodeKind::Link;
-      node.maximal_only = ref.maximal_only;
-      node.children = 1;
-      node.ref = ref.connector;
-      node.use = static_cast<u32>(tables.plan_uses.size()) - plan.first_use;
-      tables.plan_nodes.push_back(node);
-      add_use(ref.connector, row);
-    }
-  }
-  plan.node_count = static_cast<u32>(tables.plan_nodes.size()) - plan.first_node;
-  plan.use_count = static_cast<u32>(tables.plan_uses.size()) - plan.first_use;
-  plan.words = (plan.leaves + 63) / 64;
-  PlanNode* nodes = tables.plan_nodes.data() + plan.first_node;
-  for (u32 i = plan.node_count; i-- > 0;) {
-    nodes[i].end = std::max(nodes[i].end, i + 1);
-    if (nodes[i].parent != kNone) nodes[nodes[i].parent].end = std::max(nodes[nodes[i].parent].end, nodes[i].end);
-    BIP_ASSERT(nodes[i].parent == kNone || nodes[i].parent < i, "node {} comes before its parent", i);
-  }
-  std::vector<u32> connectors;
-  for (u32 i = 0; i < plan.use_count; ++i) {
-    PlanUse& use = tables.plan_uses[plan.first_use + i];
-    connectors.push_back(use.connector);
-    const u32 end = nodes[use.root].end;
-    use.first_leaf = nodes[use.root].leaf;
-    use.end_leaf = end == plan.node_count ? plan.leaves : nodes[end].leaf;
-    BIP_ASSERT(use.first_leaf <= use.end_leaf && use.end_leaf <= plan.leaves, "leaves {} to {} of {}", use.first_leaf,
-               use.end_leaf, plan.leaves);
-  }
-  // Trees of witnesses come behind the connector's own.
-  BIP_ASSERT(
-      plan.use_count != 0 && nodes[0].end == (plan.witnesses.empty() ? plan.node_count : plan.witnesses.front().root),
-      "a plan of {} nodes, its root ends at {}", plan.node_count, nodes[0].end);
-  std::sort(connectors.begin(), connectors.end());
-  plan.is_tree = std::adjacent_find(connectors.begin(), connectors.end()) == connectors.end();
-  std::size_t links = 0, maximal = 0;
-  for (u32 i = 0; i < plan.node_count; ++i) {
-    links += nodes[i].kind == NodeKind::Link ? 1 : 0;
-    maximal += nodes[i].maximal_only ? 1 : 0;
-  }
-  plan.is_listed_at_once = plan.rigid && plan.is_tree && plan.witnesses.empty() && (maximal == 0 || maximal == links);
-  plan.has_ranges = plan.guarded && !plan.rigid && !plan.has_choice && plan.is_tree;
-  for (u32 i = 0; i < plan.use_count && plan.has_ranges; ++i) {
-    for (const Clause& clause : tables.connector_type(tables.plan_uses[plan.first_use + i].connector).clauses)
-      plan.has_ranges &= clause.has_ranges;
-  }
-  plan.needs_ups = !plan.witnesses.empty();
-  for (u32 i = 0; i < plan.use_count && !plan.needs_ups; ++i) {
-    for (const Clause& clause : tables.connector_type(tables.plan_uses[plan.first_use + i].connector).clauses) {
-      const bool is_seen = tables.image->ffi != nullptr || plan.has_choice;
-      plan.needs_ups |= clause.down != kNone || (is_seen && clause.up != kNone);
-    }
-  }
-  // Alternatives of one parameter are several candidates: they are listed.
-  info.searched |= plan.guarded || plan.has_choice || !plan.witnesses.empty();
-  info.ref = static_cast<u32>(tables.plans.size());
-  tables.plans.push_back(plan);
-}
-
 }  // namespace
+
+// A vector for each type would cost more than the rows.
+static void link_clause_order(Tables& tables) {
+  const Image& image = *tables.image;
+  std::vector<u32>& first = tables.clause_order.first;
+  std::vector<u32>& rows = tables.clause_order.items;
+  first.reserve(std::size_t{image.connector_types.size} + 1);
+  for (const ConnectorType& type : image.connector_types) {
+    first.push_back(static_cast<u32>(rows.size()));
+    for (u32 row = 0; row < type.clauses.size; ++row) rows.push_back(row);
+    std::sort(rows.begin() + first.back(), rows.end(), [&](u32 a, u32 b) {
+      const Span<u32>&x = type.clauses[a].params, &y = type.clauses[b].params;
+      const auto order = std::lexicographical_compare_three_way(x.begin(), x.end(), y.begin(), y.end());
+      return order != 0 ? order < 0 : a < b;
+    });
+  }
+  if (rows.empty()) first = {};
+  else first.push_back(static_cast<u32>(rows.size()));
+}
 
 void link_interactions(Tables& tables, MaximalProgress progress) {
   const Image& image = *tables.image;
   const std::vector<bool> named = named_by_priorities(image);
-  tables.clause_order.resize(image.connector_types.size);
-  for (u32 i = 0; i < image.connector_types.size; ++i) {
-    const ConnectorType& type = image.connector_types[i];
-    for (u32 row = 0; row < type.clauses.size; ++row) tables.clause_order[i].push_back(row);
-    std::stable_sort(tables.clause_order[i].begin(), tables.clause_order[i].end(), [&](u32 a, u32 b) {
-      const Span<u32>&x = type.clauses[a].params, &y = type.clauses[b].params;
-      return std::lexicographical_compare(x.begin(), x.end(), y.begin(), y.end());
-    });
-  }
-
+  link_clause_order(tables);
   const bool any_exports = std::any_of(image.connector_types.begin(), image.connector_types.end(),
                                        [](const ConnectorType& type) { return type.exports; });
   if (any_exports) tables.interaction_of_connector.assign(image.connectors.size, InteractionId());
@@ -249,12 +83,14 @@ void link_interactions(Tables& tables, MaximalProgress progress) {
   }
   tables.flat_ports.reserve(ports);
   InteractionPacker interactions(tables.interactions);
+  PlanBuilder plans(tables);
   for (u32 connector = 0; connector < image.connectors.size; ++connector) {
-    const ConnectorType& type = tables.connector_type(connector);
+    const Connector row = image.connectors[connector];
+    const ConnectorType& type = image.connector_types[row.type];
     if (type.exports) continue;
     if (!tables.interaction_of_connector.empty())
       tables.interaction_of_connector[connector] = InteractionId(tables.interactions.size());
-    const Shape shape = shape_of(tables, connector);
+    const Shape shape = shape_of(image, type, row.ports);
     InteractionInfo interaction;
     interaction.row = connector;
     interaction.first = static_cast<u32>(tables.flat_ports.size());
@@ -269,20 +105,16 @@ void link_interactions(Tables& tables, MaximalProgress progress) {
     } else {
       interaction.kind = InteractionKind::Planned;
       interaction.searched = shape.guard || progress == MaximalProgress::Off || named[connector];
-      add_plan(tables, interaction);
+      plans.add(interaction);
     }
     if (interaction.kind != InteractionKind::Planned) {
       // Parameter order, for it is the order of firing.
       interaction.count = type.params.size & InteractionInfo::kMostPorts;
-      std::vector<u32> params;
       for (u32 param = 0; param < type.params.size; ++param) {
-        const PortRef& ref = tables.port_ref(connector, param);
+        const PortRef& ref = image.port_refs[row.ports + param];
         tables.flat_ports.push_back(tables.instance(ref.atom, ref.port));
-        params.push_back(param);
       }
-      if (interaction.kind == InteractionKind::Flat) {
-        interaction.ref = tables.clause_of(image.connectors[connector].type, {params.data(), interaction.count});
-      }
+      if (interaction.kind == InteractionKind::Flat) interaction.ref = plans.clause_of_all(row.type);
     }
     tables.any_searched |= interaction.searched;
     interactions.add(interaction);
@@ -331,7 +163,8 @@ void link_network(Tables& tables) {
   std::vector<u32> first_group(image.connectors.size);
   std::vector<u32> group;  // by define node of the connector at hand
   for (u32 connector = 0; connector < image.connectors.size; ++connector) {
-    const ConnectorType& type = tables.connector_type(connector);
+    const Connector instance = image.connectors[connector];
+    const ConnectorType& type = image.connector_types[instance.type];
     group.assign(type.define.size, kNone);
     first_group[connector] = interaction_count + static_cast<u32>(starts.size());
     for (u32 i = 0; i < type.define.size; ++i) {
@@ -347,7 +180,7 @@ void link_network(Tables& tables) {
     BIP_ASSERT(group[0] != kNone, "connector {} has no node", connector);
     root_node[connector] = group[0];
     const auto bind = [&](u32 param, u32 node) {
-      const PortRef& ref = tables.port_ref(connector, param);
+      const PortRef ref = image.port_refs[instance.ports + param];
       if (ref.choice != kNone) from_nodes.push_back({first_choice + ref.choice, node});
       else if (ref.atom != kNone) from_ports.push_back({tables.instance(ref.atom, ref.port), node});
       else from_nodes.push_back({root_node[ref.connector], node});
@@ -432,7 +265,7 @@ void link_watches(Tables& tables) {
   };
   BIP_ASSERT(bases.empty() || bases[0].value == 0 || !sorted, "the first atom's data begin at {}", bases[0]);
   const auto watch_reads = [&](u32 connector, InteractionId interaction) {
-    const Connector& row = image.connectors[connector];
+    const Connector row = image.connectors[connector];
     for (u32 i = tables.first_read(connector); i < row.bind_count; ++i)
       atoms.push_back({atom_of(image.binds[row.binds + i].variable()), interaction});
   };
@@ -473,9 +306,9 @@ void link_watches(Tables& tables) {
     for (u32 i = 0; i < row.bind_count; ++i)
       atom_rules.push_back({atom_of(image.binds[row.binds + i].variable()), rule});
   }
-  InteractionsBy::sort_unique(ports);
-  InteractionsBy::sort_unique(atoms);
-  Csr::sort_unique(atom_rules);
+  InteractionsBy::unique_in_order(tables.port_atom.size(), ports);
+  InteractionsBy::unique_in_order(image.atoms.size, atoms);
+  Csr::unique_in_order(image.atoms.size, atom_rules);
   tables.any_port_watch = !ports.empty();
   tables.port_watch = InteractionsBy::build(tables.port_atom.size(), ports);
   tables.atom_watch = InteractionsBy::build(image.atoms.size, atoms);

@@ -36,12 +36,17 @@ std::vector<bool> bound_by_siblings(const Image& image) {
 
 void link_inner_rules(Tables& tables) {
   const Image& image = *tables.image;
-  if (image.priorities.size == 0) return;
+  const auto is_bound = [&](u32 connector) {
+    return tables.connector_type(connector).exports && image.connectors[connector].bound;
+  };
+  // Most systems have no such rule, and need not look at what each connector binds.
+  const auto may_decide = [&](const Pattern& side) { return side.any_connector || is_bound(side.connector); };
+  if (std::none_of(image.priorities.begin(), image.priorities.end(),
+                   [&](const Priority& rule) { return may_decide(rule.low) || may_decide(rule.high); }))
+    return;
   const std::vector<bool> has_sibling = bound_by_siblings(image);
   // Exported by the compound and bound outside of it.
-  const auto is_inner = [&](u32 connector) {
-    return tables.connector_type(connector).exports && image.connectors[connector].bound && !has_sibling[connector];
-  };
+  const auto is_inner = [&](u32 connector) { return is_bound(connector) && !has_sibling[connector]; };
   std::vector<bool> has_inner(image.compounds.size, false), has_group(image.compounds.size, false);
   for (u32 connector = 0; connector < image.connectors.size; ++connector) {
     if (is_inner(connector)) has_inner[image.connectors[connector].parent] = true;

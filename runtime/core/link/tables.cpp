@@ -2,6 +2,7 @@
 #include "runtime/core/link/tables.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "bip/assert.hpp"
 #include "bip/image_time.hpp"
@@ -41,33 +42,47 @@ bool is_automaton(const AtomType& type) {
                      [](const Transition& t) { return t.from.size == 1 && t.to.size == 1; });
 }
 
-// Is there at most one transition for each place and port, of an automaton?
-bool has_one_each(const AtomType& type) {
-  std::vector<std::uint64_t> seen;
-  for (const Transition& t : type.transitions) {
-    if (t.port != kNone) seen.push_back(std::uint64_t{t.from[0]} << 32 | t.port);
-  }
-  std::sort(seen.begin(), seen.end());
-  return std::adjacent_find(seen.begin(), seen.end()) == seen.end();
+// Without guards, internal transitions, priorities and invariants. With at most one transition for each place and port
+// the type is fixed.
+bool is_unguarded(const AtomType& type) {
+  return type.priorities.size == 0 && type.invariants.size == 0 &&
+         std::all_of(type.transitions.begin(), type.transitions.end(),
+                     [](const Transition& t) { return t.guard == kNone && t.port != kNone; });
 }
 
-// A fixed type: no guards, internal transitions, priorities or invariants, at most one transition a place and port.
-bool is_fixed(const AtomType& type) {
-  if (type.priorities.size != 0 || type.invariants.size != 0) return false;
-  for (const Transition& t : type.transitions) {
-    if (t.guard != kNone || t.port == kNone) return false;
+// Which ports of automata label how many transitions. Scratch rows are by port; each use stamps them with a number of
+// its own, so they are never cleared.
+class PortLabels {
+ public:
+  explicit PortLabels(const Tables& tables) : tables_(tables) {
+    std::size_t ports = 0;
+    for (const AtomType& type : tables.image->atom_types) ports = std::max<std::size_t>(ports, type.ports.size);
+    stamps_.assign(ports, 0);
   }
-  return has_one_each(type);
-}
+  // Is there at most one transition for each place and port?
+  bool has_one_each(const AtomType& type, const LinkedType& linked) {
+    for (u32 place = 0; place < type.places.size; ++place) {
+      ++stamp_;
+      for (const u32 row : tables_.place_transitions[linked.first_place + place]) {
+        if (!is_first(tables_.transitions[row].port)) return false;
+      }
+    }
+    return true;
+  }
+  // Does each port label one transition at most?
+  bool is_simple(const AtomType& type) {
+    ++stamp_;
+    return std::all_of(type.transitions.begin(), type.transitions.end(),
+                       [&](const Transition& t) { return is_first(t.port); });
+  }
 
-bool is_simple(const AtomType& type) {
-  std::vector<bool> seen(type.ports.size, false);
-  for (const Transition& t : type.transitions) {
-    if (seen[t.port]) return false;
-    seen[t.port] = true;
-  }
-  return true;
-}
+ private:
+  bool is_first(u32 port) { return std::exchange(stamps_[port], stamp_) != stamp_; }
+
+  const Tables& tables_;
+  std::vector<u64> stamps_;
+  u64 stamp_ = 0;
+};
 
 // Does the transition leave the atom and what it offers as they are? No action, the same place, and no variables that
 // the transfer of an interaction could write. An event is taken from a queue, C++ may answer otherwise next time, and
@@ -81,14 +96,6 @@ bool is_idle(const AtomType& type, u32 row) {
   return !timing.resume.present && !timing.async.present &&
          std::none_of(type.time->events.begin(), type.time->events.end(),
                       [&](const EventPort& event) { return event.port == t.port; });
-}
-
-// Do all transitions of the port leave the atom as it is?
-bool is_idle_port(const Tables& tables, const LinkedType& linked, u32 port) {
-  if (linked.is_timed) return false;
-  const auto begin = tables.transitions.begin() + linked.first_transition;
-  return std::all_of(begin, begin + linked.transition_count,
-                     [&](const LinkedTransition& t) { return t.port != port || t.is_idle; });
 }
 
 // For each transition of a local type the ports whose enabled transition changes for sure, and the transitions whose
@@ -126,14 +133,26 @@ void add_deltas(Tables& tables, const AtomType& type, const LinkedType& linked) 
   }
 }
 
+// Ports of which all transitions leave the atom as it is.
+std::vector<u32> idle_ports(const Tables& tables, const AtomType& type, const LinkedType& linked) {
+  std::vector<u32> idle;
+  if (linked.is_timed) return idle;
+  std::vector<bool> is_idle(type.ports.size, true);
+  for (u32 i = 0; i < linked.transition_count; ++i) {
+    const LinkedTransition& t = tables.transitions[linked.first_transition + i];
+    if (t.port != kNone && !t.is_idle) is_idle[t.port] = false;
+  }
+  for (u32 port = 0; port < type.ports.size; ++port) {
+    if (is_idle[port]) idle.push_back(port);
+  }
+  return idle;
+}
+
 void link_idle_ports(Tables& tables) {
   const Image& image = *tables.image;
-  std::vector<std::vector<u32>> idle(image.atom_types.size);
-  for (u32 row = 0; row < image.atom_types.size; ++row) {
-    for (u32 port = 0; port < image.atom_types[row].ports.size; ++port) {
-      if (is_idle_port(tables, tables.types[row], port)) idle[row].push_back(port);
-    }
-  }
+  std::vector<std::vector<u32>> idle;
+  for (u32 row = 0; row < image.atom_types.size; ++row)
+    idle.push_back(idle_ports(tables, image.atom_types[row], tables.types[row]));
   if (std::all_of(idle.begin(), idle.end(), [](const auto& ports) { return ports.empty(); })) return;
   tables.idle_ports.assign((tables.port_atom.size() + 63) / 64, 0);
   for (u32 atom = 0; atom < image.atoms.size; ++atom) {
@@ -150,6 +169,11 @@ void link_atoms(Tables& tables) {
   const Image& image = *tables.image;
   std::vector<Csr::Pair> labelled, internal;
   u32 places = 0;
+  std::size_t transitions = 0;
+  for (const AtomType& type : image.atom_types) transitions += type.transitions.size;
+  tables.transitions.reserve(transitions);
+  labelled.reserve(transitions);
+  tables.types.reserve(image.atom_types.size);
   for (const AtomType& type : image.atom_types) {
     LinkedType linked;
     linked.first_transition = static_cast<u32>(tables.transitions.size());
@@ -159,9 +183,6 @@ void link_atoms(Tables& tables) {
     const bool automaton = is_automaton(type);
     linked.mark_words = automaton ? 0 : (type.places.size + 63) / 64;
     linked.is_timed = type.time != nullptr;
-    linked.fixed = automaton && !linked.is_timed && is_fixed(type);
-    linked.simple = linked.fixed && is_simple(type);
-    linked.one_each = automaton && has_one_each(type);
     BIP_ASSERT(!automaton || type.initial[0] < type.places.size, "place {} of {}", type.initial[0], type.places.size);
     linked.has_priorities = type.priorities.size != 0;
     linked.has_invariants = type.invariants.size != 0;
@@ -175,14 +196,20 @@ void link_atoms(Tables& tables) {
                                     automaton && is_idle(type, k)});
       if (automaton) (t.port == kNone ? internal : labelled).push_back({linked.first_place + t.from[0], row});
     }
-    linked.is_local =
-        linked.one_each && !linked.is_timed && !linked.has_internal && !linked.has_invariants && !linked.has_priorities;
     tables.types.push_back(linked);
   }
   tables.place_transitions = Csr::build(places, labelled);
   tables.place_internals = Csr::build(places, internal);
+  PortLabels labels(tables);
   for (u32 i = 0; i < image.atom_types.size; ++i) {
-    if (tables.types[i].is_local) add_deltas(tables, image.atom_types[i], tables.types[i]);
+    const AtomType& type = image.atom_types[i];
+    LinkedType& linked = tables.types[i];
+    linked.one_each = linked.mark_words == 0 && labels.has_one_each(type, linked);
+    linked.fixed = linked.one_each && !linked.is_timed && is_unguarded(type);
+    linked.simple = linked.fixed && labels.is_simple(type);
+    linked.is_local =
+        linked.one_each && !linked.is_timed && !linked.has_internal && !linked.has_invariants && !linked.has_priorities;
+    if (linked.is_local) add_deltas(tables, type, linked);
   }
 
   std::size_t ports = 0;
@@ -221,11 +248,11 @@ void Binds::make(const Image& image) {
 
 u32 Tables::clause_of(u32 connector_type_row, Span<u32> params) const {
   const ConnectorType& type = image->connector_types[connector_type_row];
-  const std::vector<u32>& order = clause_order[connector_type_row];
+  const Span<u32> order = clause_order[connector_type_row];
   BIP_ASSERT(std::is_sorted(params.begin(), params.end()), "{} parameters are not in order", params.size);
   // Among few, by looking at each.
   constexpr std::size_t kFew = 8;
-  if (order.size() <= kFew) {
+  if (order.size <= kFew) {
     for (const u32 row : order) {
       const Span<u32>& other = type.clauses[row].params;
       if (other.size == params.size && std::equal(params.begin(), params.end(), other.begin())) return row;

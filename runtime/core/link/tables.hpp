@@ -37,6 +37,8 @@ struct CsrOf {
   [[nodiscard]] CsrOf<To, From> transposed(std::size_t item_count) const;
   /// Sorts the pairs and keeps one of those that are equal.
   static void sort_unique(std::vector<Pair>& pairs);
+  /// Keeps one of the pairs that are equal. Requires that the items of each row ascend. O(rows + pairs).
+  static void unique_in_order(std::size_t rows, std::vector<Pair>& pairs);
 };
 using Csr = CsrOf<u32, u32>;
 using InteractionsBy = CsrOf<u32, InteractionId>;  // of an atom, a port, a rule, ...: interactions
@@ -47,13 +49,14 @@ template <class From, class To>
 CsrOf<From, To> CsrOf<From, To>::build(std::size_t rows, const std::vector<Pair>& pairs) {
   CsrOf csr;
   if (pairs.empty()) return csr;
-  csr.first.assign(rows + 1, 0);
-  for (const Pair& pair : pairs) ++csr.first[number_of(pair.from) + 1];
-  for (std::size_t i = 0; i < rows; ++i) csr.first[i + 1] += csr.first[i];
-  BIP_ASSERT(csr.first[rows] == pairs.size(), "{} pairs in {} rows", pairs.size(), rows);
+  // While items are placed, first[i + 1] is where the next item of row i goes; after the last item that is its end.
+  csr.first.assign(rows + 2, 0);
+  for (const Pair& pair : pairs) ++csr.first[number_of(pair.from) + 2];
+  for (std::size_t i = 2; i <= rows; ++i) csr.first[i + 1] += csr.first[i];
+  BIP_ASSERT(csr.first[rows + 1] == pairs.size(), "{} pairs in {} rows", pairs.size(), rows);
   csr.items.resize(pairs.size());
-  std::vector<u32> next(csr.first.begin(), csr.first.end() - 1);
-  for (const Pair& pair : pairs) csr.items[next[number_of(pair.from)]++] = pair.to;
+  for (const Pair& pair : pairs) csr.items[csr.first[number_of(pair.from) + 1]++] = pair.to;
+  csr.first.pop_back();
   return csr;
 }
 
@@ -73,6 +76,20 @@ void CsrOf<From, To>::sort_unique(std::vector<Pair>& pairs) {
   std::sort(pairs.begin(), pairs.end(), [&](const Pair& a, const Pair& b) { return key(a) < key(b); });
   pairs.erase(std::unique(pairs.begin(), pairs.end(), [&](const Pair& a, const Pair& b) { return key(a) == key(b); }),
               pairs.end());
+}
+
+template <class From, class To>
+void CsrOf<From, To>::unique_in_order(std::size_t rows, std::vector<Pair>& pairs) {
+  std::vector<u32> last(rows, kNone);
+  std::size_t kept = 0;
+  for (const Pair& pair : pairs) {
+    u32& before = last[number_of(pair.from)];
+    BIP_ASSERT(before == kNone || before <= number_of(pair.to), "item {} comes after {}", number_of(pair.to), before);
+    if (before == number_of(pair.to)) continue;
+    before = number_of(pair.to);
+    pairs[kept++] = pair;
+  }
+  pairs.resize(kept);
 }
 
 // ---- atoms -------------------------------------------------------------------------------------------------------
@@ -258,7 +275,7 @@ struct Tables {
   std::vector<u32> plan_ports;
   std::vector<PlanTransfer> plan_transfers;
   std::vector<PlanChoice> plan_choices;
-  std::vector<std::vector<u32>> clause_order;  // by connector type: its clauses, sorted by their parameters
+  Csr clause_order;  // by connector type: its clauses, sorted by their parameters
   InnerRules inner_rules;
 
   [[nodiscard]] const AtomType& atom_type(u32 atom) const { return image->atom_types[atoms[atom].type]; }

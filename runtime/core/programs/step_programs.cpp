@@ -19,6 +19,21 @@ constexpr u32 kPure = 1, kWide = 2;
 constexpr u32 kDeltaLast = 1u << 5;
 constexpr u32 kFar = 1u << 31;  // the program is elsewhere: at the row that the other bits say
 
+// Are all of the interaction's ports of simple types? Else its effects are not the same each time. Found before its
+// code is listed, for of many systems no interaction has a program.
+bool has_simple_ports(const CoreParts& core, const InteractionInfo& info) {
+  const Tables& tables = core.tables;
+  const auto is_simple = [&](u32 instance) { return core.ports.port(instance).place != kNone; };
+  if (info.kind == InteractionKind::Flat) {
+    const auto first = tables.flat_ports.begin() + info.first;
+    return std::all_of(first, first + info.count, is_simple);
+  }
+  const Plan& plan = tables.plans[info.plan()];
+  const auto first = tables.plan_nodes.begin() + plan.first_node;
+  return std::all_of(first, first + plan.node_count,
+                     [&](const PlanNode& node) { return node.kind != NodeKind::Leaf || is_simple(node.ref); });
+}
+
 }  // namespace
 
 u32 StepPrograms::code_row(Code code, u32 zeroed) {
@@ -75,7 +90,7 @@ bool StepPrograms::list_effects(Parts& parts) {
     const PortState& port = core_.ports.port(instance);
     const u32 row = core_.tables.port_atom[instance];
     const AtomInfo& atom = core_.atoms[row];
-    if (port.place == kNone) return false;
+    BIP_ASSERT(port.place != kNone, "port {} is of a type that is not simple", instance);
     atoms.push_back(row);
     if (atom.watched != 0) {
       // Rules of priorities follow another way.
@@ -111,7 +126,7 @@ bool StepPrograms::list_program(InteractionId interaction, Parts& parts) {
   const InteractionInfo info = core_.tables.interactions[interaction];
   parts = {};
   if (info.kind == InteractionKind::Flat) {
-    if (info.count > kOpsKept) return false;
+    if (info.count > kOpsKept || !has_simple_ports(core_, info)) return false;
     if (info.clause() != kNone) {
       if (!core_.memory.ffi_data.empty()) return false;
       const Clause& clause = core_.tables.connector_type(info.row).clauses[info.clause()];
@@ -125,6 +140,7 @@ bool StepPrograms::list_program(InteractionId interaction, Parts& parts) {
     if (info.kind != InteractionKind::Planned || info.searched || !core_.memory.ffi_data.empty()) return false;
     const Plan& plan = core_.tables.plans[info.plan()];
     if (!plan.rigid || plan.guarded || plan.has_choice || plan.node_count > kOpsKept) return false;
+    if (!has_simple_ports(core_, info)) return false;
     list_plan(plan, parts);
   }
   return list_effects(parts);

@@ -335,7 +335,7 @@ u32 InteractionSearch::chosen_clause(const Plan& plan, u32 use_row) {
   const PlanUse& use = core_.tables.plan_uses[plan.first_use + use_row];
   if (plan.rigid) return use.clause;
   const u32 type_row = core_.tables.image->connectors[use.connector].type;
-  if (core_.tables.clause_order[type_row].empty()) return kNone;
+  if (core_.tables.clause_order[type_row].size == 0) return kNone;
   params_.clear();
   for (u32 param = 0; param < core_.tables.image->connector_types[type_row].params.size; ++param) {
     const u32 node = core_.tables.plan_params[use.first_param + param];

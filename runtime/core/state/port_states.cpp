@@ -11,6 +11,15 @@ void PortStates::link() {
   const PriorityTables& rules = core_.priorities.tables();
   const u32 interaction_count = static_cast<u32>(tables.interactions.size());
   ports_.resize(tables.port_atom.size());
+  for (u32 atom = 0; atom < core_.atoms.size; ++atom) {
+    const LinkedType& type = tables.types[tables.atoms[atom].type];
+    for (u32 row = type.first_transition; type.simple && row < type.first_transition + type.transition_count; ++row) {
+      PortState& port = ports_[tables.instance(atom, tables.transitions[row].port)];
+      BIP_ASSERT(port.transition == kNone, "port {} of a simple type labels two transitions",
+                 tables.transitions[row].port);
+      port = {row, tables.transitions[row].from};
+    }
+  }
   const auto is_direct = [&](InteractionId interaction) {
     return !tables.interactions[interaction].searched && (rules.count == 0 || rules.is_involved[interaction] == 0);
   };
@@ -23,17 +32,9 @@ void PortStates::link() {
 void PortStates::reset() {
   const Tables& tables = core_.tables;
   const u32 interaction_count = static_cast<u32>(tables.interactions.size());
-  for (u32 i = 0; i < ports_.size(); ++i) {
-    const u32 atom = tables.port_atom[i];
-    const LinkedType& type = tables.types[tables.atoms[atom].type];
-    ports_[i].transition = ports_[i].place = kNone;
-    if (!type.simple) continue;
-    for (u32 row = type.first_transition; row < type.first_transition + type.transition_count; ++row) {
-      if (tables.transitions[row].port != i - tables.port_base(atom)) continue;
-      BIP_ASSERT(ports_[i].transition == kNone, "port {} of a simple type labels two transitions", i);
-      ports_[i].transition = row;
-      ports_[i].place = tables.transitions[row].from;
-    }
+  // Those of simple types follow their atoms' places.
+  for (PortState& port : ports_) {
+    if (port.place == kNone) port.transition = kNone;
   }
   values_.resize(tables.node_count());
   for (const InteractionId interaction : tables.interactions.ids())

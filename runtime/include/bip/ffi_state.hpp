@@ -30,6 +30,7 @@ class FfiState final : public FfiContext {
   void attach(Span<const char*> strings) override {
     if (is_attached_) return;
     is_attached_ = true;
+    rows_.reserve(strings.size);
     for (const char* text : strings) {
       const auto row = static_cast<std::int32_t>(texts_.size());
       rows_.try_emplace(texts_.emplace_back(text), row);
