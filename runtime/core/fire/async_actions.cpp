@@ -173,7 +173,7 @@ bool AsyncActions::finish_action(u32 atom) {
 bool AsyncActions::return_action(u32 atom) {
   BIP_ASSERT(waits_for_returns_, "the budget ends the action of atom {}", atom);
   if (!finish_action(atom)) return false;
-  return core_.is_settled() || core_.settle();
+  return core_.settle();
 }
 
 // What runs belongs to another state.

@@ -36,7 +36,7 @@ bool EventQueues::deliver(u32 row, const Cell* values) {
   // Behind another one it changes nothing.
   if (queue.count++ != 0) return true;
   if (!core_.clocks.look_at_time(port.atom)) return false;
-  return core_.is_settled() || core_.settle();
+  return core_.settle();
 }
 
 // The first event's values into the port's variables; nothing for other ports.

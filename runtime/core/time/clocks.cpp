@@ -343,7 +343,7 @@ bool Clocks::resume_at(u32 atom, i64 instant) {
   BIP_ASSERT(instant >= now_, "atom {} goes on at {}, before {}", atom, instant, now_);
   if (busy_until_[atom] == instant) return true;
   busy_until_[atom] = instant;
-  return look_at_time(atom) && (core_.is_settled() || core_.settle());
+  return look_at_time(atom) && core_.settle();
 }
 
 bool Clocks::returned_at(i64 instant) {
@@ -354,7 +354,7 @@ bool Clocks::returned_at(i64 instant) {
     busy_until_[atom] = until;
     if (!look_at_time(atom)) return false;
   }
-  return core_.is_settled() || core_.settle();
+  return core_.settle();
 }
 
 bool Clocks::is_resumed(const Candidate& candidate) {
@@ -573,7 +573,7 @@ bool Clocks::advance(i64 to) {
     else if (!look_at_time(atom)) return false;
   }
   BIP_ASSERT(is_consistent(), "after the instant {}", now_);
-  return core_.is_settled() || core_.settle();
+  return core_.settle();
 }
 
 CandidateTime Clocks::time_of(const Candidate& candidate) {
@@ -638,7 +638,7 @@ bool Clocks::take(EnabledSet::Position at) {
   if (!is_fired) return false;
   if (together.size() < 2) return true;
   if (!resume_together(together)) return false;
-  return core_.is_settled() || core_.settle();
+  return core_.settle();
 }
 
 // An eager candidate lets no time pass, a delayable one none beyond its last instant.
