@@ -98,10 +98,10 @@ bool CoreParts::is_consistent() const {
   for (const InteractionId i : tables.interactions.ids()) {
     // What is searched or hidden was counted when it was settled.
     if (search.is_searched(i)) continue;
-    const bool is_hidden = enabled.weight(i) == 0 && priorities.can_hide(i);
-    if (!is_hidden && enabled.weight(i) != (ports.is_available(i) ? 1u : 0u)) return false;
+    const bool is_shown = ports.is_available(i) && !priorities.is_hidden(i);
+    if (enabled.weight(i) != (is_shown ? 1u : 0u)) return false;
   }
-  return true;
+  return priorities.is_consistent();
 }
 
 void CoreParts::keep_list() {
@@ -126,16 +126,7 @@ Candidate CoreParts::candidate(EnabledSet::Position at) const {
     return candidate;
   }
   candidate.connector = tables.connector_of(at.interaction);
-  candidate.config = at.rank;
-  if (!search.is_searched(at.interaction)) return candidate;
-  const std::vector<std::uint8_t>& hidden = search.listing(at.interaction).hidden;
-  if (hidden.empty()) return candidate;
-  u32 left = at.rank;
-  BIP_ASSERT(hidden.size() == search.listing(at.interaction).count, "{} flags of {} configurations", hidden.size(),
-             search.listing(at.interaction).count);
-  BIP_ASSERT(at.rank < std::count(hidden.begin(), hidden.end(), 0), "candidate {} of interaction {}", at.rank,
-             at.interaction);
-  for (candidate.config = 0; hidden[candidate.config] != 0 || left-- > 0;) ++candidate.config;
+  candidate.config = config_of(at);
   return candidate;
 }
 
@@ -192,12 +183,7 @@ bool CoreParts::restore_atoms(const State& state) {
   return true;
 }
 
-bool CoreParts::settle() {
-  if (is_settled()) {
-    BIP_ASSERT(tables.any_searched || priorities.tables().count == 0 || ports.dirty().empty(), "marked interactions");
-    enabled.settle_list();
-    return true;
-  }
+bool CoreParts::settle_marked() {
   for (const InteractionId interaction : ports.dirty()) {
     if (!search.is_searched(interaction) || search.list(interaction)) continue;
     fault.is_of_state = true;
@@ -212,7 +198,6 @@ bool CoreParts::settle() {
     for (const InteractionId interaction : ports.dirty()) enabled.set(interaction, search.base_count(interaction));
   }
   ports.dirty().clear();
-  enabled.settle_list();
   return true;
 }
 

@@ -37,6 +37,8 @@ struct CoreParts {
   [[nodiscard]] const Image& image() const { return *tables.image; }
   [[nodiscard]] bool is_marked(u32 atom, u32 place) const;
   [[nodiscard]] Candidate candidate(EnabledSet::Position at) const;
+  /// Returns the row of the candidate's configuration: among what is listed, hidden ones as well.
+  [[nodiscard]] u32 config_of(EnabledSet::Position at) const;
   [[nodiscard]] bool looks_at_binds() const {
     return tables.any_searched || priorities.tables().count != 0 || clocks.is_timed() || image().choices.size != 0;
   }
@@ -54,10 +56,16 @@ struct CoreParts {
   /// The same without what connectors and priorities make of it: `settle` is due.
   bool restore_atoms(const State& state);
   /// Is there nothing for `settle` to do before candidates are looked at?
-  [[nodiscard]] bool is_settled() const { return ports.dirty().empty() && priorities.dirty().empty(); }
+  [[nodiscard]] bool is_settled() const {
+    return ports.dirty().empty() && (priorities.tables().count == 0 || priorities.is_settled());
+  }
   /// After a step: lists the candidates of the interactions that were marked, then what priorities make of them, then
   /// the enabled set. Order does not matter to the result: everything here is a function of the state. False: a fault.
-  bool settle();
+  bool settle() {
+    if (!is_settled() && !settle_marked()) return false;
+    enabled.settle_list();
+    return true;
+  }
   /// Keeps the list of the enabled from now on, starting in canonical order.
   void keep_list();
   /// Keeps the list and the order of its members from now on.
@@ -97,6 +105,7 @@ struct CoreParts {
  private:
   void reset();
   bool settle_anew();
+  bool settle_marked();
 };
 
 // ---- what is inlined into the engine's loop
@@ -106,9 +115,15 @@ inline u32 PortStates::enabled_row(u32 instance) const {
                                                                                                     : kNone;
 }
 
+inline u32 CoreParts::config_of(EnabledSet::Position at) const {
+  return search.is_searched(at.interaction) ? search.config_of(at.interaction, at.rank) : at.rank;
+}
+
 inline bool Firing::take(EnabledSet::Position at) {
   const u32* program = core_.programs.program_of(at.interaction);
-  return *program != kNone ? core_.programs.run(program, at.interaction) : fire_parts(core_.candidate(at));
+  if (*program != kNone) return core_.programs.run(program, at.interaction);
+  // The rest of a Candidate is for those who look at it: to fire it takes no look-up.
+  return fire_parts({.interaction = at.interaction, .config = core_.config_of(at)});
 }
 
 }  // namespace bip::rt

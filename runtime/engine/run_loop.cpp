@@ -23,6 +23,10 @@ namespace {
 constexpr u64 kStepsPerSample = u64{1} << 20;
 // Between two reports of progress: some tenths of a second.
 constexpr u64 kStepsPerProgress = u64{1} << 22, kQuietStepsPerProgress = u64{1} << 16;
+// After so many quiet steps it asks what they do not change: strings to collect, new code, progress. Few, for steps
+// with C++ may be long and make many strings.
+constexpr u64 kQuietStepsPerLook = 64;
+static_assert(kQuietStepsPerProgress % kQuietStepsPerLook == 0);
 
 void write_text(std::FILE* file, const std::string& text) { std::fwrite(text.data(), 1, text.size(), file); }
 
@@ -274,16 +278,21 @@ void RunLoop::take_compiled_steps() {
 // The same steps as one by one; what else a turn of the loop does would be a tenth of the work.
 void RunLoop::take_quiet_steps() {
   BIP_ASSERT(can_be_quiet() && result_.steps < options_.limit, "{} steps of {}", result_.steps, options_.limit);
-  const bool makes_strings = image_.ffi != nullptr;
+  const bool samples = options_.stats;
   do {
-    if (options_.stats) enabled_sizes_.add(core_.candidate_count());
-    const EnabledSet::Position at = scheduler_.choose(core_);
-    is_sound_ = core_.take(at);
-    scheduler_.fired(at.interaction);
+    // Parts end at multiples, so that none misses a report.
+    u64 left = std::min(options_.limit - result_.steps, kQuietStepsPerLook - result_.steps % kQuietStepsPerLook);
+    const u64 end = result_.steps + left;
+    do {
+      if (samples) enabled_sizes_.add(core_.candidate_count());
+      const EnabledSet::Position at = scheduler_.choose(core_);
+      is_sound_ = core_.take(at);
+      scheduler_.fired(at.interaction);
+    } while (is_sound_ && --left != 0 && core_.candidate_count() != 0 && !is_interrupted());
+    result_.steps = end - left;
     is_step_faulty_ = !is_sound_;
     if (!is_sound_) return;
-    if (makes_strings) collect_strings(core_);
-    ++result_.steps;
+    collect_strings(core_);
     if (options_.on_progress && result_.steps % kQuietStepsPerProgress == 0) options_.on_progress(result_.steps);
   } while (result_.steps < options_.limit && core_.candidate_count() != 0 && !is_interrupted() && !is_new_code_ready());
 }

@@ -146,6 +146,31 @@ void mark_cyclic(PriorityTables& rules) {
   }
 }
 
+// What comes and goes more than once in a step is followed more than once, so it may move no more than so many others.
+constexpr std::size_t kMostFollowed = 32;
+
+// Do the rules and interactions that may change with the interaction, through chains, number kMostFollowed at most?
+bool moves_few(const PriorityTables& rules, InteractionId interaction) {
+  std::vector<u32> reached;
+  std::size_t moved = 0;
+  const auto reach = [&](u32 rule) {
+    if (std::find(reached.begin(), reached.end(), rule) != reached.end()) return;
+    reached.push_back(rule);
+    moved += 1 + rules.interactions_of_low[rule].size;
+  };
+  for (const u32 edge : rules.high_of_interaction[interaction]) {
+    reach(rules.high_edges[edge].rule);
+    if (moved > kMostFollowed) return false;
+  }
+  for (std::size_t at = 0; at < reached.size(); ++at) {
+    for (const u32 before : rules.previous[reached[at]]) {
+      reach(before);
+      if (moved > kMostFollowed) return false;
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 bool matches_low(const Tables& tables, const Priority& rule, u32 connector, const std::vector<u32>& params) {
@@ -268,6 +293,11 @@ PriorityTables link_priorities(const Tables& tables) {
                             [](const HighEdge& a, const HighEdge& b) { return a.interaction < b.interaction; }),
              "high sides are not in the order of interactions");
   mark_cyclic(rules);
+  for (const InteractionId interaction : tables.interactions.ids()) {
+    const bool is_followed = rules.is_involved[interaction] != 0 && !tables.interactions[interaction].searched &&
+                             moves_few(rules, interaction);
+    rules.is_followed.push(is_followed ? 1 : 0);
+  }
   return rules;
 }
 

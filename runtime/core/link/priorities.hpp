@@ -21,20 +21,25 @@ struct PriorityTables {
   static constexpr std::uint8_t kLow = 1, kHigh = 2;
   IndexVector<InteractionId, std::uint8_t> is_involved;        // on which sides of rules; empty without rules
   IndexVector<InteractionId, std::uint8_t> has_one_candidate;  // at most; the same size
-  std::vector<HighEdge> high_edges;                            // sorted by interaction
-  RowsByInteraction high_of_interaction;                       // rows of high_edges
-  RowsByInteraction low_of_interaction;                        // rules
-  InteractionsBy interactions_of_low;                          // by rule
-  Csr next, previous;                                          // the chain graph, by rule
-  std::vector<u32> component;                                  // by rule: weakly connected part of the chain graph
-  Csr members;                                                 // by component
-  std::vector<std::uint8_t> cyclic;                            // by component: guards alone keep it from being a cycle
+  // Stands under rules, is not searched, and few others may become hidden or show with it: what its coming and going
+  // changes is followed at once. The same size.
+  IndexVector<InteractionId, std::uint8_t> is_followed;
+  std::vector<HighEdge> high_edges;       // sorted by interaction
+  RowsByInteraction high_of_interaction;  // rows of high_edges
+  RowsByInteraction low_of_interaction;   // rules
+  InteractionsBy interactions_of_low;     // by rule
+  Csr next, previous;                     // the chain graph, by rule
+  std::vector<u32> component;             // by rule: weakly connected part of the chain graph
+  Csr members;                            // by component
+  std::vector<std::uint8_t> cyclic;       // by component: guards alone keep it from being a cycle
 };
 struct RuleState {
   bool guard = false;
   bool active = false;  // it hides what it matches
   bool was_active = false;
-  u32 high_count = 0;  // enabled candidates that match its high side
+  bool is_in_cycle = false;  // its component has one, if guards allow it
+  // Enabled candidates that match its high side and, unless its component is cyclic, active rules that it chains into.
+  u32 count = 0;
 };
 
 [[nodiscard]] PriorityTables link_priorities(const Tables& tables);

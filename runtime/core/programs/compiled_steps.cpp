@@ -264,9 +264,9 @@ bool CompiledSteps::close_run(u32 count) {
   // What is marked waits for atoms that are away, and no step touched it.
   if (core_.partial.is_on()) return true;
   const DirectInteractions& direct = core_.ports.direct();
-  if (core_.priorities.tables().count != 0 && !direct.is_direct.empty()) {
-    for (const InteractionId interaction : IdRange<InteractionId>(direct.below, direct.is_direct.size())) {
-      if (direct.is_direct[interaction] == 0) core_.ports.mark_dirty(interaction);
+  if (core_.priorities.tables().count != 0 && !direct.of_crossing.empty()) {
+    for (const InteractionId interaction : IdRange<InteractionId>(direct.below, direct.of_crossing.size())) {
+      if (!direct.has(Tables::node_of(interaction))) core_.ports.mark_dirty(interaction);
     }
   }
   return core_.settle();

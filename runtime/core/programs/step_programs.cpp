@@ -162,7 +162,7 @@ void StepPrograms::build() {
   const std::size_t listed = core_.tables.node_count() < kNodesKept ? core_.tables.connector_interactions : 0;
   for (const InteractionId interaction : IdRange<InteractionId>(listed)) {
     if (!list_program(interaction, parts)) continue;
-    bool pure = !core_.tables.any_searched && parts.touched.empty();
+    bool pure = !core_.search.is_weighted() && parts.touched.empty();
     for (const auto& [node, by] : parts.deltas) pure = pure && core_.ports.direct().has(node);
     const std::size_t start = words.size();
     words.insert(words.end(), {interaction.value, 0});

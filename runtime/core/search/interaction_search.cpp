@@ -26,7 +26,7 @@ void InteractionSearch::link() {
     listing_of_[interaction] = static_cast<u32>(listings_.size());
     listings_.emplace_back();
     flat_guards_.push_back(flat_guard(info));
-    is_weighted_ |= info.kind != InteractionKind::Flat;
+    is_weighted_ |= !tables.has_one_candidate(info);
   }
   u32 nodes = 0, uses = 0;
   for (const Plan& plan : tables.plans) {

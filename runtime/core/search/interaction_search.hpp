@@ -9,9 +9,11 @@
 // what is inherently exponential into a fault). From one configuration to the next a connector is evaluated again only
 // if its own sub-choice is another one: in a tree those above what went.
 #pragma once
+#include <algorithm>
 #include <utility>
 #include <vector>
 
+#include "bip/assert.hpp"
 #include "runtime/core/link/tables.hpp"
 #include "runtime/core/search/bits.hpp"
 #include "runtime/core/search/remembered_searches.hpp"
@@ -86,6 +88,16 @@ class InteractionSearch {
   /// Of a searched interaction.
   [[nodiscard]] Listing& listing(InteractionId interaction) { return listings_[listing_of(interaction)]; }
   [[nodiscard]] const Listing& listing(InteractionId interaction) const { return listings_[listing_of(interaction)]; }
+  /// Of a searched interaction: the row of its `rank`-th configuration that no rule hides.
+  [[nodiscard]] u32 config_of(InteractionId interaction, u32 rank) const {
+    const Listing& of = listing(interaction);
+    if (of.hidden.empty()) return rank;
+    BIP_ASSERT(of.hidden.size() == of.count && rank < std::count(of.hidden.begin(), of.hidden.end(), 0),
+               "candidate {} of {} configurations, with {} flags", rank, of.count, of.hidden.size());
+    u32 config = 0;
+    for (u32 left = rank; of.hidden[config] != 0 || left-- > 0;) ++config;
+    return config;
+  }
   /// How many candidates the interaction has.
   [[nodiscard]] u32 base_count(InteractionId interaction) const;
   /// Finds the parameters of the top connector that take part in a candidate: all of them unless the interaction is

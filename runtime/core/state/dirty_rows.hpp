@@ -2,10 +2,12 @@
 #pragma once
 #include <algorithm>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "bip/assert.hpp"
 #include "bip/ids.hpp"
+#include "runtime/core/state/row_list.hpp"
 
 namespace bip::rt {
 
@@ -29,7 +31,7 @@ class DirtyRows {
     BIP_ASSERT(number_of(row) < is_in_.size(), "row {} of {}", row, is_in_.size());
     if (is_in_[number_of(row)] != 0) return;
     is_in_[number_of(row)] = 1;
-    rows_.push_back(row);
+    rows_.push(row);
   }
   void clear() {
     BIP_ASSERT(std::all_of(rows_.begin(), rows_.end(), [this](Row row) { return has(row); }),
@@ -41,21 +43,22 @@ class DirtyRows {
   template <class Predicate>
   void hold(const Predicate& is_held) {
     BIP_ASSERT(held_.empty(), "{} rows are held already", held_.size());
-    const auto end = std::stable_partition(rows_.begin(), rows_.end(), [&](Row row) { return !is_held(row); });
-    held_.assign(end, rows_.end());
-    rows_.erase(end, rows_.end());
+    Row* const end = std::stable_partition(rows_.begin(), rows_.end(), [&](Row row) { return !is_held(row); });
+    held_.clear();
+    for (const Row* row = end; row != rows_.end(); ++row) held_.push(*row);
+    rows_.shorten(static_cast<std::size_t>(end - rows_.begin()));
   }
   /// Lets the held rows take the place of those that were looked at.
   void release() {
     BIP_ASSERT(std::all_of(held_.begin(), held_.end(), [this](Row row) { return has(row); }), "a held row left");
-    rows_.swap(held_);
+    std::swap(rows_, held_);
     held_.clear();
   }
   [[nodiscard]] std::size_t bytes() const { return is_in_.size(); }
 
  private:
-  std::vector<Row> rows_;
-  std::vector<Row> held_;
+  RowList<Row> rows_;
+  RowList<Row> held_;
   std::vector<std::uint8_t> is_in_;  // by row
 };
 

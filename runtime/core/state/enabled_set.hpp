@@ -18,6 +18,7 @@
 
 #include "bip/assert.hpp"
 #include "bip/ids.hpp"
+#include "runtime/core/state/list_changes.hpp"
 #include "runtime/core/state/member_order.hpp"
 
 namespace bip::rt {
@@ -47,12 +48,12 @@ class EnabledSet {
     BIP_ASSERT(interaction.value < size_, "interaction {} of {}", interaction, size_);
     if (!weights_.empty()) return weights_[interaction];
     if (ranked_) return static_cast<std::uint32_t>(words_[word_of(interaction)] >> bit_of(interaction) & 1);
-    return static_cast<std::uint32_t>(position_[interaction] != kAbsent) ^ pending_[interaction];
+    return (position_[interaction] != kAbsent) != changes_.has(interaction) ? 1 : 0;
   }
 
   /// Of all rows.
   [[nodiscard]] std::size_t bytes() const {
-    return words_.size() * sizeof(std::uint64_t) + pending_.size() +
+    return words_.size() * sizeof(std::uint64_t) + changes_.bytes() +
            (counts_.size() + weights_.size() + members_.size() + position_.size()) * sizeof(std::uint32_t) +
            order_.bytes();
   }
@@ -62,10 +63,9 @@ class EnabledSet {
   void list(std::uint32_t interactions) {
     ensure_ranked();
     position_.assign(interactions, kAbsent);
-    pending_.assign(interactions, 0);
+    changes_.reset(interactions);
     members_.assign(std::size_t{interactions} + 1, 0);
     listed_count_ = 0;
-    changed_.clear();
     if (ordered_) order_.reset(interactions);
     for (std::size_t entry = 0; entry < words_.size(); ++entry) {
       for (std::uint64_t word = words_[entry]; word != 0; word &= word - 1) {
@@ -89,7 +89,7 @@ class EnabledSet {
       differs[interaction] ^= 1;
     }
     for (const InteractionId interaction : differs.ids()) {
-      if (differs[interaction] != 0) note(interaction);
+      if (differs[interaction] != 0) changes_.toggle(interaction);
     }
   }
   /// Lists keep the order of their members from now on.
@@ -104,15 +104,15 @@ class EnabledSet {
   void unlist() {
     ensure_ranked();
     listed_ = false;
-    changed_.clear();
+    changes_.clear();
   }
   [[nodiscard]] bool is_listed() const { return listed_; }
   [[nodiscard]] std::uint32_t listed_count() const { return listed_count_; }
   [[nodiscard]] InteractionId listed(std::uint64_t position) const { return InteractionId(members_[position]); }
   /// Brings the list up to date with what came and went since the last time.
   void settle_list() {
-    BIP_ASSERT(listed_ || changed_.empty(), "{} changes without a list", changed_.size());
-    if (!changed_.empty()) apply_changes();
+    BIP_ASSERT(listed_ || !changes_.any(), "changes without a list");
+    if (changes_.any()) apply_changes();
   }
 
   /// Opens the list for a caller that changes it and the count directly, until close_list. Unweighted, without
@@ -121,7 +121,7 @@ class EnabledSet {
     std::uint32_t *members, *position, *count;
   };
   List open_list() {
-    BIP_ASSERT(listed_ && weights_.empty() && changed_.empty(), "{} unsettled changes", changed_.size());
+    BIP_ASSERT(listed_ && weights_.empty() && !changes_.any(), "unsettled changes, or no list");
     return {members_.data(), position_.rows().data(), &listed_count_};
   }
   void close_list(std::uint32_t count) {
@@ -131,44 +131,39 @@ class EnabledSet {
   }
 
   // ---- changes; with a list they count from settle_list on
-  /// Unweighted sets. The interaction must not be in the set.
+  /// With one candidate. The interaction must not be in the set.
   void insert(InteractionId interaction) {
     BIP_ASSERT(weight(interaction) == 0, "interaction {} is in the set already", interaction);
     toggle(interaction, 1);
   }
-  /// Unweighted sets. The interaction must be in the set.
+  /// The interaction must be in the set with one candidate.
   void erase(InteractionId interaction) {
-    BIP_ASSERT(weight(interaction) == 1, "interaction {} is not in the set", interaction);
+    BIP_ASSERT(weight(interaction) == 1, "interaction {} has {} candidates", interaction, weight(interaction));
     toggle(interaction, ~0u);
   }
   /// Unweighted sets without unsettled changes. Members of the word that holds interactions 64 * word ... come and go,
   /// `difference` more than before.
   void flip(std::uint32_t word, std::uint64_t flips, std::uint32_t difference) {
-    BIP_ASSERT(weights_.empty() && changed_.empty(), "{} unsettled changes", changed_.size());
+    BIP_ASSERT(weights_.empty() && !changes_.any(), "unsettled changes, or weights");
     if (ranked_) {
       words_[word] ^= flips;
       add(at_bit(word, 0), difference);
     }
     total_ += difference;
     if (!listed_) return;
-    for (; flips != 0; flips &= flips - 1) exchange(at_bit(word, std::countr_zero(flips)));
+    const List list{members_.data(), position_.rows().data(), nullptr};
+    for (; flips != 0; flips &= flips - 1) {
+      const InteractionId interaction = at_bit(word, std::countr_zero(flips));
+      if (exchange(interaction.value, list, listed_count_) && ordered_) order_.mark(interaction);
+    }
   }
-  void set(InteractionId interaction, std::uint32_t weight_now) {
+  [[gnu::noinline]] void set(InteractionId interaction, std::uint32_t weight_now) {
     const std::uint32_t before = weight(interaction);
     BIP_ASSERT(!weights_.empty() || weight_now <= 1, "weight {} of interaction {}", weight_now, interaction);
     if (before == weight_now) return;
-    if (weights_.empty()) {
-      toggle(interaction, weight_now - before);
-      return;
-    }
-    if (listed_ && (before == 0) != (weight_now == 0)) note(interaction);
-    weights_[interaction] = weight_now;
-    total_ += weight_now - before;
-    if (!ranked_) return;
-    const std::uint64_t bit = std::uint64_t{1} << bit_of(interaction);
-    if (weight_now != 0) words_[word_of(interaction)] |= bit;
-    else words_[word_of(interaction)] &= ~bit;
-    add(interaction, weight_now - before);
+    // Mostly one of them is 0, the other 1.
+    if (before + weight_now == 1) toggle(interaction, weight_now - before);
+    else change_weight(interaction, before, weight_now);
   }
 
   struct Position {
@@ -319,14 +314,14 @@ class EnabledSet {
     }
     return true;
   }
-  // Is each member where position_ says, and, with nothing pending, each interaction with candidates a member?
+  // Is each member where position_ says, and, but for what comes and goes, each interaction with candidates a member?
   [[nodiscard]] bool has_consistent_list() const {
     std::uint32_t members = 0;
     for (const InteractionId i : ids()) {
       const bool is_member = position_[i] != kAbsent;
       members += is_member ? 1 : 0;
       if (is_member && (position_[i] >= listed_count_ || listed(position_[i]) != i)) return false;
-      if (changed_.empty() && is_member != (weight(i) != 0)) return false;
+      if ((is_member != changes_.has(i)) != (weight(i) != 0)) return false;
     }
     return members == listed_count_;
   }
@@ -348,41 +343,50 @@ class EnabledSet {
 
   void toggle(InteractionId interaction, std::uint32_t difference) {
     total_ += difference;
-    if (difference == 1) last_in_ = interaction;
+    if (!weights_.empty()) weights_[interaction] += difference;
     if (ranked_) {
+      if (difference == 1) last_in_ = interaction;
       words_[word_of(interaction)] ^= std::uint64_t{1} << bit_of(interaction);
       add(interaction, difference);
     }
-    if (listed_) note(interaction);
+    if (listed_) changes_.toggle(interaction);
   }
-  void note(InteractionId interaction) {
-    pending_[interaction] ^= 1;
-    changed_.push_back(interaction);
+  [[gnu::noinline]] void change_weight(InteractionId interaction, std::uint32_t before, std::uint32_t weight_now) {
+    if (listed_ && (before == 0) != (weight_now == 0)) changes_.toggle(interaction);
+    weights_[interaction] = weight_now;
+    total_ += weight_now - before;
+    if (!ranked_) return;
+    const std::uint64_t bit = std::uint64_t{1} << bit_of(interaction);
+    if (weight_now != 0) words_[word_of(interaction)] |= bit;
+    else words_[word_of(interaction)] &= ~bit;
+    add(interaction, weight_now - before);
   }
   void append(InteractionId interaction) {
     position_[interaction] = listed_count_;
     members_[listed_count_++] = interaction.value;
     if (ordered_) order_.mark(interaction);
   }
-  void exchange(InteractionId interaction) {
-    const std::uint32_t at = position_[interaction];
+  // The interaction comes to the end of the list, or the last one takes its place. Returns whether it came.
+  static bool exchange(std::uint32_t interaction, const List& list, std::uint32_t& count) {
+    const std::uint32_t at = list.position[interaction];
     if (at == kAbsent) {
-      append(interaction);
-      return;
+      list.position[interaction] = count;
+      list.members[count++] = interaction;
+      return true;
     }
-    const InteractionId last = listed(--listed_count_);
-    members_[at] = last.value;
-    position_[last] = at;
-    position_[interaction] = kAbsent;
+    const std::uint32_t last = list.members[--count];
+    list.members[at] = last;
+    list.position[last] = at;
+    list.position[interaction] = kAbsent;
+    return false;
   }
-  void apply_changes() {
-    if (changed_.size() > 1) std::sort(changed_.begin(), changed_.end());
-    for (const InteractionId interaction : changed_) {
-      if (pending_[interaction] == 0) continue;
-      pending_[interaction] = 0;
-      exchange(interaction);
-    }
-    changed_.clear();
+  [[gnu::noinline]] void apply_changes() {
+    const List list{members_.data(), position_.rows().data(), nullptr};
+    std::uint32_t count = listed_count_;
+    changes_.take([&](InteractionId interaction) {
+      if (exchange(interaction.value, list, count) && ordered_) order_.mark(interaction);
+    });
+    listed_count_ = count;
   }
   // Counts anew, from the weights or the list.
   void ensure_ranked() const {
@@ -401,12 +405,11 @@ class EnabledSet {
       return;
     }
     for (std::uint32_t i = 0; i < listed_count_; ++i) {
-      if (pending_[listed(i)] == 0) enter(listed(i));
+      if (!changes_.has(listed(i))) enter(listed(i));
     }
-    for (const InteractionId interaction : changed_) {
-      const bool is_new = pending_[interaction] != 0 && position_[interaction] == kAbsent;
-      if (is_new && (words_[word_of(interaction)] >> bit_of(interaction) & 1) == 0) enter(interaction);
-    }
+    changes_.visit([&](InteractionId interaction) {
+      if (position_[interaction] == kAbsent) enter(interaction);
+    });
   }
 
   static constexpr std::uint32_t kAbsent = 0xffffffffu;
@@ -430,8 +433,7 @@ class EnabledSet {
       members_;  // interactions as plain numbers, for compiled steps change them: the first listed_count_; one more
                  // than interactions, for code that writes before it looks
   IndexVector<InteractionId, std::uint32_t> position_;  // in members_
-  IndexVector<InteractionId, std::uint8_t> pending_;    // in or out, contrary to the list
-  std::vector<InteractionId> changed_;                  // those, and others
+  ListChanges changes_;                                 // in or out, contrary to the list
   MemberOrder order_;                                   // if ordered_
 };
 

@@ -10,9 +10,7 @@ namespace bip::rt {
 [[gnu::always_inline]] inline void PortStates::bump(u32 node, bool on) {
   BIP_ASSERT(node < values_.size(), "node {} of {}", node, values_.size());
   if (on ? ++values_[node] != 0 : values_[node]-- != 0) return;
-  if (node < direct_.is_direct.size() && direct_.is_direct[Tables::interaction_at(node)] == 0)
-    dirty_.mark(Tables::interaction_at(node));
-  else if (!direct_.has(node) || core_.tables.any_searched) crossed(node, on);
+  if (node >= direct_.below) crossed(node, on);
   else if (on) core_.enabled.insert(Tables::interaction_at(node));
   else core_.enabled.erase(Tables::interaction_at(node));
 }

@@ -20,13 +20,15 @@ void PortStates::link() {
       port = {row, tables.transitions[row].from};
     }
   }
-  const auto is_direct = [&](InteractionId interaction) {
-    return !tables.interactions[interaction].searched && (rules.count == 0 || rules.is_involved[interaction] == 0);
+  const auto crossing_of = [&](InteractionId interaction) {
+    if (core_.priorities.is_followed(interaction)) return Crossing::Followed;
+    const bool is_ruled = rules.count != 0 && rules.is_involved[interaction] != 0;
+    return is_ruled || tables.interactions[interaction].searched ? Crossing::Marked : Crossing::Direct;
   };
-  while (direct_.below < interaction_count && is_direct(InteractionId(direct_.below))) ++direct_.below;
+  while (direct_.below < interaction_count && crossing_of(InteractionId(direct_.below)) == Crossing::Direct)
+    ++direct_.below;
   if (direct_.below == interaction_count) return;
-  for (const InteractionId interaction : tables.interactions.ids())
-    direct_.is_direct.push(is_direct(interaction) ? 1 : 0);
+  for (const InteractionId interaction : tables.interactions.ids()) direct_.of_crossing.push(crossing_of(interaction));
 }
 
 void PortStates::reset() {
@@ -41,7 +43,7 @@ void PortStates::reset() {
     values_[Tables::node_of(interaction)] = tables.start_of(interaction);
   BIP_ASSERT(tables.node_count() == interaction_count + tables.inner_start.size(), "{} nodes", tables.node_count());
   std::copy(tables.inner_start.begin(), tables.inner_start.end(), values_.begin() + interaction_count);
-  dirty_.reset(direct_.is_direct.size());
+  dirty_.reset(direct_.of_crossing.size());
   crossings_.clear();
 }
 
@@ -71,20 +73,24 @@ bool PortStates::is_consistent() const {
 void PortStates::crossed(u32 node, bool on) {
   BIP_ASSERT(node < values_.size() && (values_[node] >= 0) == on, "node {} has crossed zero, its value is {}", node,
              values_[node]);
-  const u32 interaction_count = static_cast<u32>(core_.tables.interactions.size());
-  if (node < interaction_count) {
-    const InteractionId interaction = Tables::interaction_at(node);
-    if (!direct_.has(node)) {
-      mark_dirty(interaction);
-    } else if (core_.tables.any_searched) {
-      core_.enabled.set(interaction, on ? 1 : 0);
-    } else if (on) {
-      core_.enabled.insert(interaction);
-    } else {
-      core_.enabled.erase(interaction);
-    }
-    return;
+  const InteractionId interaction = Tables::interaction_at(node);
+  Crossing crossing = Crossing::Direct;
+  if (node >= direct_.below) {
+    if (node >= direct_.of_crossing.size()) return group_crossed(node, on);
+    crossing = direct_.of_crossing[interaction];
   }
+  switch (crossing) {
+    case Crossing::Marked: mark_dirty(interaction); return;
+    case Crossing::Followed: core_.priorities.crossed(interaction, on); return;
+    case Crossing::Direct:
+      if (on) core_.enabled.insert(interaction);
+      else core_.enabled.erase(interaction);
+      return;
+  }
+}
+
+void PortStates::group_crossed(u32 node, bool on) {
+  const u32 interaction_count = static_cast<u32>(core_.tables.interactions.size());
   // Inner groups: iterative, for the hierarchy may be deep. Each crossing moves every counter above by one, in the same
   // direction, so the order in which crossings are worked off does not matter.
   const std::size_t bottom = crossings_.size();

@@ -21,13 +21,18 @@ struct PortState {
   u32 transition = kNone;
   u32 place = kNone;
 };
-/// Interactions of which all there is to know is that their value crosses zero: without guards and rules.
+/// What follows if an interaction's value crosses zero.
+enum class Crossing : std::uint8_t {
+  Marked,    // it is settled after the step
+  Followed,  // rules follow at once: PriorityState::crossed
+  Direct     // it comes or goes; that is all there is to know: without guards and rules
+};
 struct DirectInteractions {
-  u32 below = 0;                                       // all interactions below
-  IndexVector<InteractionId, std::uint8_t> is_direct;  // empty: all are
+  u32 below = 0;                                     // all interactions below are direct
+  IndexVector<InteractionId, Crossing> of_crossing;  // empty: all are
   /// Of a node of the availability network; false: a group, or an interaction of which more must be known.
   [[nodiscard]] bool has(u32 node) const {
-    return node < below || (node < is_direct.size() && is_direct[Tables::interaction_at(node)] != 0);
+    return node < below || (node < of_crossing.size() && of_crossing[Tables::interaction_at(node)] == Crossing::Direct);
   }
 };
 
@@ -71,7 +76,7 @@ class PortStates {
   /// Of ports; of the network.
   [[nodiscard]] std::size_t port_bytes() const { return ports_.size() * sizeof(PortState); }
   [[nodiscard]] std::size_t network_bytes() const {
-    return values_.size() * sizeof(std::int32_t) + direct_.is_direct.size() + dirty_.bytes();
+    return values_.size() * sizeof(std::int32_t) + direct_.of_crossing.size() + dirty_.bytes();
   }
   /// Are the counters what the ports that are enabled now make of them? O(ports + nodes).
   [[nodiscard]] bool is_consistent() const;
@@ -79,6 +84,7 @@ class PortStates {
  private:
   void bump(u32 node, bool on);
   void mark_watching(u32 instance);
+  void group_crossed(u32 node, bool on);
 
   CoreParts& core_;
   std::vector<PortState> ports_;
