@@ -20,8 +20,8 @@ constexpr std::size_t kMaxExpandedNodes = 1'000'000;
 std::uint32_t PropertyRows::make_condition(Op op, std::uint32_t a, std::uint32_t b) {
   return add({.kind = PropertyKind::Operator, .op = op, .a = a, .b = b});
 }
-// Disjunction of two rows, of which either may be missing: false.
 
+// Disjunction of two rows, of which either may be missing: false.
 std::uint32_t PropertyRows::make_either(std::uint32_t a, std::uint32_t b) {
   if (a == Property::kNoRow || b == Property::kNoRow) return a == Property::kNoRow ? b : a;
   return make_condition(Op::Or, a, b);
@@ -35,8 +35,8 @@ std::optional<std::int32_t> PropertyRows::constant_of(std::uint32_t row) const {
   const std::optional<std::int32_t> operand = constant_of(node.a);
   return operand ? std::optional(fold_int(Op::Neg, *operand)) : std::nullopt;
 }
-// When does this division itself fault? A row, or kNoRow: never.
 
+// When does this division itself fault? A row, or kNoRow: never.
 std::uint32_t PropertyRows::fault_of_division(std::uint32_t a, std::uint32_t b) {
   const std::optional<std::int32_t> divisor = constant_of(b), divided = constant_of(a);
   std::uint32_t fault = Property::kNoRow;
@@ -77,10 +77,6 @@ void PropertyRows::guard_divisions() {
   }
   const std::uint32_t is_sound = make_not(fault);
   property_.root = make_condition(Op::And, is_sound, whole);
-}
-
-void PropertyRows::set_problem(const std::string& why) {
-  if (problem_.empty()) problem_ = "column " + std::to_string(at_ + 1) + ": " + why;
 }
 
 Type PropertyRows::type(std::uint32_t row) const {

@@ -9,19 +9,17 @@
 
 #include "compiler/verify/property/make_formula.hpp"
 #include "compiler/verify/property/property.hpp"
+#include "compiler/verify/property/property_text.hpp"
 #include "compiler/verify/property/quantifier.hpp"
 
 namespace bip::verify {
 
-/// The first problem stays, with the place at which the text was then.
-class PropertyRows {
+class PropertyRows : protected PropertyText {
  protected:
-  PropertyRows() = default;
+  explicit PropertyRows(const std::string& text) : PropertyText(text) {}
   ~PropertyRows() = default;
   PropertyRows(const PropertyRows&) = delete;
   PropertyRows& operator=(const PropertyRows&) = delete;
-
-  void set_problem(const std::string& why);
 
   /// After a problem rows are placeholders.
   std::uint32_t add(PropertyNode node);
@@ -64,10 +62,7 @@ class PropertyRows {
   // By node.
   std::vector<std::uint8_t> is_temporal_, is_of_past_, looks_ahead_;
   std::vector<TextExtent> extents_;  // of temporal operators
-  BoundVariables bound_;
-  int quantifiers_ = 0;  // that are open
-  std::string problem_;
-  std::size_t at_ = 0;  // of the text
+  int quantifiers_ = 0;              // that are open
 
  private:
   std::uint32_t make_either(std::uint32_t a, std::uint32_t b);
