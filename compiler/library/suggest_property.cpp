@@ -151,6 +151,7 @@ class NameMender {
         const std::string path = read_path();
         const bool is_word = std::find(std::begin(kWords), std::end(kWords), path) != std::end(kWords);
         out += is_word                                  ? path
+               : is_text(path, out)                     ? '"' + path + '"'
                : before == "can" || before == "happens" ? offer(path)
                : before == "weak" || before == "strong" ? fair(path)
                                                         : reference(path);
@@ -277,6 +278,38 @@ class NameMender {
     Paths variables;
     for (const auto& variable : type->variables) variables.push_back(variable.name);
     return atom + "." + similar_or(last, variables);
+  }
+
+  [[nodiscard]] bool is_string(std::string_view path) const {
+    const std::size_t dot = path.rfind('.');
+    const AtomType* type = dot == std::string_view::npos ? nullptr : find_type(std::string(path.substr(0, dot)));
+    return type != nullptr && std::any_of(type->variables.begin(), type->variables.end(), [&](const auto& variable) {
+             return variable.name == path.substr(dot + 1) && variable.type == Type::String;
+           });
+  }
+  /// Is a word, which ends here, compared with a string? `before`: what stands before it.
+  bool is_text(const std::string& word, std::string_view before) {
+    if (!std::all_of(word.begin(), word.end(), is_name_char) || (at_ < text_.size() && text_[at_] == '@')) return false;
+    before = trimmed(before);
+    if (before.ends_with("==") || before.ends_with("!=")) {
+      before = trimmed(before.substr(0, before.size() - 2));
+      std::size_t start = before.size();
+      while (start > 0 && (is_name_char(before[start - 1]) ||
+                           std::string_view(".[]").find(before[start - 1]) != std::string_view::npos))
+        --start;
+      return is_string(before.substr(start));
+    }
+    const std::size_t word_end = at_;
+    const auto skip_blanks = [&] {
+      while (at_ < text_.size() && text_[at_] == ' ') ++at_;
+    };
+    skip_blanks();
+    const bool is_compared = text_.compare(at_, 2, "==") == 0 || text_.compare(at_, 2, "!=") == 0;
+    at_ = std::min(at_ + 2, text_.size());
+    skip_blanks();
+    const bool is_before_string = is_compared && is_string(read_path());
+    at_ = word_end;
+    return is_before_string;
   }
 
   void describe(const std::string& path, const AtomType& type) {

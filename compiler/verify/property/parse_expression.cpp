@@ -69,7 +69,10 @@ std::uint32_t PropertyParser::parse_expression(int level, int depth) {
     }
     if (found == nullptr || found->level < level) return left;
     at_ += found->sign.size();
+    const bool was_beside_text = is_beside_text_;
+    is_beside_text_ = family_of(found->op) == OpFamily::Equality && type(left) == Type::String;
     const std::uint32_t right = parse_expression(found->level + 1, depth + 1);
+    is_beside_text_ = was_beside_text;
     if (!problem_.empty()) return left;
     left = make_binary(*found, left, right, start, mark);
   }

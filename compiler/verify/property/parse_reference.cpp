@@ -61,6 +61,8 @@ std::uint32_t PropertyParser::parse_reference(const std::string& name, std::size
   // The first word of all.
   if (accepts_formulas_ && start == 0 && dot == std::string::npos)
     return wrong("a property starts with `never`, `always`, `eventually` or a condition, not with `" + name + "`");
+  if (atom == kNotFound && (is_beside_text_ || is_before_text()))
+    return wrong("`" + name + "` is no data: text is written in quotes, `\"" + name + "\"`");
   if (atom == kNotFound) return wrong("`" + name + "` is no data: COMPONENT.DATA, or COMPONENT@PLACE");
   const std::uint32_t variable = find_row(type_of(atom).variables, name.substr(dot + 1));
   if (variable == kNotFound)
@@ -68,6 +70,16 @@ std::uint32_t PropertyParser::parse_reference(const std::string& name, std::size
   const Type cell_type = type_of(atom).variables[variable].type;
   if (is_ffi(cell_type)) return wrong("`" + name + "` is a C++ object");
   return add({.kind = PropertyKind::Data, .type = cell_type, .owner = atom, .row = variable});
+}
+
+bool PropertyParser::is_before_text() {
+  if (!take_sign("==") && !take_sign("!=")) return false;
+  const std::string path = parse_path();
+  const std::size_t dot = path.rfind('.');
+  const std::uint32_t atom = dot == std::string::npos ? kNotFound : find_atom(path.substr(0, dot));
+  const std::uint32_t variable =
+      atom == kNotFound ? kNotFound : find_row(type_of(atom).variables, path.substr(dot + 1));
+  return variable != kNotFound && type_of(atom).variables[variable].type == Type::String;
 }
 
 std::uint32_t PropertyParser::parse_offer(std::size_t start, PropertyKind of_connector, PropertyKind of_port) {

@@ -96,6 +96,8 @@ class PropertyParser : private PropertyRows {
   // ---- names and constants (parse_reference.cpp)
 
   std::uint32_t parse_reference(const std::string& name, std::size_t start);
+  // Does `== x.text` follow, for a variable that is a string?
+  [[nodiscard]] bool is_before_text();
   // `can` or `happens`.
   std::uint32_t parse_offer(std::size_t start, PropertyKind of_connector, PropertyKind of_port);
   std::uint32_t parse_string();
@@ -109,6 +111,7 @@ class PropertyParser : private PropertyRows {
   // The first word of its kind.
   std::optional<std::size_t> possibly_at_, past_at_, happens_at_;
   bool accepts_formulas_ = false;
+  bool is_beside_text_ = false;  // what is parsed is compared with a string that stands before it
   // Of the last `within`: ns, the row of what it bounds, its place.
   std::optional<std::int64_t> within_;
   std::uint32_t within_row_ = 0;
