@@ -6,11 +6,10 @@
 #pragma once
 #include <cstdint>
 #include <map>
-#include <span>
 #include <vector>
 
 #include "compiler/verify/liveness/automaton.hpp"
-#include "compiler/verify/liveness/neighbourhood_steps.hpp"
+#include "compiler/verify/liveness/neighbourhood.hpp"
 #include "compiler/verify/property/fairness.hpp"
 #include "runtime/core/graph_algorithms.hpp"
 
@@ -54,48 +53,12 @@ void for_each_automaton_edge(const NamedPart& named, const CaseNode& node, u32 s
   }
 }
 
-/// What components beside the named ones do in steps without these: the same in all cases.
-class BesideMoves {
- public:
-  struct Move {
-    u32 step = 0, to = 0;  // `to`: a combination of local states
-  };
-  /// `beside`: ascending, other than `named`, both with spaces.
-  BesideMoves(NeighbourhoodSteps& steps, const std::vector<u32>& named, std::vector<u32> beside,
-              const CancellationToken& cancellation);
-
-  /// False: there are too many, or the time is over; then nothing below holds.
-  [[nodiscard]] bool is_complete() const { return is_complete_; }
-  [[nodiscard]] const std::vector<u32>& atoms() const { return atoms_; }
-  /// Combinations of their local states.
-  [[nodiscard]] u32 width() const { return width_; }
-  [[nodiscard]] std::span<const Move> of(u32 combination) const {
-    return std::span(moves_).subspan(first_[combination], first_[combination + 1] - first_[combination]);
-  }
-  /// The local state of one of them, by row of atoms(); and the combination in which it has another one.
-  [[nodiscard]] u32 state_of(std::size_t row, u32 combination) const {
-    return combination / strides_[row] % sizes_[row];
-  }
-  [[nodiscard]] u32 with(std::size_t row, u32 state, u32 combination) const {
-    return combination + (state - state_of(row, combination)) * strides_[row];
-  }
-
- private:
-  bool find_moves(NeighbourhoodSteps& steps, const std::vector<u32>& named, const CancellationToken& cancellation);
-
-  std::vector<u32> atoms_, sizes_, strides_;
-  u32 width_ = 1;
-  std::vector<u32> first_;  // by combination
-  std::vector<Move> moves_;
-  bool is_complete_ = false;
-};
-
 class NeighbourhoodGraph {
  public:
-  /// The nodes of `nodes`, sorted, with all combinations of `beside`. `is_finite`: by step. `others_move`: steps
-  /// without the neighbourhood may go on for ever. All must outlive the graph.
+  /// The nodes of `nodes`, sorted, with all combinations of a complete neighbourhood. `is_finite`: by step.
+  /// `others_move`: steps without the neighbourhood may go on for ever. All must outlive the graph.
   NeighbourhoodGraph(NeighbourhoodSteps& steps, const NamedPart& named, const std::vector<CaseNode>& nodes,
-                     const BesideMoves& beside, const std::vector<std::uint8_t>& is_finite, bool others_move);
+                     const Neighbourhood& around, const std::vector<std::uint8_t>& is_finite, bool others_move);
 
   /// Makes the nodes and edges. False: they are too many, or the time is over.
   [[nodiscard]] bool build(const CancellationToken& cancellation);
@@ -122,22 +85,17 @@ class NeighbourhoodGraph {
     std::vector<u32> steps;
   };
   void find_units(const Fairness& fairness);
-  // Of a strong component, into `found`; the nodes that are left where strong fairness excludes some.
+  [[nodiscard]] bool has_loop(u32 node) const;
+  // Of a strong component with edges, into `found`; the nodes that are left where strong fairness excludes some.
   std::vector<u32> judge(const std::vector<u32>& nodes, Repeated& found);
   [[nodiscard]] bool is_sure(const Unit& unit, u32 node);
-  [[nodiscard]] NeighbourhoodSteps::Members members_of(u32 step, u32 node) const;
-  [[nodiscard]] u32 state_of(u32 atom, u32 node) const;
 
   NeighbourhoodSteps& steps_;
   const NamedPart& named_;
   const std::vector<CaseNode>& case_;
-  const BesideMoves& beside_;
+  const Neighbourhood& around_;
   const std::vector<std::uint8_t>& is_finite_;
   bool others_move_;
-  std::vector<u32> atoms_;  // of the neighbourhood, ascending
-  // Steps, but for finite ones, in which named components take part and those beside do not, or both do.
-  std::vector<u32> named_steps_, joint_steps_;
-  std::vector<u32> whole_;  // steps that no component outside takes part in, finite ones, too
   // By row of the case: what the automaton does in a step without the named components, and all edges of these alone.
   std::vector<std::vector<Edge>> idle_, alone_;
   std::vector<u32> first_edge_;  // by node
@@ -145,6 +103,7 @@ class NeighbourhoodGraph {
   std::vector<Unit> units_;
   std::vector<u32> round_of_;  // by node: of the set of nodes that is searched
   std::vector<u32> taken_in_;  // by step: the round in which an edge had it
+  std::vector<Edge> joint_;    // of one move
   u32 round_ = 0;
   StrongComponents<u32> search_;
 };

@@ -38,13 +38,14 @@ class NeighbourhoodProver {
     Result<Automaton> automaton = make_automaton(formula_, RunsOf::Negation);
     if (!automaton || automaton->is_empty()) return proof_;
     named_.automaton = &*automaton;
-    if (!find_named() || !find_nodes()) return proof_;
+    if (!find_named()) return proof_;
+    const Neighbourhood nobody(steps_, named_.atoms, {}, options_.cancellation);
+    if (!nobody.is_complete() || !find_nodes(nobody)) return proof_;
     const std::vector<std::uint8_t> none(steps_.size(), 0);
-    const BesideMoves nobody(steps_, named_.atoms, {}, options_.cancellation);
     NeighbourhoodGraph alone(steps_, named_, nodes_, nobody, none, true);
     if (!alone.build(options_.cancellation)) return proof_;
     find_candidates();
-    moves_.resize(candidates_.size());
+    neighbourhoods_.resize(candidates_.size());
     for (const std::vector<CaseNode>& part : alone.find_repeated(options_.fairness).parts) {
       if (!is_refuted(part)) return proof_;
       ++proof_.cases;
@@ -108,7 +109,7 @@ class NeighbourhoodProver {
   }
 
   // What the automaton and the named components reach, everything else being free.
-  bool find_nodes() {
+  bool find_nodes(const Neighbourhood& nobody) {
     std::set<CaseNode> reached;
     std::vector<CaseNode> todo;
     const auto reach = [&](CaseNode node) {
@@ -127,37 +128,19 @@ class NeighbourhoodProver {
       first = std::move(more);
     }
     for (const std::vector<u32>& states : first) reach({0, states});
-    std::set<u32> own;
-    for (const u32 atom : named_.atoms) own.insert(steps_.steps_of(atom).begin(), steps_.steps_of(atom).end());
     while (!todo.empty()) {
       if (reached.size() > kMostNodesOfCases || options_.cancellation.is_over()) return false;
       const CaseNode node = std::move(todo.back());
       todo.pop_back();
       for_each_automaton_edge(named_, node, kOtherStep, [&](u32 to, u32) { reach({to, node.states}); });
-      for (const u32 step : own) {
-        for (const std::vector<u32>& states : named_moves(step, node)) {
-          for_each_automaton_edge(named_, node, step, [&](u32 to, u32) { reach({to, states}); });
-        }
+      for (const FollowedStep& step : nobody.steps()) {
+        for_each_move(steps_, nobody, step, node.states, 0, [&](const std::vector<u32>& states, u32) {
+          for_each_automaton_edge(named_, node, step.step, [&](u32 to, u32) { reach({to, states}); });
+        });
       }
     }
     nodes_.assign(reached.begin(), reached.end());
     return true;
-  }
-  std::vector<std::vector<u32>> named_moves(u32 step, const CaseNode& node) {
-    NeighbourhoodSteps::Members members;
-    std::vector<std::size_t> rows;
-    for (std::size_t k = 0; k < named_.atoms.size(); ++k) {
-      const std::vector<u32>& all = steps_.atoms_of(step);
-      if (!std::binary_search(all.begin(), all.end(), named_.atoms[k])) continue;
-      members.add({named_.atoms[k], node.states[k]});
-      rows.push_back(k);
-    }
-    std::vector<std::vector<u32>> result;
-    for (const NeighbourhoodSteps::Move& move : steps_.moves(step, members)) {
-      result.push_back(node.states);
-      for (std::size_t k = 0; k < rows.size(); ++k) result.back()[rows[k]] = move[k];
-    }
-    return result;
   }
 
   // ---- cases
@@ -197,30 +180,25 @@ class NeighbourhoodProver {
     std::size_t known = 1;
     for (std::size_t row = 0; row < candidates_.size();) {
       if (options_.cancellation.is_over()) return false;
-      const std::vector<u32>& beside = candidates_[row];
       if (tried[row] == known) {
         ++row;
         continue;
       }
       tried[row] = known;
-      std::vector<u32> atoms = named_.atoms;
-      atoms.insert(atoms.end(), beside.begin(), beside.end());
-      std::set<u32> inside;
-      for (const u32 atom : atoms) inside.insert(steps_.steps_of(atom).begin(), steps_.steps_of(atom).end());
+      const Neighbourhood& around = neighbourhood(row);
+      if (!around.is_complete()) continue;
       std::size_t finite_inside = 0;
-      for (const u32 step : inside) finite_inside += is_finite[step];
-      const bool are_others_finite = count - finite_inside == steps_.size() - inside.size();
-      const BesideMoves& moves = moves_of(row);
-      if (!moves.is_complete()) continue;
-      NeighbourhoodGraph graph(steps_, named_, nodes, moves, is_finite, !(are_others_finite && never_ends()));
+      for (const FollowedStep& step : around.steps()) finite_inside += is_finite[step.step];
+      const bool are_others_finite = count - finite_inside == steps_.size() - around.steps().size();
+      NeighbourhoodGraph graph(steps_, named_, nodes, around, is_finite, !(are_others_finite && never_ends()));
       if (!graph.build(options_.cancellation)) continue;
       const NeighbourhoodGraph::Repeated repeated = graph.find_repeated(options_.fairness);
-      proof_.neighbours = std::max(proof_.neighbours, static_cast<u32>(beside.size()));
+      proof_.neighbours = std::max(proof_.neighbours, static_cast<u32>(candidates_[row].size()));
       if (repeated.is_empty()) return true;
       bool has_more = false;
-      for (const u32 step : inside) {
-        if (is_finite[step] != 0 || repeated.steps[step] != 0) continue;
-        is_finite[step] = 1;
+      for (const FollowedStep& step : around.steps()) {
+        if (is_finite[step.step] != 0 || repeated.steps[step.step] != 0) continue;
+        is_finite[step.step] = 1;
         ++count;
         has_more = true;
       }
@@ -238,11 +216,11 @@ class NeighbourhoodProver {
     BIP_LOG(Ic3, 1, "a case of {} nodes stays open: {} of {} steps are finite", nodes.size(), count, steps_.size());
     return false;
   }
-  const BesideMoves& moves_of(std::size_t candidate) {
-    std::unique_ptr<BesideMoves>& moves = moves_[candidate];
-    if (!moves)
-      moves = std::make_unique<BesideMoves>(steps_, named_.atoms, candidates_[candidate], options_.cancellation);
-    return *moves;
+  const Neighbourhood& neighbourhood(std::size_t candidate) {
+    std::unique_ptr<Neighbourhood>& made = neighbourhoods_[candidate];
+    if (!made)
+      made = std::make_unique<Neighbourhood>(steps_, named_.atoms, candidates_[candidate], options_.cancellation);
+    return *made;
   }
   bool never_ends() {
     if (!never_ends_) never_ends_ = options_.never_ends && options_.never_ends();
@@ -257,8 +235,9 @@ class NeighbourhoodProver {
   NamedPart named_;
   std::vector<CaseNode> nodes_;
   std::vector<std::vector<u32>> candidates_;
-  std::size_t singles_ = 0;                          // of the candidates, with none
-  std::vector<std::unique_ptr<BesideMoves>> moves_;  // by candidate, made when it is first tried
+  std::size_t singles_ = 0;  // of the candidates, with none
+  // By candidate, made when it is first tried.
+  std::vector<std::unique_ptr<Neighbourhood>> neighbourhoods_;
   std::optional<bool> never_ends_;
   NeighbourhoodProof proof_;
 };

@@ -55,14 +55,17 @@ NeighbourhoodSteps::NeighbourhoodSteps(const System& system, const rt::Image& im
       ports_.push_back({port});
     }
   }
+  for (const std::vector<u32>& members : atoms_of_) exclusions_.emplace_back(members.size());
 }
 
-u32 NeighbourhoodSteps::port_of(u32 step, u32 atom) const {
+std::size_t NeighbourhoodSteps::row_in(u32 step, u32 atom) const {
   const std::vector<u32>& members = atoms_of_[step];
   const auto at = std::lower_bound(members.begin(), members.end(), atom);
   BIP_ASSERT(at != members.end() && *at == atom, "component {} takes no part in step {}", atom, step);
-  return ports_[step][static_cast<std::size_t>(at - members.begin())];
+  return static_cast<std::size_t>(at - members.begin());
 }
+
+u32 NeighbourhoodSteps::port_of(u32 step, u32 atom) const { return ports_[step][row_in(step, atom)]; }
 
 const LocalSpace* NeighbourhoodSteps::space(u32 atom, const CancellationToken& cancellation) {
   if (is_explored_[atom] == 0 && !cancellation.is_over()) {
@@ -120,13 +123,22 @@ const std::vector<NeighbourhoodSteps::Move>& NeighbourhoodSteps::moves(u32 step,
 
 bool NeighbourhoodSteps::is_excluded_by_one(u32 step, const Members& members) {
   for (const Member& member : members) {
-    if (offer(member, port_of(step, member.atom)) == kNo) return true;
-    if (members.size() == 1) continue;
-    Members one;
-    one.add(member);
-    if (moves(step, one).empty()) return true;
+    const std::size_t row = row_in(step, member.atom);
+    if (offer(member, ports_[step][row]) == kNo) return true;
+    if (members.size() > 1 && excludes(step, row, member)) return true;
   }
   return false;
+}
+
+bool NeighbourhoodSteps::excludes(u32 step, std::size_t row, const Member& member) {
+  std::vector<Exclusion>& known = exclusions_[step][row];
+  if (known.size() <= member.state) known.resize(spaces_[member.atom]->size(), kUnknown);
+  if (known[member.state] == kUnknown) {
+    Members one;
+    one.add(member);
+    known[member.state] = moves(step, one).empty() ? kExcluded : kPossible;
+  }
+  return known[member.state] == kExcluded;
 }
 
 bool NeighbourhoodSteps::is_sure(u32 step, const Members& members) {

@@ -79,7 +79,10 @@ class NeighbourhoodSteps {
   // What a port of a component is in a local state.
   enum Offer : std::uint8_t { kNo, kMaybe, kSurely };
   [[nodiscard]] Offer offer(const Member& member, u32 port);
+  // Can the step never be taken, because one of them is in its state?
   [[nodiscard]] bool is_excluded_by_one(u32 step, const Members& members);
+  [[nodiscard]] bool excludes(u32 step, std::size_t row, const Member& member);
+  [[nodiscard]] std::size_t row_in(u32 step, u32 atom) const;
   std::unique_ptr<LocalSpace> explore(u32 atom, const CancellationToken& cancellation) const;
   [[nodiscard]] std::vector<Move> find_moves(u32 step, const Members& members);
   [[nodiscard]] bool is_guard_sure(u32 step, const Members& members) const;
@@ -92,6 +95,9 @@ class NeighbourhoodSteps {
   std::vector<std::uint8_t> is_explored_;   // by atom
   std::vector<std::vector<Offer>> offers_;  // by atom: by state and port
   std::vector<std::vector<u32>> ports_;     // by step: of its atoms
+  // By step and row of its atoms: by state of the atom, as far as was asked.
+  enum Exclusion : std::uint8_t { kUnknown, kPossible, kExcluded };
+  std::vector<std::vector<std::vector<Exclusion>>> exclusions_;
   const std::vector<Move> no_moves_;
   std::unordered_map<Key, std::vector<Move>, KeyHash> moves_;
   std::unordered_map<Key, bool, KeyHash> sure_;
