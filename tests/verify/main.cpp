@@ -200,7 +200,8 @@ class Check {
       t_.levels_hold += *holds ? 1 : 0;
       const std::string named = property.empty() ? "deadlock" : property;
       t_.by_regions += is_proved_by_regions(c, question, named, *holds) ? 1 : 0;
-      certify_by_regions(c, question, named, *holds, name + '-' + static_cast<char>('0' + (&property - asked.data())));
+      const std::string file = name + '-' + static_cast<char>('0' + (&property - asked.data()));
+      t_.certified_by_regions += is_proved_by_regions(c, question, named, *holds, file) ? 1 : 0;
     }
   }
 
@@ -332,67 +333,37 @@ class Check {
       fail(asked + ": the way cannot be taken");
   }
 
-  // `holds`: in all states.
-  bool is_proved_by_counting(const gen::Compiled& c, const verify::Question& question, const std::string& asked,
-                             bool holds, const std::string& file) {
+  // By one engine alone. `holds`: in all states. `file`: of the certificate; empty: none is asked for.
+  bool is_proved_by(const verify::Engine& engine, double seconds, const gen::Compiled& c,
+                    const verify::Question& question, const std::string& asked, bool holds,
+                    const std::string& file = {}) {
     verify::SystemParts parts(*c.system, c.lowered->image, verify::StateAccess::Searchable, [] { return true; });
     verify::PortfolioLimits limits;
-    limits.cancellation = verify::within_seconds(20);
-    limits.wants_certificate = !file.empty() && !o_.out.empty();
+    limits.cancellation = verify::within_seconds(seconds);
+    limits.wants_certificate = !file.empty();
     const verify::Report report = [](const char*, std::uint64_t, const char*) {};
     verify::ProofContext context{parts, question, limits, report, nullptr, {}, {}};
-    if (!verify::kCountingEngine.applies_to(context)) return false;
-    verify::EngineResult found = verify::kCountingEngine.attempt(context, {}, limits.cancellation);
-    const bool is_proved = found.outcome == verify::Outcome::Holds;
-    if (is_proved && limits.wants_certificate) {
+    if (!engine.applies_to(context)) return false;
+    verify::EngineResult found = engine.attempt(context, {}, limits.cancellation);
+    if (found.outcome != verify::Outcome::Holds) return false;
+    if (!holds) fail(asked + ": proved by " + engine.name + ", but a bad state is reachable");
+    if (!file.empty() && !o_.out.empty()) {
       const verify::Portfolio portfolio(
-          *c.system, c.lowered->image, verify::StateAccess::Searchable, [] { return true; },
-          [](const char*, std::uint64_t, const char*) {});
+          *c.system, c.lowered->image, verify::StateAccess::Searchable, [] { return true; }, report);
       verify::Decision decision;
       decision.outcome = found.outcome;
       decision.evidence = std::move(found.evidence);
       write(c, question, portfolio, decision, file);
     }
-    if (is_proved && !holds) fail(asked + ": proved by counting, but a bad state is reachable");
-    return is_proved;
+    return true;
   }
-
-  // `holds`: in all states.
+  bool is_proved_by_counting(const gen::Compiled& c, const verify::Question& question, const std::string& asked,
+                             bool holds, const std::string& file) {
+    return is_proved_by(verify::kCountingEngine, 20, c, question, asked, holds, o_.out.empty() ? "" : file);
+  }
   bool is_proved_by_regions(const gen::Compiled& c, const verify::Question& question, const std::string& asked,
-                            bool holds) {
-    verify::SystemParts parts(*c.system, c.lowered->image, verify::StateAccess::Searchable, [] { return true; });
-    verify::PortfolioLimits limits;
-    limits.cancellation = verify::within_seconds(5);
-    const verify::Report report = [](const char*, std::uint64_t, const char*) {};
-    verify::ProofContext context{parts, question, limits, report, nullptr, {}, {}};
-    if (!verify::kRegionEngine.applies_to(context)) return false;
-    const verify::EngineResult found = verify::kRegionEngine.attempt(context, {}, limits.cancellation);
-    const bool is_proved = found.outcome == verify::Outcome::Holds;
-    if (is_proved && !holds) fail(asked + ": proved by regions of values, but a bad state is reachable");
-    return is_proved;
-  }
-
-  // The same with rows of a certificate, which certcheck is given.
-  void certify_by_regions(const gen::Compiled& c, const verify::Question& question, const std::string& asked,
-                          bool holds, const std::string& file) {
-    verify::Portfolio portfolio(
-        *c.system, c.lowered->image, verify::StateAccess::Searchable, [] { return true; },
-        [](const char*, std::uint64_t, const char*) {});
-    verify::SystemParts parts(*c.system, c.lowered->image, verify::StateAccess::Searchable, [] { return true; });
-    verify::PortfolioLimits limits;
-    limits.cancellation = verify::within_seconds(5);
-    limits.wants_certificate = true;
-    const verify::Report report = [](const char*, std::uint64_t, const char*) {};
-    verify::ProofContext context{parts, question, limits, report, nullptr, {}, {}};
-    if (!verify::kRegionEngine.applies_to(context)) return;
-    verify::EngineResult found = verify::kRegionEngine.attempt(context, {}, limits.cancellation);
-    if (found.outcome != verify::Outcome::Holds) return;
-    ++t_.certified_by_regions;
-    if (!holds) fail(asked + ": a certificate by regions of values, but a bad state is reachable");
-    verify::Decision d;
-    d.outcome = found.outcome;
-    d.evidence = std::move(found.evidence);
-    if (!o_.out.empty()) write(c, question, portfolio, d, file);
+                            bool holds, const std::string& file = {}) {
+    return is_proved_by(verify::kRegionEngine, 5, c, question, asked, holds, file);
   }
 
   // A property with a quantifier: if the first conditions stand for all, they have the answer of all.
@@ -455,8 +426,8 @@ class Check {
     const std::string told = question.what == verify::QuestionKind::State ? question.property.text : "deadlock";
     if (is_known) {
       t_.others_by_regions += is_proved_by_regions(c, question, told, !is_violated) ? 1 : 0;
-      certify_by_regions(c, question, told, !is_violated,
-                         file.substr(0, file.size() - 1) + static_cast<char>(file.back() + ('r' - '0')));
+      const std::string other = file.substr(0, file.size() - 1) + static_cast<char>(file.back() + ('r' - '0'));
+      t_.certified_by_regions += is_proved_by_regions(c, question, told, !is_violated, other) ? 1 : 0;
     }
 
     for (const bool with_search : {false, true}) {
