@@ -14,4 +14,7 @@ inline constexpr std::string_view kChancePackage = "std.chance";
 /// Returns what is wrong with the arguments of a draw as far as they are constants, or null.
 [[nodiscard]] const char* constant_argument_problem(const CodeTable& code, const Expr& draw);
 
+/// Does the distribution take the arguments for sure: constants, and any ints as the values of a table?
+[[nodiscard]] bool has_good_constants(const CodeTable& code, const Expr& draw);
+
 }  // namespace bip::model

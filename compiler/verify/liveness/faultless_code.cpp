@@ -2,8 +2,11 @@
 #include "compiler/verify/liveness/faultless_code.hpp"
 
 #include <algorithm>
+#include <span>
+#include <string_view>
 
 #include "compiler/model/code_uses.hpp"
+#include "compiler/model/draws.hpp"
 #include "compiler/model/operators.hpp"
 #include "compiler/verify/invariants/interval_domain.hpp"
 #include "runtime/core/graph_algorithms.hpp"
@@ -18,11 +21,11 @@ class CodeChecker {
   CodeChecker(const CodeTable& code, IntervalPoint whole, IntervalPoint fixed)
       : code_(code), domain_(code), whole_(std::move(whole)), fixed_(std::move(fixed)) {}
 
-  // No call, and divisors that are neither 0 nor -1.
+  // No call but draws of good arguments, and divisors that are neither 0 nor -1.
   [[nodiscard]] bool is_fine(ExprId root) {
     bool is = true;
     model::for_each_expr(code_, root, [&](const Expr& e) {
-      if (e.op == Op::Call) is = false;
+      if (e.op == Op::Call) is = is && is_fine_draw(e);
       if (!is_division(e.op) || e.type != Type::Int) return;
       IntervalPoint point = fixed_;
       const Range by = domain_.evaluate(e.b, point);
@@ -41,6 +44,16 @@ class CodeChecker {
   }
 
  private:
+  bool is_fine_draw(const Expr& call) {
+    const rt::ProbabilityDistribution* distribution = model::distribution_of(code_.functions[call.index]);
+    if (distribution == nullptr) return false;
+    if (model::has_good_constants(code_, call)) return true;
+    const std::span<const ExprId> args = code_.args_of(call).subspan(1);
+    if (distribution->name != std::string_view("uniform") || code_.exprs[args[0]].type != Type::Int) return false;
+    IntervalPoint point = fixed_;
+    const Range low = domain_.evaluate(args[0], point), high = domain_.evaluate(args[1], point);
+    return !low.is_empty() && !high.is_empty() && low.high <= high.low;
+  }
   bool assume(ExprId guard, IntervalPoint& point) { return !guard.is_valid() || domain_.assume(guard, true, point); }
 
   const CodeTable& code_;
@@ -71,6 +84,8 @@ bool is_faultless_atom(const RegionNet& net, u32 atom) {
     fixed.self.push_back(type.variables[k].is_param ? net.range(atom, k) : kAnyInt);
   }
   CodeChecker code(net.system->code, std::move(whole), std::move(fixed));
+  // What the first values are drawn from decides whether there is a fault.
+  if (type.draws != AtomType::kNoDraws && !code.is_fine(type.initial_action)) return false;
   for (std::size_t row = 0; row < type.transitions.size(); ++row) {
     const Transition& t = type.transitions[row];
     if (!code.is_fine(t.guard) || !code.is_fine(t.action)) return false;

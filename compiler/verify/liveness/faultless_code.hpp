@@ -15,10 +15,10 @@ struct FaultlessCode {
   [[nodiscard]] bool has_all() const;
 };
 
-/// Faultless: no invariant and no call; no division by what may be 0 or -1; a single token; of two transitions of one
-/// port, or two internal ones, that leave one place the guards exclude each other; internal transitions go round no
-/// places; no rule among ports. Nothing is where the system has priorities, which may be cyclic. Linear in the code of
-/// each atom, and quadratic in the transitions that leave one place.
+/// Faultless: no invariant and no call but draws whose arguments are good; no division by what may be 0 or -1; a single
+/// token; of two transitions of one port, or two internal ones, that leave one place the guards exclude each other;
+/// internal transitions go round no places; no rule among ports. Nothing is where the system has priorities, which may
+/// be cyclic. Linear in the code of each atom, and quadratic in the transitions that leave one place.
 [[nodiscard]] FaultlessCode find_faultless_code(const RegionNet& net);
 
 }  // namespace bip::verify

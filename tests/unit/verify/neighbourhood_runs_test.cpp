@@ -177,11 +177,11 @@ TEST_CASE("neighbourhoods: the last state of a run repeats") {
 TEST_CASE("neighbourhoods: code without errors") {
   const auto is_faultless = [](const std::string& transitions) {
     const std::string text =
-        "package p\n  port type Signal()\n  connector type One(Signal a) define a end\n"
-        "  atom type A(int n)\n    data int x = 0\n    export port Signal go()\n    place S, T\n"
+        "package p\n  use std.chance\n  port type Signal()\n  connector type One(Signal a) define a end\n"
+        "  atom type A(int n, float f)\n    data int x = 0\n    export port Signal go()\n    place S, T\n"
         "    initial to S\n" +
         transitions +
-        "  end\n  compound type Root()\n    component A a(3)\n"
+        "  end\n  compound type Root()\n    component A a(3, 0.5)\n"
         "    connector One go(a.go)\n  end\nend\n";
     const HandMadeNet net(text);
     const RegionNet regions = build_region_net(*net.compiled.system, net.compiled.lowered->image);
@@ -194,6 +194,14 @@ TEST_CASE("neighbourhoods: code without errors") {
   CHECK_FALSE(is_faultless(
       "    on go from S to S provided (x <= n) do { x = x + 1; }\n    on go from S to T provided (x == n)\n"));
   CHECK(is_faultless("    on go from S to T\n    internal from T to S\n"));
+  CHECK(is_faultless("    on go from S to S do { x = uniform(n, n + 2) + uniform(-1, n); }\n"));
+  CHECK(is_faultless("    on go from S to S do { if (flip(0.25)) then x = table(x, 1.0, n, 2.5); fi }\n"));
+  CHECK_FALSE(is_faultless("    on go from S to S do { x = uniform(n + 1, n); }\n"));
+  CHECK_FALSE(is_faultless("    on go from S to S do { x = uniform(0, x); }\n"));
+  CHECK_FALSE(is_faultless("    on go from S to S do { if (flip(f)) then x = 1; fi }\n"));
+  CHECK_FALSE(is_faultless("    on go from S to S do { x = table(1, f, 2, 1.0); }\n"));
+  CHECK_FALSE(is_faultless("    on go from S to S do { x = 3 % uniform(0, 3); }\n"));
+  CHECK(is_faultless("    on go from S to S do { x = 3 % (n + 1) + uniform(0, 3); }\n"));
   CHECK_FALSE(
       is_faultless("    internal from S to T provided (x != 0)\n    internal from T to S\n    on go from S to S\n"));
 }
