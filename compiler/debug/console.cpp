@@ -271,9 +271,15 @@ void Console::undo(std::string_view) {
 void Console::pass_time(std::string_view rest) {
   const bool is_span = rest.starts_with('+');
   const rt::i64 time = rt::parse_time(rest.substr(is_span ? 1 : 0));
-  if (time < 0) return refuse("`t` needs an instant, `1s500ms`, or a span, `+20us`");
+  if (time < 0) return refuse("`t` needs an instant, `1s500ms`, or a span, `+20us`, of at most 4611686018s");
+  const rt::i64 from = is_span ? session_.core().now() : 0;
+  if (time > rt::kMaxTicks - from) {
+    std::string last;
+    rt::append_time(last, rt::kMaxTicks);
+    return refuse(fmt::format("no instant is later than {}", last));
+  }
   session_.mark();
-  tell(session_.delay(is_span ? session_.core().now() + time : time), Lines::None);
+  tell(session_.delay(from + time), Lines::None);
 }
 
 void Console::post_event(std::string_view rest) {
