@@ -64,9 +64,9 @@ MemoryUse memory_use(const CoreParts& core) {
   use.connectors += core.enabled.bytes() + bytes(core.memory.binds.own) + core.ports.network_bytes() +
                     core.programs.bytes() + core.steps.bytes() + core.search.bytes();
   // Rules hide and show interactions: theirs is what they keep.
-  use.connectors += all_of(rules.is_involved, rules.has_one_candidate, rules.is_followed, rules.high_edges, rules.high_of_interaction,
-                           rules.low_of_interaction, rules.interactions_of_low, rules.next, rules.previous,
-                           rules.component, rules.members, rules.cyclic);
+  use.connectors += all_of(rules.is_involved, rules.has_one_candidate, rules.is_followed, rules.high_edges,
+                           rules.high_of_interaction, rules.low_of_interaction, rules.interactions_of_low, rules.next,
+                           rules.previous, rules.component, rules.members, rules.cyclic);
   use.connectors += bytes(image.priorities) + core.priorities.bytes();
 
   use.data = u64{core.memory.cells.size()} * sizeof(Cell) + u64{image.step_cells} * sizeof(ColumnCell);

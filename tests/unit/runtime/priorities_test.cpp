@@ -108,6 +108,39 @@ TEST_CASE("guards of rules are read again when their atom moved") {
   CHECK(Singles::only_k(core) == Strings{"k1", "k2"});
 }
 
+// k1 hides all others, too many to be followed at once; k3 hides k2 and k5 hides k4, the latter while x of a6 holds.
+TEST_CASE("what is followed at once and what is marked hide alike") {
+  constexpr int kCount = 40;
+  Singles s(kCount, {1, 4, 9});
+  s.b.priority("wide", {.connector = "", .params = {}}, {.connector = "k1", .params = {}});
+  s.b.priority("narrow", {.connector = "k2", .params = {}}, {.connector = "k3", .params = {}});
+  s.b.priority("guarded", {.connector = "k4", .params = {}}, {.connector = "k5", .params = {}},
+               [](Cell*, Cell* all, const u32* bind) { return all[bind[0]].i != 0 ? 1 : 0; }, {"a6.x"});
+  Core core(s.b.image());
+  REQUIRE(core.initialize());
+  CHECK(core.priorities().is_followed[1_i] == 0);
+  CHECK(core.priorities().is_followed[3_i] == 1);
+  std::vector<bool> ready(kCount, true);
+  for (const std::size_t off : {1u, 4u, 9u}) ready[off] = false;
+  const auto expected = [&] {
+    Strings shown;
+    for (std::size_t i = 0; i < ready.size(); ++i) {
+      const bool is_hidden =
+          (i != 1 && ready[1]) || (i == 2 && ready[3]) || (i == 4 && ready[6] && (ready[5] || ready[1]));
+      if (ready[i] && !is_hidden) shown.push_back("k" + std::to_string(i));
+    }
+    return shown;
+  };
+  Prng prng(11);
+  for (int step = 0; step < 300; ++step) {
+    REQUIRE(Singles::only_k(core) == expected());
+    const std::size_t atom = step % 7 == 0 ? 1 : prng.below(step % 3 == 0 ? kCount : 8);
+    Singles::poke(core, "a" + std::to_string(atom));
+    ready[atom] = !ready[atom];
+    if (step % 50 == 49) REQUIRE(core.restore(core.snapshot()));
+  }
+}
+
 TEST_CASE("interactions of one connector") {
   ImageBuilder b;
   b.atom_type(always_ready("T"));
