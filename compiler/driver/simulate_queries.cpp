@@ -195,7 +195,9 @@ bool report_exact(const std::vector<Query>& queries, const Compilation& c, rt::M
       value = library::reach_probability(*chain, sets[2 * k], sets[2 * k + 1], query.path.most_steps);
       if (query.path.is_negated) value = {1 - value.high, 1 - value.low};
     }
-    const double middle = value.low + (value.high > value.low ? (value.high - value.low) / 2 : 0);
+    const bool is_too_small =
+        query.kind != QueryKind::Expectation && value.high > 0 && value.high <= library::kLeastProbability;
+    const double middle = is_too_small ? 0 : value.low + (value.high > value.low ? (value.high - value.low) / 2 : 0);
     out.text += fmt::format("{}: ", query.text);
     QueryJson row{{"query", query.text}, {"method", "exact"}, {"states", chain->states()}};
     if (is_test(query)) {
@@ -204,7 +206,8 @@ bool report_exact(const std::vector<Query>& queries, const Compilation& c, rt::M
       out.text += fmt::format("{}, as it is ", word_of(verdict));
       row["verdict"] = word_of(verdict);
     }
-    out.text += fmt::format("{:.10g}, {} states\n", middle, chain->states());
+    const std::string shown = is_too_small ? fmt::format("below {:.3g}", value.high) : fmt::format("{:.10g}", middle);
+    out.text += fmt::format("{}, {} states\n", shown, chain->states());
     row["value"] = json_number(middle);
     row["interval"] = {json_number(value.low), json_number(value.high)};
     out.json.push_back(std::move(row));

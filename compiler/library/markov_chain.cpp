@@ -85,6 +85,7 @@ class ChainBuilder {
       } while (script.advance());
     }
     for (const auto& [to, share] : steps) {
+      if (share < kLeastProbability) return fmt::format("a step has a probability below {:.3g}", kLeastProbability);
       chain_.to.push_back(to);
       chain_.share.push_back(share);
     }
@@ -129,6 +130,33 @@ StateSet can_reach(const MarkovChain& chain, const StateSet& target, const State
   return reached;
 }
 
+// Can a run be in a goal after so many steps at most, in states that stay before?
+bool is_reachable(const MarkovChain& chain, const StateSet& stays, const StateSet& goal, std::uint64_t most_steps) {
+  StateSet is_met(chain.states(), 0);
+  std::vector<std::uint32_t> level{0};
+  is_met[0] = 1;
+  for (std::uint64_t steps = 0; !level.empty(); ++steps) {
+    std::vector<std::uint32_t> next;
+    for (const std::uint32_t s : level) {
+      if (goal[s] != 0) return true;
+      if (stays[s] == 0) continue;
+      for (std::uint64_t e = chain.first[s]; e < chain.first[s + 1]; ++e) {
+        if (is_met[chain.to[e]] == 0) next.push_back(chain.to[e]);
+        is_met[chain.to[e]] = 1;
+      }
+    }
+    if (steps == most_steps) return false;
+    level = std::move(next);
+  }
+  return false;
+}
+
+Interval without_lost_digits(const Interval& found, const MarkovChain& chain, const StateSet& stays,
+                             const StateSet& goal, std::uint64_t most_steps) {
+  if (found.high >= kLeastProbability || !is_reachable(chain, stays, goal, most_steps)) return found;
+  return {0, kLeastProbability};
+}
+
 // What a state's value is, given those of the others: its steps to itself are solved for.
 double relaxed(const MarkovChain& chain, std::uint32_t s, const std::vector<double>& value, double added) {
   // Not 1 less the share that stays: a rare step out is lost in that, and then the quotient is one by 0.
@@ -168,7 +196,7 @@ Interval reach_probability(const MarkovChain& chain, const StateSet& stays, cons
       low.swap(high);
       if (!has_changed) break;
     }
-    return {low[0], low[0]};
+    return without_lost_digits({low[0], low[0]}, chain, stays, goal, most_steps);
   }
   StateSet through(n), never(n);
   for (std::uint32_t s = 0; s < n; ++s) through[s] = stays[s] != 0 && goal[s] == 0 ? 1 : 0;
@@ -184,14 +212,15 @@ Interval reach_probability(const MarkovChain& chain, const StateSet& stays, cons
   }
   // States found late are nearer to where runs go.
   std::reverse(open.begin(), open.end());
-  for (std::uint64_t sweep = 0; sweep < kMostSweeps && high[0] - low[0] > kPrecision * high[0]; ++sweep) {
+  for (std::uint64_t sweep = 0;
+       sweep < kMostSweeps && high[0] >= kLeastProbability && high[0] - low[0] > kPrecision * high[0]; ++sweep) {
     for (const std::uint32_t s : open) {
       low[s] = std::max(low[s], relaxed(chain, s, low, 0));
       high[s] = std::min(high[s], relaxed(chain, s, high, 0));
     }
   }
   BIP_ASSERT(low[0] <= high[0] + kPrecision, "a probability from {} to {}", low[0], high[0]);
-  return {low[0], high[0]};
+  return without_lost_digits({low[0], high[0]}, chain, stays, goal, most_steps);
 }
 
 double expected_steps(const MarkovChain& chain, const StateSet& goal) {

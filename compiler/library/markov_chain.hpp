@@ -5,6 +5,7 @@
 // simulate` estimates. For small models: every state is stored.
 #pragma once
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -26,7 +27,8 @@ struct MarkovChain {
 using StateSet = std::vector<std::uint8_t>;
 
 /// Builds the chain; `sets[k][s]` says whether conditions[k] holds in state s. The initial state is 0. Fails for more
-/// than `most_states`, or if a step ends in a run-time error. Requires an image without time and C++, with its code.
+/// than `most_states`, if a step ends in a run-time error, or if one has a probability below kLeastProbability.
+/// Requires an image without time and C++, with its code.
 [[nodiscard]] Result<MarkovChain> build_chain(const rt::Image& image, rt::MaximalProgress progress,
                                               std::uint32_t most_states,
                                               const std::vector<std::function<bool(const rt::Core&)>>& conditions,
@@ -34,8 +36,11 @@ using StateSet = std::vector<std::uint8_t>;
 
 /// The probability from state 0 to reach a goal by states that stay: within `most_steps` steps, exact but for rounding;
 /// else as an interval that contains it, of relative width kPrecision (interval iteration: S. Haddad, B. Monmege,
-/// Reachability in MDPs, 2014; after states that surely or never reach a goal have been found in the graph).
+/// Reachability in MDPs, 2014; after states that surely or never reach a goal have been found in the graph). What is
+/// possible with a probability below kLeastProbability is the interval from 0 to it.
 inline constexpr double kPrecision = 1e-10;
+/// Below it numbers have fewer digits, or are 0.
+inline constexpr double kLeastProbability = std::numeric_limits<double>::min();
 [[nodiscard]] Interval reach_probability(const MarkovChain& chain, const StateSet& stays, const StateSet& goal,
                                          std::uint64_t most_steps);
 
