@@ -195,6 +195,7 @@ std::string codel_header(const std::vector<Module>& modules, const GenerateOptio
     out +=
         "#include \"bip/service_requests.hpp\"\n\nusing bip::request_known;\nusing bip::request_number;\n"
         "using bip::request_service;\nusing bip::request_word;\n";
+  if (options.executive == Executive::Cpp) out += "using bip::request_module;\n";
   if (options.executive == Executive::Served)
     out += fmt::format(
         "\ninline bool request_agrees(const char* text, const char* input, const char* services) {{\n"

@@ -48,7 +48,6 @@ class LevelWriter {
     parts();
     for (std::size_t m = 0; m < plans_.size(); ++m) module(m);
     whens();
-    calls();
     time();
     out_ += priorities_.empty() ? "" : "\n";
     for (const auto& [low, high] : priorities_)
@@ -156,8 +155,7 @@ class LevelWriter {
       std::string& recovery = parts_.recoveries.emplace_back();
       if (!row.recovery) continue;
       std::string& part = known[{row.name, *row.recovery}];
-      const char* const type = plans_[row.recovery->module].passes() ? "ReadableRecovery" : "Recovery";
-      if (part.empty()) part = component("after_" + row.name, type, "");
+      if (part.empty()) part = component("after_" + row.name, "Recovery", "");
       recovery = part;
     }
   }
@@ -188,7 +186,7 @@ class LevelWriter {
       const std::string none = wire({.name = p.component + "_none", .ports = {prefix + "none"}});
       for (const std::string& read : reads) priorities_.emplace_back(none, read);
     }
-    if (p.passes()) pass(m);
+    if (p.is_on_demand()) demands(m);
     if (p.is_launched_by_rules) launches(m);
     if (!p.takes_semaphore_to_decide())
       wire({.name = p.component + "_give", .ports = {prefix + "give", "semaphore.give"}});
@@ -458,27 +456,26 @@ class LevelWriter {
                                     plan(c.subject).services[c.subject.service].id);
       stops_.emplace_back(c.subject, name);
       priorities_.emplace_back(sync_, name);
-      if (c.recovery) calls_.emplace_back(c.recovery->module, name);
     }
   }
 
-  // A control cycle of a module of which nothing is asked, in one step, before the one step by step.
-  void pass(std::size_t m) {
+  // What begins a control cycle of a module beside what its own activities and tasks want: a request to it that waits,
+  // and each recovery that it begins.
+  void demands(std::size_t m) {
     const Plan& p = plans_[m];
-    std::vector<std::string> ports{p.component + ".pass", executives_[m] + ".calm"};
+    const std::string chck = p.component + ".chck";
+    const std::string pending = executives_[m] + ".pending";
+    wire({.name = p.component + "_chck",
+          .ports = {chck, pending},
+          .guard = is_served() ? "" : fmt::format("{}.due_module == \"{}\"", pending, p.module->name.text)});
+    std::vector<std::string> done;
     for (std::size_t row = 0; row < constraints_.rows.size(); ++row) {
       const Constraint& c = constraints_.rows[row];
-      if (c.recovery && c.recovery->module == m) add_port(ports, parts_.recoveries[row] + ".calm");
-    }
-    const std::string pass = wire({.name = p.component + "_pass", .ports = ports});
-    passes_[m] = pass;
-    priorities_.emplace_back(wire({.name = p.component + "_chck", .ports = {p.component + ".chck"}}), pass);
-  }
-
-  // A control cycle does not pass while a violation of this instant calls for a recovery that it would begin.
-  void calls() {
-    for (const auto& [m, call] : calls_) {
-      if (const auto pass = passes_.find(m); pass != passes_.end()) priorities_.emplace_back(pass->second, call);
+      const std::string& recovery = parts_.recoveries[row];
+      if (!c.recovery || c.recovery->module != m || std::find(done.begin(), done.end(), recovery) != done.end())
+        continue;
+      done.push_back(recovery);
+      wire({.name = fmt::format("{}_chck_{}", p.component, c.name), .ports = {chck, recovery + ".due"}});
     }
   }
 
@@ -521,7 +518,6 @@ class LevelWriter {
       guard = conditions_.text(negated(c.condition), ports);
       const std::string over = wire({.name = "when_" + c.name + "_over", .ports = ports, .guard = guard});
       for (const std::string& edge : {name, over}) priorities_.emplace_back(sync_, edge);
-      calls_.emplace_back(c.recovery->module, name);
       std::vector<std::string> again;
       acceptances(c.condition, again);
       for (const std::string& trig : again) priorities_.emplace_back(trig, name);
@@ -604,8 +600,6 @@ class LevelWriter {
   ConditionWriter conditions_;
   std::map<std::string, std::string> posters_;
   std::vector<std::pair<ServiceRef, std::string>> stops_;
-  std::map<std::size_t, std::string> passes_;               // of modules whose control cycles may pass
-  std::vector<std::pair<std::size_t, std::string>> calls_;  // of recoveries, and their module
   std::map<ServiceRef, std::string> trigs_;
   std::vector<std::pair<std::string, std::string>> priorities_;
 };

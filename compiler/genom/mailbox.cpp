@@ -21,15 +21,13 @@ namespace {
 constexpr const char* kStartsWaiting = "      waited = 0;\n";
 
 // It is due now, whichever of the two it is.
-std::string takes(const std::string& text, const std::string& input, const std::string& number, const char* known,
+std::string takes(const std::string& text, const std::string& input, const std::string& number,
                   const char* clock = kStartsWaiting) {
   return fmt::format(
       "      due = {};\n      due_input = {};\n      due_number = {};\n      due_service = request_service(due);\n"
-      "{}      known = {};\n",
-      text, input, number, clock, known);
+      "{}      known = request_agrees(due, due_input, services);\n",
+      text, input, number, clock);
 }
-constexpr const char* kIsKnown = "request_known(due, services)";
-constexpr const char* kAgrees = "request_agrees(due, due_input, services)";
 
 // As read_services() (bip/service_requests.hpp) reads it.
 std::string words_of(const RequestParameter& p) {
@@ -116,28 +114,31 @@ std::string executive_type(const GenerateOptions& options, const std::vector<Req
            "  port type Numbered(int number)\n  port type Target(string activity)\n"
            "  port type Told(string rqst, string rep)\n";
   }
-  const bool passes = options.design == Design::Ours;
+  const bool wakes = options.design == Design::Ours;
   return out +
          "\n  // The next request, \"MODULE.SERVICE(VALUE, ...)\", or nothing; intermediate replies, or why there is "
          "none; final replies.\n"
          "  extern function string executive_request()\n"
          "  extern function executive_answer(string, string, string)\n"
          "  extern function executive_reply(string, string, string)\n"
-         "\n  port type Asks(string due, string due_service)\n"
+         "\n  port type Asks(string due, string due_service)\n" +
+         (wakes ? "  port type Pending(string due_module)\n"
+                  "\n  // The module of a request.\n  extern function string request_module(string)\n"
+                : "") +
          "\n  // The decisional level, as far as it is seen here: one request at a time, asked for anew in each tick.\n"
          "  atom type Executive()\n    data string services = \"" +
-         directory(all) +
-         "\"\n    data string due = \"\", due_service = \"\", due_input = \"\"\n"
-         "    data int due_number = 0, waited = 0\n    data bool known = false\n"
-         "    export port Signal tick()\n    export port Asks ask(due, due_service)\n" +
-         (passes ? "    export port Signal calm()\n" : "") +
+         directory(all) + "\"\n    data string due = \"\", due_service = \"\"" + (wakes ? ", due_module = \"\"" : "") +
+         "\n    export port Signal tick()\n    export port Asks ask(due, due_service)\n" +
+         (wakes ? "    export port Pending pending(due_module)\n" : "") +
          "\n    place HERE\n\n    initial to HERE\n\n"
-         "    on tick from HERE to HERE do {\n      if (due == \"\") then\n" +
-         takes("executive_request()", "\"\"", "0", kIsKnown) +
-         "      if (due != \"\" && !known) then\n        executive_answer(\"\", due, \"UNKNOWN_REQUEST\");\n"
-         "        due = \"\";\n        due_service = \"\";\n      fi\n      fi\n    }\n"
+         "    on tick from HERE to HERE do {\n      if (due == \"\") then\n        due = executive_request();\n"
+         "        if (due != \"\") then\n          if (request_known(due, services)) then\n"
+         "            due_service = request_service(due);\n" +
+         (wakes ? "            due_module = request_module(due);\n" : "") +
+         "          else\n            executive_answer(\"\", due, \"UNKNOWN_REQUEST\");\n            due = \"\";\n"
+         "          fi\n        fi\n      fi\n    }\n"
          "    on ask from HERE to HERE do {\n      due = \"\";\n      due_service = \"\";\n    }\n" +
-         (passes ? "    on calm from HERE to HERE provided (due == \"\")\n" : "") + "  end\n";
+         (wakes ? "    on pending from HERE to HERE provided (due != \"\")\n" : "") + "  end\n";
 }
 
 std::string mailbox_type(const Plan& plan, const std::vector<RequestSpec>& requests) {
@@ -153,7 +154,7 @@ std::string mailbox_type(const Plan& plan, const std::vector<RequestSpec>& reque
       "    extern port Posts request(wanted, wanted_input, wanted_number) remember\n"
       "    extern port Posts urgent(first, first_input, first_number) remember\n"
       "    extern port Numbered withdraw(gone) remember\n"
-      "    export port Signal tick()\n    export port Signal waits()\n    export port Signal calm()\n"
+      "    export port Signal tick()\n    export port Signal waits()\n    export port Signal pending()\n"
       "    export port Asks ask(due, due_service, due_input, due_number)\n"
       "    export port Signal recover()\n    export port Numbered told(asked_number)\n",
       plan.module->name.text, is_patient ? "" : ", what is not taken after `patience` ticks", plan.mailbox_type,
@@ -169,11 +170,9 @@ std::string mailbox_type(const Plan& plan, const std::vector<RequestSpec>& reque
       "    port Asks lost(due, due_service, due_input, due_number)\n"
       "    port Asks dropped(due, due_service, due_input, due_number)\n"
       "\n    place NONE, DUE, STOP, BOTH\n\n    initial to NONE\n";
-  const std::string takes_wanted =
-      takes("wanted", "wanted_input", "wanted_number", kAgrees, clock) + "      wakes = true;\n";
+  const std::string takes_wanted = takes("wanted", "wanted_input", "wanted_number", clock) + "      wakes = true;\n";
   const std::string takes_first = "      first_is_gone = first_number != 0 && first_number == gone;\n" +
-                                  takes("first", "first_input", "first_number", kAgrees, clock) +
-                                  "      wakes = true;\n";
+                                  takes("first", "first_input", "first_number", clock) + "      wakes = true;\n";
   out += fmt::format(
       "\n    on request from NONE to DUE eager do {{\n      wanted_service = request_service(wanted);\n"
       "      wanted_is_gone = wanted_number != 0 && wanted_number == gone;\n{}    }}\n",
@@ -193,6 +192,7 @@ std::string mailbox_type(const Plan& plan, const std::vector<RequestSpec>& reque
                        asks, next);
     out += fmt::format("    on waits from {0} to {0} provided (wakes && known && !{1}) do {{ wakes = false; }}\n",
                        row.from, row.is_gone);
+    out += fmt::format("    on pending from {0} to {0} provided (known && !{1})\n", row.from, row.is_gone);
     out += fmt::format("    on dropped from {} to {} provided ({}){}\n", row.from, row.to, row.is_gone, then);
     out += fmt::format("    on lost from {} to {} provided (!{} && {}){}\n", row.from, row.to, row.is_gone,
                        is_patient ? "!known" : "(!known || waited >= patience)", then);
@@ -200,7 +200,7 @@ std::string mailbox_type(const Plan& plan, const std::vector<RequestSpec>& reque
                        is_patient ? ")" : " && waited < patience) do { waited = waited + 1; }");
   }
   out +=
-      "    on tick from NONE to NONE\n    on calm from NONE to NONE\n"
+      "    on tick from NONE to NONE\n"
       "\n    // The next request may arrive before this one is accepted. A recovery has no client, so it has no "
       "input.\n";
   for (const char* place : {"NONE", "DUE", "STOP", "BOTH"}) {

@@ -43,7 +43,7 @@ class ModuleWriter {
 
   void parts(const GenerateOptions& options);
   void control_cycle();
-  void pass();
+  void demands();
   void request(std::size_t i);
   void admissions(std::size_t i);
   void admitted_once(std::size_t i);

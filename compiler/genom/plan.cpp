@@ -24,7 +24,6 @@ constexpr const char* kOwnTypes[] = {"Signal",
                                      "Timer",
                                      "WakeUp",
                                      "IdsLock",
-                                     "ReadableLock",
                                      "Semaphore",
                                      "Poster",
                                      "ServiceController",
@@ -47,8 +46,8 @@ constexpr const char* kOwnTypes[] = {"Signal",
                                      "FractionParameter",
                                      "Fraction",
                                      "Recovery",
-                                     "ReadableRecovery",
                                      "Asks",
+                                     "Pending",
                                      "Executive",
                                      "MasterClock",
                                      "Posts",
@@ -166,7 +165,7 @@ class Planner {
     plan_.ids = scope_.claim("ids", "control");
     if (!plan_.by_codel) plan_.lock = scope_.claim("lock", "ids");
     // Posters that grow older in each tick need no timer.
-    const bool grow_with_time = plan_.passes() && options_.poster_period == 1;
+    const bool grow_with_time = plan_.is_on_demand() && options_.poster_period == 1;
     if (!module_.posters.empty() && !grow_with_time) plan_.poster_timer = scope_.claim("poster_timer", "module");
     for (std::size_t i = 0; i < module_.services.size(); ++i) service(i);
     for (std::size_t i = 0; i < module_.tasks.size(); ++i) task(i);
@@ -385,6 +384,13 @@ std::vector<Plan> make_plans(const std::vector<Module>& modules, const GenerateO
     owners += plan.owners();
   }
   return plans;
+}
+
+bool Plan::counts_time() const {
+  return !posters.empty() ||
+         std::any_of(module->tasks.begin(), module->tasks.end(), [](const Task& t) { return t.period_us > 0; }) ||
+         std::any_of(activities.begin(), activities.end(),
+                     [this](const ServiceInstance& a) { return services[a.service].activity.has_async; });
 }
 
 bool Plan::may_suspend(std::size_t task) const {

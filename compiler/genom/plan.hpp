@@ -131,13 +131,15 @@ struct Plan {
   /// Returns whether a request waits until its module takes it. Where codels run in threads a module takes nothing
   /// while its control task waits for the data of a codel, which may be as long as a codel takes, and time goes on.
   [[nodiscard]] bool has_patient_mailbox() const { return has_task_threads; }
-  /// Returns whether a control cycle is a single step if it has nothing to do: no request waits, no final reply is due,
-  /// no activity waits to begin. It is so where it is known who asks: the port `calm` of a mailbox, or of the
-  /// executive, is enabled while no request waits.
-  [[nodiscard]] bool passes() const { return executive != Executive::Anybody && design == Design::Ours; }
+  /// Returns whether the control task runs on demand: a cycle begins only if a request waits, a final reply is due, an
+  /// activity waits to begin, or an aperiodic task has work. It is so where it is known who asks: the port `pending` of
+  /// a mailbox, or of the executive, is enabled while a request waits. Elsewhere a cycle begins each period.
+  [[nodiscard]] bool is_on_demand() const { return executive != Executive::Anybody && design == Design::Ours; }
+  /// Does anything of the module but its control task count ticks?
+  [[nodiscard]] bool counts_time() const;
   /// May a cycle of the task pass over all of its activities in one step, while none is in use?
   [[nodiscard]] bool passes_over(std::size_t task) const {
-    return passes() && module->tasks[task].activity.states.empty() && tasks[task].activities.size() >= 2;
+    return is_on_demand() && module->tasks[task].activity.states.empty() && tasks[task].activities.size() >= 2;
   }
   /// GenoM 2 refuses requests by the state of the whole module.
   [[nodiscard]] bool has_checks() const { return module->generation == 2; }

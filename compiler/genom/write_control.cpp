@@ -1,8 +1,8 @@
 // The control task: the message box (Bensalem, de Silva, Ingrand, Yan 2011, Figure 8) and its timer.
 //
 // A control cycle, place by place:
-//   idle   -chck->    coll   the timer says so; the module's lock is taken
-//   idle   -pass->    idle   the whole cycle, if it has nothing to do (Plan::passes)
+//   idle   -chck->    coll   the timer says so, and there is something to do (Plan::is_on_demand); the module's lock
+//                            is taken
 //   idle   -woken->   coll   a request has arrived in the mailbox (Executive::Served); the timer runs on
 //   coll   -collect-> read   all final replies that are due
 //   read   -read_X->  asked  at most one request (with the semaphore), or -none-> laun
@@ -90,10 +90,6 @@ void write_control(std::string& out, const Plan& plan) {
   box.on("err", "off", "fini");
   box.on("stop", "idle", "fini");
   box.on("chck", "idle", "coll");
-  if (plan.passes()) {
-    box.signal("pass");
-    box.on("pass", "idle", "idle");
-  }
   if (is_served) {
     box.signal("woken");
     box.on("woken", "idle", "coll");
@@ -205,19 +201,19 @@ void write_control(std::string& out, const Plan& plan) {
   for (const auto& [type, name] : box.ports) out += fmt::format("    export port {} {}\n", type, name);
   out += fmt::format("\n    place {}\n\n    initial to off\n\n{}  end\n", box.places, box.transitions);
 
+  // A timer at rest holds time up where nothing else of its module counts ticks (ModuleWriter::time).
+  const bool is_patient = plan.is_on_demand() && !plan.counts_time();
   out += fmt::format(
-      "\n  // The control task.\n  compound type {}(int period)\n    component {} box()\n    component Timer "
+      "\n  // The control task.\n  compound type {}(int period)\n    component {} box()\n    component {} "
       "timer(period, 0)\n",
-      plan.control_type, plan.box_type);
+      plan.control_type, plan.box_type, is_patient ? "PatientTimer" : "Timer");
   write_wire(out, {.name = "wake_up", .ports = {"box.chck", "timer.trigger"}, .exported = true});
-  if (plan.passes()) write_wire(out, {.name = "pass", .ports = {"box.pass", "timer.trigger"}, .exported = true});
   out += "\n";
   write_export(out, "timer.tick", "tick");
   write_export(out, "wake_up.out", "chck");
-  if (plan.passes()) write_export(out, "pass.out", "pass");
   for (const auto& [type, name] : box.ports) {
     const std::string bare = name.substr(0, name.find('('));
-    if (bare != "chck" && bare != "pass") write_export(out, "box." + bare, bare);
+    if (bare != "chck") write_export(out, "box." + bare, bare);
   }
   out += "  end\n";
 }

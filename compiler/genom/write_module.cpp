@@ -112,8 +112,7 @@ void ModuleWriter::parts(const GenerateOptions& options) {
     out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component ControlIds {}({}, {})\n", plan_.ids,
                         module_.has_init() ? "true" : "false", plan_.execution_activities);
   }
-  if (!plan_.by_codel)
-    out_ += fmt::format("    component {} {}()\n", plan_.passes() ? "ReadableLock" : "IdsLock", plan_.lock);
+  if (!plan_.by_codel) out_ += fmt::format("    component IdsLock {}()\n", plan_.lock);
   for (const LockPlan& lock : plan_.locks)
     out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component DataLock{} {}()\n",
                         lock.threads.size(), lock.component);
@@ -190,8 +189,8 @@ std::string ModuleWriter::answered(const std::string& answer, std::size_t k, std
 void ModuleWriter::control_cycle() {
   std::vector<std::string> chck{control("chck")};
   add_module_lock(chck, "take");
-  wire({.name = "chck", .ports = chck, .exported = plan_.passes()});
-  if (plan_.passes()) pass();
+  wire({.name = "chck", .ports = chck, .exported = plan_.is_on_demand()});
+  if (plan_.is_on_demand()) demands();
   if (plan_.executive == Executive::Served) {
     chck[0] = control("woken");
     wire({.name = "woken", .ports = chck, .exported = true});
@@ -218,18 +217,20 @@ void ModuleWriter::control_cycle() {
   refuse("WAIT_ABORT_ZOMBIE_ACTIVITY", fmt::format("!{0}.suspended && {0}.initialised && {0}.zombies > 0", state));
 }
 
-// The whole control cycle at once, while no instance has a final reply due or waits to begin: it would collect and
-// launch nothing.
-void ModuleWriter::pass() {
-  std::vector<std::string> ports{control("pass")};
-  add_module_lock(ports, "look");
+// What begins a control cycle beside requests, which the functional level adds: each instance that has a final reply
+// due or waits to begin, and each aperiodic task that has work and is woken by `done`.
+void ModuleWriter::demands() {
+  const auto demand = [&](const std::string& component, const char* port) {
+    std::vector<std::string> ports{control("chck"), component + "." + port};
+    add_module_lock(ports, "take");
+    wire({.name = "chck_" + component, .ports = ports});
+  };
   for (std::size_t k = 0; k < plan_.activities.size(); ++k) {
-    if (plan_.service_of(k).kind == ServiceKind::Execution) ports.push_back(of_activity(k, "calm"));
+    if (plan_.service_of(k).kind == ServiceKind::Execution) demand(plan_.activities[k].component, "due");
   }
   for (std::size_t i = 0; i < module_.tasks.size(); ++i) {
-    if (module_.tasks[i].period_us == 0) ports.push_back(of_task(i, "wake"));
+    if (module_.tasks[i].period_us == 0) demand(plan_.tasks[i].component, "work");
   }
-  wire({.name = "pass", .ports = ports, .exported = true});
 }
 
 // `before S`: once S has succeeded it is too late; `after S`: until then it is too early.

@@ -359,10 +359,7 @@ void ModuleWriter::exports() {
   for (const char* name : {"err", "stop"}) write_export(out_, control(name), name);
   if (plan_.is_launched_by_rules) write_export(out_, out_of("done"), "done");
   if (plan_.executive != Executive::Anybody) write_export(out_, out_of("none"), "none");
-  if (plan_.passes()) {
-    write_export(out_, out_of("chck"), "chck");
-    write_export(out_, out_of("pass"), "pass");
-  }
+  if (plan_.is_on_demand()) write_export(out_, out_of("chck"), "chck");
   if (plan_.executive == Executive::Served) write_export(out_, out_of("woken"), "woken");
   if (plan_.executive == Executive::Served) write_export(out_, control("told"), "told");
   if (!plan_.takes_semaphore_to_decide()) write_export(out_, out_of("give"), "give");

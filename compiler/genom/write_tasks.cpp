@@ -191,6 +191,7 @@ void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64
   out += "\n";
   write_export(out, is_periodic ? "timer.tick" : "timer.wake", is_periodic ? "tick" : "wake");
   write_export(out, "begin.out", "begin");
+  if (!is_periodic && plan.is_on_demand()) write_export(out, "controller.work", "work");
   if (t.permanent.name.is_set() && plan.by_codel) write_export(out, "permanent_done.out", "permanent_done");
   if (t.permanent.name.is_set() && t.permanent_fails) write_export(out, "permanent_fails.out", "permanent_fails");
   if (!p.activities.empty()) {
@@ -309,7 +310,7 @@ void write_service(std::string& out, const Plan& plan, std::size_t service, std:
   }
   for (const char* name : {"trig", "rej", "idle", "free", "busy", "stat"})
     write_export(out, std::string("controller.") + name, name);
-  if (plan.passes()) write_export(out, "controller.calm", "calm");
+  if (plan.is_on_demand()) write_export(out, "controller.due", "due");
   write_export(out, plan.executive == Executive::Cpp ? "replied.out" : "controller.reply", "reply");
   write_export(out, "start.out", "start");
   write_export(out, "cancel.out, abort.out", "abt");

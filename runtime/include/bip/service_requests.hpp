@@ -163,6 +163,12 @@ inline std::vector<ServiceText> read_services(std::string_view services) {
 
 inline std::string request_service(const char* text) { return std::string(read_request(text).service); }
 
+/// "NDD" of "NDD.GoTo(3, 0.5)".
+inline std::string request_module(const char* text) {
+  const std::string_view service = read_request(text).service;
+  return std::string(service.substr(0, service.find('.')));
+}
+
 /// Value k as a number; 0 if there is none.
 inline double request_number(const char* text, int k) {
   const RequestText request = read_request(text);
