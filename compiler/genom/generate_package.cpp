@@ -87,7 +87,7 @@ void write_types(std::string& out, const Plan& plan, std::int64_t tick_us) {
     if (!t.activity.states.empty())
       write_activity(out, plan, t.activity, plan.tasks[i].permanent, nullptr,
                      fmt::format("The codels of task {} itself.", t.name.text), plan.owner_of_task(i));
-    if (!plan.tasks[i].permanent_type.empty()) write_threaded_permanent(out, plan, i);
+    if (!plan.tasks[i].permanent_type.empty()) write_permanent(out, plan, i);
     if (plan.tasks[i].permanent.has_work())
       write_work(out, plan, t.activity, plan.tasks[i].permanent, plan.tasks[i].work_type, "task " + t.name.text,
                  plan.owner_of_task(i));

@@ -204,10 +204,14 @@ class LevelWriter {
         if (const std::int64_t age = t.freshness[static_cast<std::size_t>(&read - t.reads.data())]; age > 0)
           guard += fmt::format("{}{}.PosterAge < {}", guard.empty() ? "" : " && ", poster->second, age);
       }
-      const std::string begin =
-          wire({.name = fmt::format("{}_begin_{}", p.component, p.tasks[i].component), .ports = ports, .guard = guard});
-      for (const auto& [s, stop] : stops_) {
-        if (s.module == m && p.module->services[s.service].task_index == i) priorities_.emplace_back(begin, stop);
+      for (const char* how : {"begin_", "permanent_"}) {
+        if (how != std::string("begin_") && !p.has_permanent_cycle(i)) continue;
+        ports[0] = prefix + how + p.tasks[i].component;
+        const std::string begin = wire(
+            {.name = fmt::format("{}_{}{}", p.component, how, p.tasks[i].component), .ports = ports, .guard = guard});
+        for (const auto& [s, stop] : stops_) {
+          if (s.module == m && p.module->services[s.service].task_index == i) priorities_.emplace_back(begin, stop);
+        }
       }
     }
   }

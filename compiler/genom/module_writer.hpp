@@ -38,6 +38,10 @@ class ModuleWriter {
   [[nodiscard]] std::string runs(const Service& s, std::size_t activity) const;
   [[nodiscard]] std::string accepted(const Service& s, std::size_t activity) const;
   [[nodiscard]] std::string answered(const std::string& answer, std::size_t k, std::size_t reports) const;
+  /// What begins the turns of a task waits for the answer of its permanent codel, where that runs in the step before.
+  void add_permanent(std::vector<std::string>& ports, std::size_t task) const {
+    if (plan_.tasks[task].permanent_to_begin) ports.push_back(of_task(task, "permanent_ok"));
+  }
   void add_module_lock(std::vector<std::string>& ports, const char* what) const;
   [[nodiscard]] bool waits(const Service& s) const { return plan_.gives_lock(s); }
 
@@ -58,6 +62,7 @@ class ModuleWriter {
 
   void task(std::size_t i);
   void pass_over(std::size_t task);
+  [[nodiscard]] std::vector<std::string> gives(std::size_t task, const std::string& port) const;
   void permanent(std::size_t task);
   void turns_of_permanent(std::size_t task);
   void turns(std::size_t task, std::size_t activity);

@@ -23,6 +23,7 @@ constexpr const char* kOwnTypes[] = {"Signal",
                                      "MasterTimer",
                                      "Timer",
                                      "WakeUp",
+                                     "RestingTimer",
                                      "IdsLock",
                                      "Semaphore",
                                      "Poster",
@@ -227,7 +228,10 @@ class Planner {
       plan.permanent =
           plan_activity(t.activity, module_.is_killed ? StoppedBy::Kill : StoppedBy::Nobody, {}, module_.generation);
     plan.permanent.type = types_.claim(plan.type + "Permanent", "Atom");
-    if (t.permanent.name.is_set() && plan_.has_task_threads) plan.permanent_type = plan.permanent.type;
+    plan.permanent_to_begin =
+        t.permanent.name.is_set() && plan_.is_on_demand() && !plan_.by_codel && !plan_.has_task_threads;
+    if (t.permanent.name.is_set() && (plan_.has_task_threads || plan.permanent_to_begin))
+      plan.permanent_type = plan.permanent.type;
     find_threaded(t.activity, plan.permanent);
     if (plan.permanent.has_work()) plan.work_type = types_.claim(plan.type + "Work", "Atom");
     for (std::size_t k = 0; k < plan_.activities.size(); ++k) {
@@ -386,11 +390,16 @@ std::vector<Plan> make_plans(const std::vector<Module>& modules, const GenerateO
   return plans;
 }
 
-bool Plan::counts_time() const {
-  return !posters.empty() ||
-         std::any_of(module->tasks.begin(), module->tasks.end(), [](const Task& t) { return t.period_us > 0; }) ||
-         std::any_of(activities.begin(), activities.end(),
-                     [this](const ServiceInstance& a) { return services[a.service].activity.has_async; });
+bool Plan::begins_with_timer(std::size_t task) const {
+  const std::vector<std::int64_t>& ages = module->tasks[task].freshness;
+  return is_on_demand() && !has_task_threads &&
+         std::all_of(ages.begin(), ages.end(), [](std::int64_t age) { return age <= 0; });
+}
+
+bool Plan::ends_by_passing(std::size_t task) const {
+  return passes_over(task) && module->generation == 2 &&
+         std::none_of(module->posters.begin(), module->posters.end(),
+                      [task](const Poster& p) { return !p.is_auto && p.task_index == task; });
 }
 
 bool Plan::may_suspend(std::size_t task) const {

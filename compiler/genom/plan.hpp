@@ -70,9 +70,12 @@ struct ServicePlan {
 };
 struct TaskPlan {
   std::string component, type, scheduler;
-  ActivityPlan permanent;               // GenoM 3
-  std::string work_type;                // of the atom that runs its own codels beside it, if there are such
-  std::string permanent_type;           // GenoM 2, of the atom that runs its permanent codel in a thread; else empty
+  ActivityPlan permanent;      // GenoM 3
+  std::string work_type;       // of the atom that runs its own codels beside it, if there are such
+  std::string permanent_type;  // GenoM 2, of the atom that calls its permanent codel; empty if its task does
+  /// Returns whether a cycle runs the permanent codel (GenoM 2) in the step that begins it, and goes on with its
+  /// activities at once if the answer is OK.
+  bool permanent_to_begin = false;
   std::vector<std::size_t> activities;  // its activities, in activity order
   bool is_watched = false;              // rules ask whether it has missed its period
 };
@@ -135,12 +138,22 @@ struct Plan {
   /// activity waits to begin, or an aperiodic task has work. It is so where it is known who asks: the port `pending` of
   /// a mailbox, or of the executive, is enabled while a request waits. Elsewhere a cycle begins each period.
   [[nodiscard]] bool is_on_demand() const { return executive != Executive::Anybody && design == Design::Ours; }
-  /// Does anything of the module but its control task count ticks?
-  [[nodiscard]] bool counts_time() const;
-  /// May a cycle of the task pass over all of its activities in one step, while none is in use?
-  [[nodiscard]] bool passes_over(std::size_t task) const {
-    return is_on_demand() && module->tasks[task].activity.states.empty() && tasks[task].activities.size() >= 2;
+  /// Returns whether a cycle of the task passes over all activities that do not work at once: before its first turn,
+  /// up to the one that has it, and after a turn, if none that follows works.
+  [[nodiscard]] bool passes_over(std::size_t task) const { return is_on_demand() && !tasks[task].activities.empty(); }
+  /// Returns whether a cycle ends with the step in which it passes over what follows. It does not where codels may
+  /// write posters at its end, or where turns go on in rounds (GenoM 3).
+  [[nodiscard]] bool ends_by_passing(std::size_t task) const;
+  /// Returns whether a cycle in which no activity works has steps of its own: one that begins it with the permanent
+  /// codel, one that ends it.
+  [[nodiscard]] bool has_permanent_cycle(std::size_t task) const {
+    return tasks[task].permanent_to_begin && ends_by_passing(task);
   }
+  /// Returns whether a cycle of the task begins in the step that takes the trigger of its timer, so that the timer
+  /// holds time up until the lock is free. Codels in threads hold the lock while time goes on; a poster of which a
+  /// cycle asks that it is fresh may be written in a later tick only. There the task takes the trigger first, and waits
+  /// then.
+  [[nodiscard]] bool begins_with_timer(std::size_t task) const;
   /// GenoM 2 refuses requests by the state of the whole module.
   [[nodiscard]] bool has_checks() const { return module->generation == 2; }
   [[nodiscard]] bool may_suspend(std::size_t task) const;
@@ -183,8 +196,8 @@ void write_work_exports(std::string& out, const ServicePlan& p);
 /// Codels that run in threads while the activity `component` and its task wait for them, by the atom `work`; in the
 /// compound of both. They are exported with these beginnings of names.
 void write_turns(std::string& out, const ActivityPlan& a, const std::string& component, const std::string& exported);
-/// GenoM 2: the permanent codel of a task, in a thread.
-void write_threaded_permanent(std::string& out, const Plan& plan, std::size_t task);
+/// GenoM 2: the permanent codel of a task, in a thread, or in the step that begins a cycle.
+void write_permanent(std::string& out, const Plan& plan, std::size_t task);
 /// The same inside of a task's compound.
 void write_task_work(std::string& out, const Plan& plan, std::size_t task);
 void write_scheduler(std::string& out, const Plan& plan, std::size_t task);

@@ -201,12 +201,10 @@ void write_control(std::string& out, const Plan& plan) {
   for (const auto& [type, name] : box.ports) out += fmt::format("    export port {} {}\n", type, name);
   out += fmt::format("\n    place {}\n\n    initial to off\n\n{}  end\n", box.places, box.transitions);
 
-  // A timer at rest holds time up where nothing else of its module counts ticks (ModuleWriter::time).
-  const bool is_patient = plan.is_on_demand() && !plan.counts_time();
   out += fmt::format(
       "\n  // The control task.\n  compound type {}(int period)\n    component {} box()\n    component {} "
       "timer(period, 0)\n",
-      plan.control_type, plan.box_type, is_patient ? "PatientTimer" : "Timer");
+      plan.control_type, plan.box_type, plan.is_on_demand() ? "RestingTimer" : "Timer");
   write_wire(out, {.name = "wake_up", .ports = {"box.chck", "timer.trigger"}, .exported = true});
   out += "\n";
   write_export(out, "timer.tick", "tick");

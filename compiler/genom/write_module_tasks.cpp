@@ -64,6 +64,14 @@ void ModuleWriter::task(std::size_t i) {
         .ports = begin,
         .triggers = begin.size() > needed ? needed : 0,
         .exported = exported});
+  if (plan_.has_permanent_cycle(i)) {
+    std::vector<std::string> alone{of_task(i, "permanent_alone")};
+    add_module_lock(alone, "take");
+    wire({.name = "permanent_" + p.component, .ports = alone, .exported = true});
+    std::vector<std::string> pass = gives(i, "pass_alone");
+    add_permanent(pass, i);
+    wire({.name = "give_permanent_" + p.component, .ports = pass});
+  }
   if (t.permanent.name.is_set()) permanent(i);
   if (!t.activity.states.empty()) turns_of_permanent(i);
   for (const std::size_t activity : p.activities) {
@@ -71,31 +79,51 @@ void ModuleWriter::task(std::size_t i) {
     ends(i, activity);
   }
   if (plan_.passes_over(i)) pass_over(i);
-  std::vector<std::string> give{of_task(i, "give")};
-  add_module_lock(give, "give");
   for (std::size_t k = 0; k < module_.posters.size(); ++k) {
     const Poster& poster = module_.posters[k];
-    if (is_3_ || poster.task_index != i) continue;
-    if (poster.is_auto) {
-      give.push_back(plan_.posters[k] + ".write");
-    } else {
-      wire({.name = "update_" + plan_.posters[k], .ports = {of_task(i, "update"), plan_.posters[k] + ".write"}});
-    }
+    if (is_3_ || poster.task_index != i || poster.is_auto) continue;
+    std::vector<std::string> update{of_task(i, "update"), plan_.posters[k] + ".write"};
+    if (p.activities.empty()) add_permanent(update, i);
+    wire({.name = "update_" + plan_.posters[k], .ports = update});
   }
+  std::vector<std::string> give = gives(i, "give");
+  if (p.activities.empty()) add_permanent(give, i);
   wire({.name = "give_" + p.component, .ports = give});
 }
 
-// The turns of all activities at once, while no instance is in use.
+// The end of a cycle: the lock goes back, and the automatic posters are written.
+std::vector<std::string> ModuleWriter::gives(std::size_t i, const std::string& port) const {
+  std::vector<std::string> give{of_task(i, port)};
+  add_module_lock(give, "give");
+  for (std::size_t k = 0; k < module_.posters.size(); ++k) {
+    if (!is_3_ && module_.posters[k].task_index == i && module_.posters[k].is_auto)
+      give.push_back(plan_.posters[k] + ".write");
+  }
+  return give;
+}
+
+// Activities that do not work have no turns of their own. Before the first turn exactly one of the connectors `pass` of
+// the first activity, `next` of the first one that works, and those of the first one's own turn can happen; after it,
+// `pass` goes first.
 void ModuleWriter::pass_over(std::size_t i) {
   const TaskPlan& p = plan_.tasks[i];
-  const std::string pass = "pass_" + p.component;
   BIP_ASSERT(!p.activities.empty(), "task `{}` passes over no activities", p.component);
-  std::vector<std::string> ports{of_task(i, "pass")};
-  for (const std::size_t activity : p.activities) ports.push_back(of_activity(activity, "free"));
-  wire({.name = pass, .ports = ports});
-  const std::string& first = plan_.activities[p.activities[0]].component;
-  for (const char* turn : {"skip_", "wait_"}) {
-    if (names_.contains(turn + first)) refusals_.emplace_back(turn + first, pass);
+  for (std::size_t k = 0; k < p.activities.size(); ++k) {
+    const std::string& name = plan_.activities[p.activities[k]].component;
+    std::vector<std::string> pass =
+        plan_.ends_by_passing(i) ? gives(i, "pass_" + name) : std::vector{of_task(i, "pass_" + name)};
+    for (std::size_t other = k; other < p.activities.size(); ++other)
+      pass.push_back(of_activity(p.activities[other], "dormant"));
+    if (k == 0) add_permanent(pass, i);
+    const std::string wanted = "pass_" + (k == 0 ? p.component : name);
+    wire({.name = wanted, .ports = pass});
+    if (k == 0) continue;
+    if (k + 1 < p.activities.size()) refusals_.emplace_back("skip_" + name, wanted);
+    std::vector<std::string> next{of_task(i, "next_" + name)};
+    for (std::size_t other = 0; other < k; ++other) next.push_back(of_activity(p.activities[other], "dormant"));
+    next.push_back(of_activity(p.activities[k], "working"));
+    add_permanent(next, i);
+    wire({.name = "next_" + name, .ports = next});
   }
 }
 
@@ -160,6 +188,7 @@ void ModuleWriter::turns_of_permanent(std::size_t i) {
 void ModuleWriter::turns(std::size_t i, std::size_t instance) {
   const std::string& name = plan_.activities[instance].component;
   const Activity& activity = plan_.service_of(instance).activity;
+  const bool is_first = plan_.tasks[i].activities.front() == instance;
   const ActivityPlan& a = plan_.services[plan_.activities[instance].service].activity;
   for (std::size_t s = 0; s < activity.states.size(); ++s) {
     if (!a.used[s]) continue;
@@ -169,22 +198,30 @@ void ModuleWriter::turns(std::size_t i, std::size_t instance) {
     if (a.async[s]) {
       std::vector<std::string> sent{of_task(i, "sent_" + name), of_activity(instance, "run_" + a.places[s])};
       add_locks(sent, {&state.codel}, plan_.thread_beside_activity(instance), "take");
+      if (is_first) add_permanent(sent, i);
       wire({.name = label, .ports = sent});
       std::vector<std::string> back{of_task(i, "back_" + name), of_activity(instance, "back_" + a.places[s])};
       add_ports(back, state.codel);
+      if (is_first) add_permanent(back, i);
       wire({.name = "back_" + label, .ports = back});
       continue;
     }
     std::vector<std::string> run{of_task(i, "step_" + name), of_activity(instance, "run_" + a.places[s])};
     add_locks(run, {&state.codel}, 1 + i, "take");
     add_ports(run, state.codel);
+    if (is_first) add_permanent(run, i);
     wire({.name = label, .ports = run});
     if (!plan_.by_codel) continue;
     std::vector<std::string> done{of_task(i, "done_" + name), of_activity(instance, "done_" + a.places[s])};
     add_locks(done, {&state.codel}, 1 + i, "give");
     wire({.name = "done_" + label, .ports = done});
   }
-  wire({.name = "skip_" + name, .ports = {of_task(i, "skip_" + name), of_activity(instance, "rest")}});
+  std::vector<std::string> skip{of_task(i, "skip_" + name), of_activity(instance, "rest")};
+  // At the other ones a turn may have come that `pass` does not cover.
+  if (plan_.passes_over(i) && (is_first || plan_.tasks[i].activities.back() == instance))
+    skip.push_back(of_activity(instance, "working"));
+  if (is_first) add_permanent(skip, i);
+  wire({.name = "skip_" + name, .ports = skip});
   if (a.has_timed()) wire({.name = "late_" + name, .ports = {of_activity(instance, "late")}, .exported = true});
   if (a.has_async) beside(i, instance);
 }
@@ -193,7 +230,9 @@ void ModuleWriter::turns(std::size_t i, std::size_t instance) {
 // up, and comes back too late.
 void ModuleWriter::beside(std::size_t i, std::size_t activity) {
   const std::string& name = plan_.activities[activity].component;
-  wire({.name = "wait_" + name, .ports = {of_task(i, "skip_" + name), of_activity(activity, "wait")}});
+  std::vector<std::string> wait{of_task(i, "skip_" + name), of_activity(activity, "wait")};
+  if (plan_.tasks[i].activities.front() == activity) add_permanent(wait, i);
+  wire({.name = "wait_" + name, .ports = wait});
   std::vector<std::string> lost{of_activity(activity, "lost"), of_task(i, "remove")};
   std::vector<std::string> found{of_activity(activity, "found")};
   if (plan_.has_checks()) {
@@ -283,7 +322,7 @@ void ModuleWriter::time() {
   for (std::size_t k = 0; k < plan_.activities.size(); ++k) {
     if (plan_.services[plan_.activities[k].service].activity.has_async) ticks.push_back(of_activity(k, "watch_tick"));
   }
-  const std::size_t triggers = plan_.design == Design::First ? 0 : ticks.size();
+  const std::size_t triggers = plan_.design == Design::First || plan_.is_on_demand() ? 0 : ticks.size();
   ticks.push_back(control("tick"));
   wire({.name = "ModuleSync", .ports = ticks, .triggers = triggers, .exported = true});
   if (plan_.poster_timer.empty()) return;
@@ -366,6 +405,8 @@ void ModuleWriter::exports() {
   for (std::size_t i = 0; i < module_.tasks.size(); ++i) {
     if (module_.tasks[i].has_permanent() || !module_.tasks[i].reads.empty())
       write_export(out_, out_of("begin_" + plan_.tasks[i].component), "begin_" + plan_.tasks[i].component);
+    if (plan_.has_permanent_cycle(i))
+      write_export(out_, out_of("permanent_" + plan_.tasks[i].component), "permanent_" + plan_.tasks[i].component);
     if (plan_.tasks[i].is_watched) write_export(out_, of_task(i, "missed"), "missed_" + plan_.tasks[i].component);
   }
   for (const std::string& poster : plan_.posters) write_export(out_, poster + ".read", "read_" + poster);

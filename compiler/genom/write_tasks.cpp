@@ -1,5 +1,18 @@
 // Execution tasks: the scheduler, which gives each activity its turn in the order of activities, and the compound of
 // Figure 7 around it.
+//
+// A cycle, place by place:
+//   idle   -trigger->  perm    the timer says so; left out where a cycle begins with its timer
+//   (Plan::begins_with_timer) perm   -begin->    at_A    there is work; or -stop-> idle (stpd). A permanent codel of
+//   GenoM 2 runs now; where its
+//                              answer is heard by a step of its own, -permanentdone-> at_A
+//   at_S   -step_S->   run_S   the codel of S; -ran_S-> the next place, or the last one, over. Or -skip_S-> the next
+//   place over   -give->     idle
+// Where it is known who asks (Plan::passes_over) steps over activities that do not work are left out:
+//   at_A   -next_S->   at_S    none before S works, S does
+//   at_S   -pass_S->   idle    neither S nor any that follows works; to over where more may come
+//   (Plan::ends_by_passing) perm   -permanentalone-> alone -passalone-> idle: the cycle of a permanent codel while no
+//   activity works
 #include <fmt/format.h>
 
 #include "compiler/genom/names.hpp"
@@ -39,15 +52,19 @@ std::string begin_port(const Task& t) { return t.permanent.name.is_set() ? "perm
 
 void scheduler_ports(std::string& out, const Plan& plan, std::size_t task, const std::vector<std::string>& turns) {
   const Task& t = plan.module->tasks[task];
-  port(out, "trigger");
+  const std::size_t first_activity = t.activity.states.empty() ? 0 : 1;
+  if (!plan.begins_with_timer(task) || plan.may_suspend(task)) port(out, "trigger");
   if (!t.has_permanent()) port(out, "stop");
   port(out, begin_port(t));
-  if (t.permanent.name.is_set()) port(out, "permanentdone");
-  if (plan.passes_over(task)) port(out, "pass");
+  if (t.permanent.name.is_set()) port(out, plan.tasks[task].permanent_to_begin ? "permanentfails" : "permanentdone");
   for (std::size_t i = 0; i < turns.size(); ++i) {
     const ActivityPlan& a = activity_of(plan, task, i);
     if (a.steps()) port(out, "step_" + turns[i]);
     if (a.skips()) port(out, "skip_" + turns[i]);
+    if (plan.passes_over(task) && i >= first_activity) {
+      port(out, "pass_" + turns[i]);
+      if (i > first_activity) port(out, "next_" + turns[i]);
+    }
     if (plan.by_codel && a.steps()) port(out, "done_" + turns[i]);
     if (a.has_async) {
       port(out, "sent_" + turns[i]);
@@ -55,6 +72,10 @@ void scheduler_ports(std::string& out, const Plan& plan, std::size_t task, const
     }
     if (has_ran(plan, task, a)) port(out, "ran_" + turns[i]);
     if (plan.module->generation == 3 && a.goes_on) port(out, "more_" + turns[i]);
+  }
+  if (plan.has_permanent_cycle(task)) {
+    port(out, "permanentalone");
+    port(out, "passalone");
   }
   if (plan.may_suspend(task)) port(out, "suspend");
   for (const Poster& p : plan.module->posters) {
@@ -86,8 +107,12 @@ void write_scheduler(std::string& out, const Plan& plan, std::size_t task) {
   if (is_3) out += "    data bool more = false\n";
   scheduler_ports(out, plan, task, turns);
 
-  std::string places = t.has_permanent() ? "idle, perm" : "idle, perm, stpd";
-  if (t.permanent.name.is_set()) places += ", exec";
+  const bool begins_with_timer = plan.begins_with_timer(task);
+  std::string places = begins_with_timer ? "idle" : t.has_permanent() ? "idle, perm" : "idle, perm, stpd";
+  const bool runs_to_begin = plan.tasks[task].permanent_to_begin;
+  const bool waits_for_permanent = t.permanent.name.is_set() && !runs_to_begin;
+  if (waits_for_permanent) places += ", exec";
+  if (plan.has_permanent_cycle(task)) places += ", alone";
   for (std::size_t i = 0; i < turns.size(); ++i) {
     places += ", at_" + turns[i];
     if (!plan.by_codel || activity_of(plan, task, i).steps()) places += ", run_" + turns[i];
@@ -97,12 +122,20 @@ void write_scheduler(std::string& out, const Plan& plan, std::size_t task) {
   if (plan.may_suspend(task)) places += ", susp";
   out += fmt::format("\n    place {}\n\n    initial to idle\n\n", places);
 
+  const std::size_t first_activity = t.activity.states.empty() ? 0 : 1;
   const std::string first = turns.empty() ? "over" : "at_" + turns[0];
-  out += "    on trigger from idle to perm\n";
-  if (!t.has_permanent()) out += "    on trigger from stpd to perm\n    on stop from perm to stpd\n";
-  out += fmt::format("    on {} from perm to {}\n", begin_port(t), t.permanent.name.is_set() ? "exec" : first);
-  if (t.permanent.name.is_set()) out += fmt::format("    on permanentdone from exec to {}\n", first);
-  if (plan.passes_over(task)) out += fmt::format("    on pass from {} to over\n", first);
+  if (begins_with_timer) {
+    if (!t.has_permanent()) out += "    on stop from idle to idle\n";
+  } else {
+    out += "    on trigger from idle to perm\n";
+    if (!t.has_permanent()) out += "    on trigger from stpd to perm\n    on stop from perm to stpd\n";
+  }
+  out += fmt::format("    on {} from {} to {}\n", begin_port(t), begins_with_timer ? "idle" : "perm",
+                     waits_for_permanent ? "exec" : first);
+  if (plan.has_permanent_cycle(task))
+    out += fmt::format("    on permanentalone from {} to alone\n    on passalone from alone to idle\n",
+                       begins_with_timer ? "idle" : "perm");
+  if (waits_for_permanent) out += fmt::format("    on permanentdone from exec to {}\n", first);
   for (std::size_t i = 0; i < turns.size(); ++i) {
     const ActivityPlan& a = activity_of(plan, task, i);
     const std::string& turn = turns[i];
@@ -110,6 +143,11 @@ void write_scheduler(std::string& out, const Plan& plan, std::size_t task) {
     const std::string last = (plan.by_codel ? "end_" : "run_") + turn;
     out += a.steps() ? fmt::format("\n    on step_{0} from at_{0} to run_{0}\n", turn) : "\n";
     if (a.skips()) out += fmt::format("    on skip_{0} from at_{0} to {1}\n", turn, next);
+    if (plan.passes_over(task) && i >= first_activity) {
+      const bool is_first = i == first_activity;
+      out += fmt::format("    on pass_{0} from at_{0} to {1}\n", turn, plan.ends_by_passing(task) ? "idle" : "over");
+      if (!is_first) out += fmt::format("    on next_{0} from at_{1} to at_{0}\n", turn, turns[first_activity]);
+    }
     // A codel that runs beside the task: its turn is over at once, and its answer is heard at a later one.
     if (a.has_async)
       out += fmt::format("    on sent_{0} from at_{0} to {1}\n    on back_{0} from at_{0} to {2}\n", turn, next, last);
@@ -124,7 +162,12 @@ void write_scheduler(std::string& out, const Plan& plan, std::size_t task) {
   out += fmt::format("    on give from over to idle{}\n", is_3 ? " provided (!more)" : "");
   if (plan.may_suspend(task)) {
     out += "\n    // Suspended for good: time goes on without it.\n";
-    if (t.permanent.name.is_set() && t.permanent_fails) out += "    on suspend from exec to susp\n";
+    if (runs_to_begin) {
+      out += fmt::format("    on permanentfails from {} to susp\n", first);
+      if (plan.has_permanent_cycle(task)) out += "    on permanentfails from alone to susp\n";
+    } else if (t.permanent.name.is_set() && t.permanent_fails) {
+      out += "    on suspend from exec to susp\n";
+    }
     out += "    on trigger from susp to susp\n";
   }
   out += "  end\n";
@@ -145,25 +188,35 @@ void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64
   out += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component TaskController controller({}, {})\n",
                      p.activities.size(), t.has_permanent() ? "true" : "false");
   if (is_periodic) {
+    const bool may_lapse = plan.begins_with_timer(task) && !t.has_permanent();
+    if (p.is_watched && !may_lapse) out += "    @SuppressWarning(unboundcomponentport)\n";
     out += fmt::format("    component {}{} timer({}, {})\n", plan.has_task_threads ? "Patient" : "",
                        p.is_watched ? "WatchedTimer" : "Timer", std::max<std::int64_t>(1, ticks(t.period_us)),
                        ticks(t.delay_us));
   } else {
     out += "    component WakeUp timer()\n";
   }
+  const bool runs_to_begin = plan.tasks[task].permanent_to_begin;
   if (t.permanent.name.is_set())
     out += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component {} permanent()\n",
                        p.permanent_type.empty() ? "Permanent" : p.permanent_type);
   if (!t.activity.states.empty()) out += fmt::format("    component {} permanent()\n", p.permanent.type);
   if (p.permanent.has_work()) out += fmt::format("    component {} work()\n", p.work_type);
 
-  write_wire(out, {.name = "wake_up", .ports = {"scheduler.trigger", "timer.trigger"}});
+  // Only a suspended task takes a trigger that begins no cycle.
+  const bool begins_with_timer = plan.begins_with_timer(task);
+  if (!begins_with_timer || plan.may_suspend(task))
+    write_wire(out, {.name = "wake_up", .ports = {"scheduler.trigger", "timer.trigger"}});
   if (!t.has_permanent()) {
     std::vector<std::string> stop{"scheduler.stop", "controller.stop"};
-    if (p.is_watched) stop.emplace_back("timer.over");
+    if (begins_with_timer) stop.emplace_back(p.is_watched ? "timer.lapse" : "timer.trigger");
+    else if (p.is_watched) stop.emplace_back("timer.over");
     write_wire(out, {.name = "stop", .ports = stop});
   }
-  std::vector<std::string> begin{"scheduler." + begin_port(t), "controller.work"};
+  const bool has_permanent_cycle = plan.has_permanent_cycle(task);
+  std::vector<std::string> begin{"scheduler." + begin_port(t),
+                                 has_permanent_cycle ? "controller.active" : "controller.work"};
+  if (begins_with_timer) begin.emplace_back("timer.trigger");
   if (t.permanent.name.is_set()) begin.emplace_back("permanent.exec");
   const bool calls = plan.calls && t.permanent.name.is_set();
   write_wire(out, {.name = "begin",
@@ -173,13 +226,23 @@ void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64
                                                plan.owner_of_task(task))
                                  : "",
                    .exported = true});
-  if (t.permanent.name.is_set()) {
+  if (has_permanent_cycle) {
+    begin[0] = "scheduler.permanentalone";
+    begin[1] = "controller.quiet";
+    write_wire(out, {.name = "alone", .ports = begin, .exported = true});
+    if (p.is_watched)
+      write_wire(out, {.name = "passed_alone", .ports = {"scheduler.passalone", "timer.over"}, .exported = true});
+  }
+  if (runs_to_begin) {
+    write_wire(out,
+               {.name = "permanent_fails", .ports = {"scheduler.permanentfails", "permanent.fail"}, .exported = true});
+  } else if (t.permanent.name.is_set()) {
     write_wire(out, {.name = "permanent_done",
                      .ports = {"scheduler.permanentdone", "permanent.done"},
                      .guard = calls ? "permanent.done.answer == 0" : "",
                      .exported = plan.by_codel});
   }
-  if (t.permanent.name.is_set() && t.permanent_fails) {
+  if (t.permanent.name.is_set() && t.permanent_fails && !runs_to_begin) {
     write_wire(out, {.name = "permanent_fails",
                      .ports = {"scheduler.suspend", "permanent.fail"},
                      .guard = calls ? "permanent.fail.answer != 0" : "",
@@ -187,23 +250,36 @@ void write_task(std::string& out, const Plan& plan, std::size_t task, std::int64
   }
 
   if (p.is_watched) write_wire(out, {.name = "over", .ports = {"scheduler.give", "timer.over"}, .exported = true});
+  const std::size_t first_activity = t.activity.states.empty() ? 0 : 1;
+  for (std::size_t i = first_activity; p.is_watched && plan.ends_by_passing(task) && i < turns.size(); ++i)
+    write_wire(out,
+               {.name = "passed_" + turns[i], .ports = {"scheduler.pass_" + turns[i], "timer.over"}, .exported = true});
 
   out += "\n";
   write_export(out, is_periodic ? "timer.tick" : "timer.wake", is_periodic ? "tick" : "wake");
   write_export(out, "begin.out", "begin");
+  if (runs_to_begin) write_export(out, "permanent.ok", "permanent_ok");
+  if (has_permanent_cycle) {
+    write_export(out, "alone.out", "permanent_alone");
+    write_export(out, p.is_watched ? "passed_alone.out" : "scheduler.passalone", "pass_alone");
+  }
   if (!is_periodic && plan.is_on_demand()) write_export(out, "controller.work", "work");
   if (t.permanent.name.is_set() && plan.by_codel) write_export(out, "permanent_done.out", "permanent_done");
   if (t.permanent.name.is_set() && t.permanent_fails) write_export(out, "permanent_fails.out", "permanent_fails");
   if (!p.activities.empty()) {
     write_export(out, "controller.add", "add");
     write_export(out, "controller.remove", "remove");
-    if (plan.passes_over(task)) write_export(out, "scheduler.pass", "pass");
   }
   for (std::size_t i = 0; i < turns.size(); ++i) {
     const ActivityPlan& a = activity_of(plan, task, i);
     const std::string& turn = turns[i];
     if (a.steps()) write_export(out, "scheduler.step_" + turn, "step_" + turn);
     if (a.skips()) write_export(out, "scheduler.skip_" + turn, "skip_" + turn);
+    if (plan.passes_over(task) && i >= first_activity) {
+      const bool ends = p.is_watched && plan.ends_by_passing(task);
+      write_export(out, ends ? "passed_" + turn + ".out" : "scheduler.pass_" + turn, "pass_" + turn);
+      if (i > first_activity) write_export(out, "scheduler.next_" + turn, "next_" + turn);
+    }
     if (a.has_async) {
       write_export(out, "scheduler.sent_" + turn, "sent_" + turn);
       write_export(out, "scheduler.back_" + turn, "back_" + turn);
@@ -310,7 +386,9 @@ void write_service(std::string& out, const Plan& plan, std::size_t service, std:
   }
   for (const char* name : {"trig", "rej", "idle", "free", "busy", "stat"})
     write_export(out, std::string("controller.") + name, name);
-  if (plan.is_on_demand()) write_export(out, "controller.due", "due");
+  if (plan.is_on_demand()) {
+    for (const char* name : {"due", "working", "dormant"}) write_export(out, std::string("controller.") + name, name);
+  }
   write_export(out, plan.executive == Executive::Cpp ? "replied.out" : "controller.reply", "reply");
   write_export(out, "start.out", "start");
   write_export(out, "cancel.out, abort.out", "abt");

@@ -120,19 +120,33 @@ void write_turns(std::string& out, const ActivityPlan& a, const std::string& com
   }
 }
 
-void write_threaded_permanent(std::string& out, const Plan& plan, std::size_t task) {
+void write_permanent(std::string& out, const Plan& plan, std::size_t task) {
   BIP_ASSERT(task < plan.tasks.size() && !plan.tasks[task].permanent_type.empty(),
-             "task {} has no permanent codel in a thread", task);
-  const Codel& codel = plan.module->tasks[task].permanent;
+             "task {} calls its permanent codel itself", task);
+  const TaskPlan& p = plan.tasks[task];
+  const std::string& name = plan.module->tasks[task].name.text;
+  const std::string call = fmt::format("answer = {}({});", codel_function(plan.module->tasks[task].permanent.name.text),
+                                       plan.owner_of_task(task));
   out += fmt::format(
-      "\n  // The permanent codel of task {}, in a thread.\n  atom type {}()\n    data int answer = 0\n"
-      "    export port Answer exec(answer)\n    export port Answer done(answer)\n    export port Answer "
-      "fail(answer)\n\n"
+      "\n  // The permanent codel of task {}, {}.\n  atom type {}()\n    data int answer = 0\n"
+      "    export port Answer exec(answer)\n",
+      name, p.permanent_to_begin ? "which its cycles begin with" : "in a thread", p.permanent_type);
+  if (p.permanent_to_begin) {
+    out += fmt::format(
+        "    export port Signal ok()\n    export port Signal fail()\n\n"
+        "    place sleep\n\n    initial to sleep\n\n"
+        "    on exec from sleep to sleep do {{ {} }}\n"
+        "    on ok from sleep to sleep provided (answer == 0)\n"
+        "    on fail from sleep to sleep provided (answer != 0)\n  end\n",
+        call);
+    return;
+  }
+  out += fmt::format(
+      "    export port Answer done(answer)\n    export port Answer fail(answer)\n\n"
       "    place sleep, runs\n\n    initial to sleep\n\n    @async\n"
-      "    on exec from sleep to runs do {{ answer = {}({}); }}\n"
+      "    on exec from sleep to runs do {{ {} }}\n"
       "    on done from runs to sleep\n    on fail from runs to sleep\n  end\n",
-      plan.module->tasks[task].name.text, plan.tasks[task].permanent_type, codel_function(codel.name.text),
-      plan.owner_of_task(task));
+      call);
 }
 
 void write_work_wires(std::string& out, const Plan& plan, std::size_t service, std::int64_t tick_us) {

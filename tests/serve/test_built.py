@@ -89,9 +89,9 @@ def same_steps(commands, work):
         traces.append(trace.read_text(encoding="utf-8"))
     check("steps are written", traces[0].count('"step"') >= STEPS or traces[0].count("\n") > STEPS, len(traces[0]))
     check("built and served models take the same steps", traces[0] == traces[1])
-    # Of an idle level: time, and every other tick the task's cycle, which is five.
+    # Of an idle level: time, and every other tick the cycle of the permanent codel, which is two.
     ticks = traces[0].count("ROOT.InterModuleSync")
-    check("a tick of an idle level is three and a half steps", 3.2 < STEPS / ticks < 3.8, (STEPS, ticks))
+    check("a tick of an idle level is two steps", 1.8 < STEPS / ticks < 2.2, (STEPS, ticks))
 
 
 def same_answers(commands, work):
