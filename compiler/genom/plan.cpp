@@ -27,6 +27,7 @@ constexpr const char* kOwnTypes[] = {"Signal",
                                      "IdsLock",
                                      "Semaphore",
                                      "Poster",
+                                     "UndatedPoster",
                                      "ServiceController",
                                      "ControlService",
                                      "PatientControlService",
@@ -326,6 +327,42 @@ class Planner {
 
 }  // namespace
 
+namespace {
+
+void add_aged(const Condition& c, std::set<std::pair<std::size_t, std::size_t>>& aged) {
+  if (c.kind == ConditionKind::Fresh || c.kind == ConditionKind::Age) aged.emplace(c.poster.module, c.poster.poster);
+  for (const Condition& operand : c.operands) add_aged(operand, aged);
+}
+
+// Posters that no rule and no task asks how old they are need not count that. Where a timer makes them older it goes
+// on.
+void leave_out_ages(std::vector<Plan>& plans, const Constraints& constraints) {
+  std::set<std::pair<std::size_t, std::size_t>> aged;
+  std::set<std::string> read;
+  for (const Constraint& c : constraints.rows) add_aged(c.condition, aged);
+  for (const Plan& p : plans) {
+    for (const Task& t : p.module->tasks) {
+      for (std::size_t k = 0; k < t.reads.size(); ++k) {
+        if (t.freshness[k] > 0) read.insert(t.reads[k].text);
+      }
+    }
+  }
+  for (std::size_t m = 0; m < plans.size(); ++m) {
+    Plan& p = plans[m];
+    if (!p.is_on_demand() || !p.poster_timer.empty()) continue;
+    for (std::size_t k = 0; k < p.poster_types.size(); ++k) {
+      PosterPlan& poster = p.poster_types[k];
+      if (!poster.values.empty() || aged.contains({m, k}) ||
+          read.contains(p.module->name.text + "." + p.module->posters[k].name.text))
+        continue;
+      poster.has_age = false;
+      poster.type = "UndatedPoster";
+    }
+  }
+}
+
+}  // namespace
+
 Plan make_plan(const Module& module, std::size_t index, const GenerateOptions& options, Scope& types) {
   Plan p = Planner(module, options, types).run();
   for (const Constraint& c : options.constraints.rows) {
@@ -387,6 +424,7 @@ std::vector<Plan> make_plans(const std::vector<Module>& modules, const GenerateO
     plan.first_owner = owners;
     owners += plan.owners();
   }
+  leave_out_ages(plans, options.constraints);
   return plans;
 }
 

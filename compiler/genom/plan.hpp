@@ -89,6 +89,7 @@ struct LockPlan {
 struct PosterPlan {
   std::string type = "Poster", port_type{};
   std::vector<const ValueRow*> values{};
+  bool has_age = true;
 };
 
 struct Plan {

@@ -127,8 +127,9 @@ void ModuleWriter::parts(const GenerateOptions& options) {
   if (!plan_.poster_timer.empty())
     out_ += fmt::format("    component Timer {}({}, 0)\n", plan_.poster_timer, options.poster_period);
   for (std::size_t k = 0; k < plan_.posters.size(); ++k)
-    out_ += fmt::format("    @SuppressWarning(unboundcomponentport)\n    component {} {}({})\n",
-                        plan_.poster_types[k].type, plan_.posters[k], options.oldest);
+    out_ +=
+        fmt::format("    @SuppressWarning(unboundcomponentport)\n    component {} {}({})\n", plan_.poster_types[k].type,
+                    plan_.posters[k], plan_.poster_types[k].has_age ? std::to_string(options.oldest) : "");
 }
 
 // Execution flavour: the codels one after the other, until one does not answer OK.

@@ -317,7 +317,9 @@ void ModuleWriter::time() {
   if (!plan_.poster_timer.empty()) {
     ticks.push_back(plan_.poster_timer + ".tick");
   } else {
-    for (const std::string& poster : plan_.posters) ticks.push_back(poster + ".grow");
+    for (std::size_t k = 0; k < plan_.posters.size(); ++k) {
+      if (plan_.poster_types[k].has_age) ticks.push_back(plan_.posters[k] + ".grow");
+    }
   }
   for (std::size_t k = 0; k < plan_.activities.size(); ++k) {
     if (plan_.services[plan_.activities[k].service].activity.has_async) ticks.push_back(of_activity(k, "watch_tick"));
