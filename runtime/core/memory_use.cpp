@@ -71,7 +71,7 @@ MemoryUse memory_use(const CoreParts& core) {
 
   use.data = u64{core.memory.cells.size()} * sizeof(Cell) + u64{image.step_cells} * sizeof(ColumnCell);
   for (const Compound& compound : image.compounds) use.rest += sizeof compound + std::strlen(compound.path) + 1;
-  use.rest += all_of(t.types, t.transitions, t.deltas, t.place_transitions, t.place_internals) +
+  use.rest += all_of(t.types, t.transitions, t.deltas, t.guarded_ports, t.place_transitions, t.place_internals) +
               core.programs.code_bytes() + core.history.bytes();
   return use;
 }

@@ -98,38 +98,41 @@ bool is_idle(const AtomType& type, u32 row) {
                       [&](const EventPort& event) { return event.port == t.port; });
 }
 
-// For each transition of a local type the ports whose enabled transition changes for sure, and the transitions whose
-// guards say the rest.
+// For each transition of a local type the ports whose enabled transition changes for sure, and those of which guards
+// say the rest. What a place offers is listed by port, so that two places are compared in one pass.
 void add_deltas(Tables& tables, const AtomType& type, const LinkedType& linked) {
-  constexpr u32 kByGuard = kNone - 1;
-  std::vector<u32> before(type.ports.size, kNone), after(type.ports.size, kNone);
-  std::vector<u32> offered;  // ports of the two places; what both offer is there twice, and the second time the same
-  const auto ports_of = [&](u32 place, std::vector<u32>& enabled) {
-    for (const u32 row : tables.place_transitions[linked.first_place + place]) {
-      const LinkedTransition& next = tables.transitions[row];
-      enabled[next.port] = next.source->guard == kNone ? row : kByGuard;
-      offered.push_back(next.port);
-    }
-  };
+  const auto is_guarded = [&](u32 row) { return tables.transitions[row].source->guard != kNone; };
+  const auto port_of = [&](u32 row) { return tables.transitions[row].port; };
+  std::vector<std::vector<u32>> offered(type.places.size);
+  for (u32 place = 0; place < type.places.size; ++place) {
+    const Span<u32> rows = tables.place_transitions[linked.first_place + place];
+    offered[place].assign(rows.begin(), rows.end());
+    std::sort(offered[place].begin(), offered[place].end(), [&](u32 a, u32 b) { return port_of(a) < port_of(b); });
+  }
   for (u32 i = 0; i < linked.transition_count; ++i) {
     LinkedTransition& t = tables.transitions[linked.first_transition + i];
+    const std::vector<u32>& now = offered[t.to];
     t.delta_first = static_cast<u32>(tables.deltas.size());
+    t.guarded_first = static_cast<u32>(tables.guarded_ports.size());
     if (t.from != t.to) {
-      offered.clear();
-      ports_of(t.from, before);
-      ports_of(t.to, after);
-      for (const u32 port : offered) {
-        if (before[port] != after[port] && after[port] != kByGuard) tables.deltas.push_back({port, after[port]});
-        before[port] = after[port] = kNone;
+      auto next = now.begin();
+      const auto gains = [&](u32 row) {
+        if (!is_guarded(row)) tables.deltas.push_back({port_of(row), row});
+      };
+      for (const u32 row : offered[t.from]) {
+        const u32 port = port_of(row);
+        for (; next != now.end() && port_of(*next) < port; ++next) gains(*next);
+        if (next != now.end() && port_of(*next) == port) gains(*next++);
+        else tables.deltas.push_back({port, kNone});
       }
+      for (; next != now.end(); ++next) gains(*next);
+    }
+    for (const u32 row : now) {
+      if (is_guarded(row)) tables.guarded_ports.push_back({tables.transitions[row].guard, port_of(row), row});
     }
     t.delta_count = static_cast<u32>(tables.deltas.size()) - t.delta_first;
-    for (const u32 row : tables.place_transitions[linked.first_place + t.to]) {
-      const LinkedTransition& next = tables.transitions[row];
-      if (next.source->guard != kNone) tables.deltas.push_back({next.port, row});
-    }
-    t.guarded_count = static_cast<u32>(tables.deltas.size()) - t.delta_first - t.delta_count;
-    t.settling = t.is_idle ? Settling::Nothing : linked.simple ? Settling::Flips : Settling::Rows;
+    t.guarded_count = static_cast<u32>(tables.guarded_ports.size()) - t.guarded_first;
+    if (t.settling == Settling::All) t.settling = linked.simple ? Settling::Flips : Settling::Rows;
   }
 }
 
@@ -191,9 +194,10 @@ void link_atoms(Tables& tables) {
       const Transition& t = type.transitions[k];
       linked.has_internal |= t.port == kNone;
       const u32 row = static_cast<u32>(tables.transitions.size());
+      const bool is_still = automaton && is_idle(type, k);
       tables.transitions.push_back({tables.code(t.guard), tables.code(t.action), t.port, automaton ? t.from[0] : kNone,
-                                    automaton ? t.to[0] : kNone, 0, 0, 0, &t, Settling::All,
-                                    automaton && is_idle(type, k)});
+                                    automaton ? t.to[0] : kNone, 0, 0, 0, 0, &t,
+                                    is_still && type.time == nullptr ? Settling::Nothing : Settling::All, is_still});
       if (automaton) (t.port == kNone ? internal : labelled).push_back({linked.first_place + t.from[0], row});
     }
     tables.types.push_back(linked);

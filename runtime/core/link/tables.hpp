@@ -103,23 +103,28 @@ struct AtomInfo {
 };
 /// What there is to do after a transition's action, until the atom's ports are up to date.
 enum class Settling : std::uint8_t {
-  Nothing,  // the atom's state and its ports stay as they are
+  Nothing,  // the atom's state and its ports stay as they are, without time too
   Flips,    // of a simple type: its deltas
-  Rows,     // its deltas, then the guards of what leaves the new place
+  Rows,     // of a local type: its deltas, then what guards decide
   All       // AtomSteps::settle_atom: the atom has time, internal transitions, invariants, priorities or tokens
 };
 struct LinkedTransition {
-  Code guard, action;            // fn null: none
-  u32 port;                      // of the type; kNone: internal
-  u32 from, to;                  // the place, if the type is an automaton
-  u32 delta_first, delta_count;  // rows of Tables::deltas: what changes for sure
-  u32 guarded_count;             // rows after them: what the guards of transitions from `to` say
+  Code guard, action;                // fn null: none
+  u32 port;                          // of the type; kNone: internal
+  u32 from, to;                      // the place, if the type is an automaton
+  u32 delta_first, delta_count;      // rows of Tables::deltas: what changes for sure
+  u32 guarded_first, guarded_count;  // rows of Tables::guarded_ports, if it is: what guards decide
   const Transition* source;
   Settling settling = Settling::All;
   bool is_idle = false;  // the atom's state and its ports stay as they are
 };
-/// Firing a transition makes `transition` (or none) the enabled one of `port`, for sure or if its guard holds.
+/// Firing a transition makes `transition` (or none) the enabled one of `port`.
 struct PortDelta {
+  u32 port, transition;
+};
+/// The same if the guard holds, else none.
+struct GuardedPort {
+  Code guard;
   u32 port, transition;
 };
 struct LinkedType {
@@ -240,6 +245,7 @@ struct Tables {
   std::vector<LinkedType> types;
   std::vector<LinkedTransition> transitions;
   std::vector<PortDelta> deltas;
+  std::vector<GuardedPort> guarded_ports;
   Csr place_transitions;        // by first_place + place: rows of transitions with a port
   Csr place_internals;          // the same, internal ones
   std::vector<AtomInfo> atoms;  // and one more, whose port_base is the number of port instances

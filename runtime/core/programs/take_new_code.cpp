@@ -23,6 +23,7 @@ void take_new_code(CoreParts& core, const std::vector<Code>& before) {
     renew(transition.guard);
     renew(transition.action);
   }
+  for (GuardedPort& port : core.tables.guarded_ports) renew(port.guard);
   core.programs.renew_codes(renew);
   core.steps.link();
 }

@@ -269,24 +269,26 @@ static std::size_t compared_data(const CoreParts& core, u32 atom, const LinkedTr
     if (status >= 2) [[unlikely]]
       return core_.faults.fail_code(status, atom, kNone, transition.source);
   }
-  const PortDelta* change = core_.tables.deltas.data() + transition.delta_first;
-  const PortDelta* const guarded = change + transition.delta_count;
-  for (const PortDelta* const end = guarded + transition.guarded_count; change != end; ++change) {
-    u32 row = change->transition;
-    if (change >= guarded) {
-      const LinkedTransition& next = core_.tables.transitions[row];
-      const std::int32_t status = next.guard.fn(next.guard.context, own, all, nullptr);
-      BIP_ASSERT(status >= 0, "a guard of atom {} returns {}", atom, status);
-      if (status >= 2) [[unlikely]]
-        return core_.faults.fail_code(status, atom, kNone, next.source);
-      if (status == 0) row = kNone;
-    }
-    const u32 instance = info.port_base + change->port;
-    if (transition.settling == Settling::Flips ? true : core_.ports.exchange(instance, row))
-      core_.ports.flip(instance, row != kNone);
+  const PortDelta* delta = core_.tables.deltas.data() + transition.delta_first;
+  for (const PortDelta* const end = delta + transition.delta_count; delta != end; ++delta) {
+    const u32 instance = info.port_base + delta->port;
+    if (transition.settling == Settling::Flips ? true : core_.ports.exchange(instance, delta->transition))
+      core_.ports.flip(instance, delta->transition != kNone);
+  }
+  const GuardedPort* port = core_.tables.guarded_ports.data() + transition.guarded_first;
+  for (const GuardedPort* const end = port + transition.guarded_count; port != end; ++port) {
+    const std::int32_t status = port->guard.fn(port->guard.context, own, all, nullptr);
+    BIP_ASSERT(status >= 0, "a guard of atom {} returns {}", atom, status);
+    if (status >= 2) [[unlikely]]
+      return core_.faults.fail_code(status, atom, kNone, core_.tables.transitions[port->transition].source);
+    const u32 instance = info.port_base + port->port;
+    // Mostly it is as it was.
+    if (core_.ports.exchange(instance, status != 0 ? port->transition : kNone)) flip_port(instance, status != 0);
   }
   return true;
 }
+
+[[gnu::noinline]] void AtomSteps::flip_port(u32 instance, bool on) { core_.ports.flip(instance, on); }
 
 bool AtomSteps::fire_port(u32 instance) { return fire_ports({&instance, 1}); }
 

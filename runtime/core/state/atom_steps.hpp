@@ -44,6 +44,7 @@ class AtomSteps {
  private:
   bool look_at(u32 atom, u32 row);
   bool move_and_look(u32 atom, const AtomInfo& info, const LinkedTransition& transition);
+  void flip_port(u32 instance, bool on);
   bool fire_and_settle(u32 atom, const LinkedTransition& transition);
   bool run_internals(u32 atom);
   bool move(u32 atom, const LinkedTransition& transition);

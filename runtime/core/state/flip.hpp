@@ -7,18 +7,21 @@
 
 namespace bip::rt {
 
-[[gnu::always_inline]] inline void PortStates::bump(u32 node, bool on) {
-  BIP_ASSERT(node < values_.size(), "node {} of {}", node, values_.size());
-  if (on ? ++values_[node] != 0 : values_[node]-- != 0) return;
-  if (node >= direct_.below) crossed(node, on);
-  else if (on) core_.enabled.insert(Tables::interaction_at(node));
-  else core_.enabled.erase(Tables::interaction_at(node));
-}
-
 [[gnu::always_inline]] inline void PortStates::flip(u32 instance, bool on) {
   BIP_ASSERT(instance < ports_.size(), "port {} of {}", instance, ports_.size());
-  for (const u32 node : core_.tables.port_out[instance]) bump(node, on);
-  if (core_.tables.any_port_watch && core_.tables.port_watch[instance].size != 0) mark_watching(instance);
+  // Locals: a call might change members, for all that the compiler knows.
+  std::int32_t* const values = values_.data();
+  const std::int32_t by = on ? 1 : -1, crossing = on ? 0 : -1;
+  for (const u32 node : core_.tables.port_out[instance]) {
+    BIP_ASSERT(node < values_.size(), "node {} of {}", node, values_.size());
+    const std::int32_t value = values[node] + by;
+    values[node] = value;
+    if (value == crossing) [[unlikely]]
+      crossed(node, on);
+  }
+  if (!core_.tables.any_port_watch) return;
+  const u32* const watch = core_.tables.port_watch.first.data() + instance;
+  if (watch[0] != watch[1]) mark_watching(instance);
 }
 
 inline bool PortStates::exchange(u32 instance, u32 transition) {

@@ -96,12 +96,11 @@ void PortStates::group_crossed(u32 node, bool on) {
   const std::size_t bottom = crossings_.size();
   for (u32 from = node;; crossings_.pop_back()) {
     for (const u32 above : core_.tables.node_out[from]) {
-      if (above < interaction_count) {
-        bump(above, on);
-        continue;
-      }
       BIP_ASSERT(above < values_.size(), "node {} of {}", above, values_.size());
-      if (on ? ++values_[above] == 0 : values_[above]-- == 0) crossings_.emplace_back(above, on);
+      const std::int32_t value = values_[above] += on ? 1 : -1;
+      if (value != (on ? 0 : -1)) continue;
+      if (above < interaction_count) crossed(above, on);
+      else crossings_.emplace_back(above, on);
     }
     if (crossings_.size() == bottom) return;
     from = crossings_.back().first;

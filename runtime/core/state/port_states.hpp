@@ -64,7 +64,7 @@ class PortStates {
   [[nodiscard]] std::int32_t* values() { return values_.data(); }
   [[nodiscard]] const DirectInteractions& direct() const { return direct_; }
   /// A counter has crossed zero: follows what that changes.
-  void crossed(u32 node, bool on);
+  [[gnu::noinline]] void crossed(u32 node, bool on);
 
   // ---- interactions that must be settled
   [[nodiscard]] DirtyRows<InteractionId>& dirty() { return dirty_; }
@@ -82,7 +82,6 @@ class PortStates {
   [[nodiscard]] bool is_consistent() const;
 
  private:
-  void bump(u32 node, bool on);
   void mark_watching(u32 instance);
   void group_crossed(u32 node, bool on);
 

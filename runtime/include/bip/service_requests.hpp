@@ -129,34 +129,58 @@ struct ServiceText {
   }
 };
 
+/// One service; without a name, if the text has none. The texts are those of `row`.
+inline ServiceText read_service(std::string_view row) {
+  ServiceText service;
+  while (!row.empty()) {
+    const std::size_t blank = std::min(row.find(' '), row.size());
+    const std::string_view word = row.substr(0, blank);
+    row.remove_prefix(std::min(blank + 1, row.size()));
+    const std::size_t colon = word.find(':');
+    if (service.name.empty()) service.name = word;
+    else if (word == "control") service.is_control = true;
+    else if (word == "overtakes") service.overtakes = true;
+    else if (word == "bare") service.may_be_bare = true;
+    else if (word.starts_with("stops=")) service.stops.push_back(word.substr(6));
+    else if (colon != std::string_view::npos) {
+      const std::string_view type = word.substr(colon + 1);
+      const std::size_t equals = std::min(type.find('='), type.size());
+      const std::string_view words = type.substr(std::min(equals + 1, type.size()));
+      service.parameters.push_back({word.substr(0, colon), type.substr(0, equals) == "word", words});
+    }
+  }
+  return service;
+}
+
+/// Takes the first one of `services`, which are separated by `;`.
+inline std::string_view take_service(std::string_view& services) {
+  const std::size_t end = std::min(services.find(';'), services.size());
+  const std::string_view row = services.substr(0, end);
+  services.remove_prefix(std::min(end + 1, services.size()));
+  return row;
+}
+
 /// Separated by `;`. The texts are those of `services`.
 inline std::vector<ServiceText> read_services(std::string_view services) {
   std::vector<ServiceText> all;
   while (!services.empty()) {
-    const std::size_t end = std::min(services.find(';'), services.size());
-    std::string_view row = services.substr(0, end);
-    services.remove_prefix(std::min(end + 1, services.size()));
-    ServiceText service;
-    while (!row.empty()) {
-      const std::size_t blank = std::min(row.find(' '), row.size());
-      const std::string_view word = row.substr(0, blank);
-      row.remove_prefix(std::min(blank + 1, row.size()));
-      const std::size_t colon = word.find(':');
-      if (service.name.empty()) service.name = word;
-      else if (word == "control") service.is_control = true;
-      else if (word == "overtakes") service.overtakes = true;
-      else if (word == "bare") service.may_be_bare = true;
-      else if (word.starts_with("stops=")) service.stops.push_back(word.substr(6));
-      else if (colon != std::string_view::npos) {
-        const std::string_view type = word.substr(colon + 1);
-        const std::size_t equals = std::min(type.find('='), type.size());
-        const std::string_view words = type.substr(std::min(equals + 1, type.size()));
-        service.parameters.push_back({word.substr(0, colon), type.substr(0, equals) == "word", words});
-      }
-    }
+    ServiceText service = read_service(take_service(services));
     if (!service.name.empty()) all.push_back(std::move(service));
   }
   return all;
+}
+
+/// The first one of this name; without a name, if there is none.
+inline ServiceText find_service(std::string_view services, std::string_view name) {
+  while (!services.empty()) {
+    const std::string_view row = take_service(services);
+    // Most have another name: these are not read.
+    if (row.find(name) != std::string_view::npos) {
+      ServiceText service = read_service(row);
+      if (service.name == name) return service;
+    }
+  }
+  return {};
 }
 
 // ---- called by generated BIP
@@ -191,10 +215,8 @@ inline bool request_known(const char* text, const char* services) {
   const RequestText request = read_request(text);
   // What an executive says that wants nothing, in each tick.
   if (request.service.empty()) return false;
-  for (const ServiceText& service : read_services(services)) {
-    if (service.name == request.service) return service.problem_of(request).empty();
-  }
-  return false;
+  const ServiceText service = find_service(services, request.service);
+  return !service.name.empty() && service.problem_of(request).empty();
 }
 
 /// How codels get the values of an input: those of GenoM 2 as words, those of genom3 by the names of parameters.
@@ -235,12 +257,10 @@ inline bool input_agrees(const ServiceText& service, const RequestText& request,
 
 /// request_known(), of a request whose input agrees.
 inline bool request_agrees(const char* text, const char* input, const char* services, InputForm form) {
-  if (!request_known(text, services)) return false;
   const RequestText request = read_request(text);
-  for (const ServiceText& service : read_services(services)) {
-    if (service.name == request.service) return input_agrees(service, request, input, form);
-  }
-  return false;
+  if (request.service.empty()) return false;
+  const ServiceText service = find_service(services, request.service);
+  return !service.name.empty() && service.problem_of(request).empty() && input_agrees(service, request, input, form);
 }
 
 }  // namespace bip
