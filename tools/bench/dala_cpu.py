@@ -143,8 +143,8 @@ def real_pair(work):
 # Whose instructions they are, by the names of functions; what remains are codels and libraries that they call.
 CAUSES = (("codels are timed", r"Codel[A-Z]|codel_was_late|steady_clock|clock_gettime"),
           ("choice of a step, list of what is enabled", r"RunLoop|Scheduler|EnabledSet|ListChanges|CoreParts::|Prng|collect_strings|wants_collection|__sort|__introsort"),
-          ("atoms: transitions, guards, actions", r"AtomSteps|update_places|compared_data|copy_data|has_same_data|^model::"),
-          ("counters of connectors that a port moves", r"PortStates"),
+          ("atoms, and the counters that their ports move", r"AtomSteps|update_places|compared_data|copy_data|has_same_data|^model::"),
+          ("counters that cross zero", r"PortStates"),
           ("priorities", r"PriorityState|matches_"),
           ("ports that take part, transfers", r"Firing"),
           ("guards and choices of connectors", r"InteractionSearch|RememberedSearches|evaluate"))
