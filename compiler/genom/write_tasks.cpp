@@ -2,17 +2,17 @@
 // Figure 7 around it.
 //
 // A cycle, place by place:
-//   idle   -trigger->  perm    the timer says so; left out where a cycle begins with its timer
-//   (Plan::begins_with_timer) perm   -begin->    at_A    there is work; or -stop-> idle (stpd). A permanent codel of
-//   GenoM 2 runs now; where its
-//                              answer is heard by a step of its own, -permanentdone-> at_A
-//   at_S   -step_S->   run_S   the codel of S; -ran_S-> the next place, or the last one, over. Or -skip_S-> the next
-//   place over   -give->     idle
-// Where it is known who asks (Plan::passes_over) steps over activities that do not work are left out:
-//   at_A   -next_S->   at_S    none before S works, S does
-//   at_S   -pass_S->   idle    neither S nor any that follows works; to over where more may come
-//   (Plan::ends_by_passing) perm   -permanentalone-> alone -passalone-> idle: the cycle of a permanent codel while no
-//   activity works
+//   idle   -trigger->  perm   the timer says so. Left out where a cycle begins with its timer (begins_with_timer)
+//   perm   -begin->    at_A   there is work, else -stop-> stpd. A permanent codel of GenoM 2 runs with `begin`; where
+//                             its answer is heard by a step of its own, that is -permanentdone-> at_A
+//   at_S   -step_S->   run_S  the codel of S, else -skip_S-> the next place
+//   run_S  -ran_S->    ...    the next place; of the last activity it is over
+//   over   -give->     idle
+//
+// Where it is known who asks, steps over activities that do not work are left out (Plan::passes_over):
+//   at_A   -next_S->   at_S   none before S works, S does
+//   at_S   -pass_S->   idle   neither S nor any that follows works. To over where more may come (ends_by_passing)
+//   perm   -permanentalone-> alone -passalone-> idle: the cycle of a permanent codel while no activity works
 #include <fmt/format.h>
 
 #include "compiler/genom/names.hpp"
