@@ -22,7 +22,7 @@ bool Firing::fire(const Candidate& candidate, Span<u32> ports) {
   const bool has_code = info.kind != InteractionKind::Planned || core_.tables.plans[info.plan()].needs_ups;
   if (has_code || core_.partial.is_on()) return fire(candidate);
   core_.history.remember(candidate.interaction);
-  return fire_ports(ports) && core_.settle();
+  return core_.atom_steps.fire_ports(ports) && core_.settle();
 }
 
 bool Firing::fire_parts(const Candidate& candidate) {
@@ -77,10 +77,8 @@ bool Firing::fire_flat(const InteractionInfo& info) {
   if (info.clause() != kNone && !run_transfer(info, info.clause())) return false;
   BIP_ASSERT(info.first + info.count <= core_.tables.flat_ports.size(), "ports {} to {}", info.first,
              info.first + info.count);
-  return fire_ports(core_.tables.fixed_ports(info));
+  return core_.atom_steps.fire_ports(core_.tables.fixed_ports(info));
 }
-
-bool Firing::fire_ports(Span<u32> ports) { return core_.atom_steps.fire_ports(ports); }
 
 // Its code and its ports in turn.
 bool Firing::fire_rigid(const Plan& plan) {
@@ -139,7 +137,7 @@ bool Firing::fire_star(const InteractionInfo& info) {
 bool Firing::fire_planned(const Candidate& candidate, const InteractionInfo& info) {
   const Plan& plan = core_.tables.plans[info.plan()];
   BIP_ASSERT(plan.port_count == 0, "a plan that has no choice");
-  if (!plan.needs_ups) return fire_ports(planned_ports(candidate, info));
+  if (!plan.needs_ups) return core_.atom_steps.fire_ports(planned_ports(candidate, info));
   const PlanNode* nodes = core_.tables.plan_nodes.data() + plan.first_node;
   core_.search.choose(candidate, plan);
   // Faults of `up`s are found when candidates are listed.

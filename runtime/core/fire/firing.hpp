@@ -62,7 +62,6 @@ class Firing {
   /// Calls visit(parameter, instance) for each atom port of the configuration that the search has chosen.
   template <class Visit>
   void visit_chosen(const Plan& plan, const Visit& visit);
-  bool fire_ports(Span<u32> ports);
   bool fire_rigid(const Plan& plan);
   bool fire_star(const InteractionInfo& info);
   /// ports() of a planned interaction.

@@ -112,8 +112,8 @@ struct LinkedTransition {
   Code guard, action;                // fn null: none
   u32 port;                          // of the type; kNone: internal
   u32 from, to;                      // the place, if the type is an automaton
-  u32 delta_first, delta_count;      // rows of Tables::deltas: what changes for sure
-  u32 guarded_first, guarded_count;  // rows of Tables::guarded_ports, if it is: what guards decide
+  u32 delta_first, delta_count;      // rows of Tables::deltas, of a local type: what changes for sure
+  u32 guarded_first, guarded_count;  // rows of Tables::guarded_ports, of a local type: what guards decide
   const Transition* source;
   Settling settling = Settling::All;
   bool is_idle = false;  // the atom's state and its ports stay as they are

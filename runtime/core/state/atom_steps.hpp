@@ -1,8 +1,9 @@
 // Atoms one by one: firing a port's transition, internal transitions, invariants, and what the ports offer afterwards.
 //
-// A fixed type (no guards, no internal transitions) needs no evaluation: each of its transitions has the list of ports
-// whose enabled transition changes; in a simple one a port is enabled iff the atom is at its place. Others evaluate the
-// guards of the transitions that leave what is marked. Functions return false after a fault.
+// A local type is an automaton of which places and guards alone say what it offers: each of its transitions lists the
+// ports whose enabled transition changes for sure, and the guards that decide about the rest; in a simple one a port is
+// enabled iff the atom is at its place. Others evaluate the guards of all transitions that leave what is marked.
+// Functions return false after a fault.
 #pragma once
 #include <vector>
 
