@@ -129,15 +129,15 @@ struct Plan {
   /// codels run in threads a request may wait for data as long as a codel takes; holding the semaphore meanwhile, as it
   /// does from `read` to `give` elsewhere, it would hold up all modules.
   [[nodiscard]] bool takes_semaphore_to_decide() const { return has_task_threads && design == Design::Ours; }
-  /// Returns whether control services wait for the data of their codels when they have been accepted, and what they
-  /// interrupt has been told: not before, since the activity that has the data may be the one that they interrupt.
+  /// Returns whether a control service is accepted, and tells the activities that it interrupts, before it waits for
+  /// the data of its codel. It could not wait first: one of those activities may hold the data.
   [[nodiscard]] bool accepts_before_data() const { return takes_semaphore_to_decide() && by_codel; }
   /// Returns whether a request waits until its module takes it. Where codels run in threads a module takes nothing
   /// while its control task waits for the data of a codel, which may be as long as a codel takes, and time goes on.
   [[nodiscard]] bool has_patient_mailbox() const { return has_task_threads; }
   /// Returns whether the control task runs on demand: a cycle begins only if a request waits, a final reply is due, an
-  /// activity waits to begin, or an aperiodic task has work. It is so where it is known who asks: the port `pending` of
-  /// a mailbox, or of the executive, is enabled while a request waits. Elsewhere a cycle begins each period.
+  /// activity waits to begin, or an aperiodic task has work. This takes a mailbox or an executive, whose port `pending`
+  /// is enabled while a request waits. Without one a cycle begins in each period.
   [[nodiscard]] bool is_on_demand() const { return executive != Executive::Anybody && design == Design::Ours; }
   /// Returns whether a cycle of the task passes over all activities that do not work at once: before its first turn,
   /// up to the one that has it, and after a turn, if none that follows works.

@@ -9,7 +9,7 @@
 //   run_S  -ran_S->    ...    the next place; of the last activity it is over
 //   over   -give->     idle
 //
-// Where it is known who asks, steps over activities that do not work are left out (Plan::passes_over):
+// With an executive or mailboxes a cycle takes no steps for activities that do not work (Plan::passes_over):
 //   at_A   -next_S->   at_S   none before S works, S does
 //   at_S   -pass_S->   idle   neither S nor any that follows works. To over where more may come (ends_by_passing)
 //   perm   -permanentalone-> alone -passalone-> idle: the cycle of a permanent codel while no activity works

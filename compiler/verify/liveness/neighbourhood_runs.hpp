@@ -4,11 +4,11 @@
 // A run that violates the property goes, from some point on, round one strong component of the product of the negated
 // property's automaton with the named components: a case. In a case steps are found to be finite, taken finitely often:
 // first those of the named components that are on no edge of the strong component, then, with one or two other
-// components beside, those on no cycle that is fair and takes no finite step. In a lock: "While process 0 waits at
-// level 3 for ever, nobody else enters level 3 more than once, for then process 0 would go on; so each process passes
-// it at most once more." A case is refuted if some neighbourhood has no cycle left: where all steps outside of it are
-// finite, too, its own must go on, or the run ends. Without time, C++ or connectors other than plain rendezvous. Sound
-// and incomplete.
+// components beside, those on no cycle that is fair and takes no finite step. In a lock, say, process 0 waits at level
+// 3 for ever. If another process entered level 3 twice, process 0 would go on in between; so each of them enters it
+// once at most, and passes it once. A case is refuted if some neighbourhood has no cycle left: where all steps outside
+// of it are finite, too, its own must go on, or the run ends. Without time, C++ or connectors other than plain
+// rendezvous. Sound and incomplete.
 //
 // A. Cohen, K. Namjoshi: Local Proofs for Linear-Time Properties of Concurrent Programs (CAV 2008); the order in which
 // steps are found to be finite: Z. Manna, A. Pnueli, Completing the Temporal Picture (1991). Cost: for each case and

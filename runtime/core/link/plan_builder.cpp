@@ -2,6 +2,7 @@
 #include "runtime/core/link/plan_builder.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "bip/assert.hpp"
 

@@ -4,7 +4,6 @@
 // Cost: linear in the trees. One builder makes all plans, because each would otherwise allocate what the one before it
 // has just given back.
 #pragma once
-#include <utility>
 #include <vector>
 
 #include "runtime/core/link/tables.hpp"

@@ -83,8 +83,8 @@ bool exists(const ConnectorType& type, const Conditions& conditions) {
   return false;
 }
 
-// Is there an interaction of the connector that matches `from`'s high side and `to`'s low side? Not of one that exports
-// a port which nobody binds: it takes no part in rules.
+// Is there an interaction of the connector that matches `from`'s high side and `to`'s low side? False if the connector
+// exports a port that no connector binds: then it takes no part in rules.
 bool meet_at(const Tables& tables, const Priority& from, const Priority& to, u32 connector) {
   if (!tables.interaction_of(connector).is_valid() && tables.inner_rules.of_connector(connector) == kNone) return false;
   Conditions conditions;

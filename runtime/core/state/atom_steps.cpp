@@ -323,7 +323,8 @@ bool AtomSteps::fire_ports(Span<u32> ports) {
   const AtomInfo& info = core_.atoms[atom];
   const LinkedType& type = core_.tables.types[info.type];
   const u32 before = core_.memory.places[atom];
-  if (transition.is_idle) return !type.is_timed || core_.clocks.begin_resume(atom, &transition);
+  // With time: else there is nothing to settle.
+  if (transition.is_idle) return core_.clocks.begin_resume(atom, &transition);
   if (type.is_timed && core_.actions.any()) {
     if (const Async* async = core_.actions.async_of(atom, transition))
       return core_.actions.begin_action(atom, transition, *async);
